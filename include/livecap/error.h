@@ -1,0 +1,40 @@
+// Exceptions of the library. Every message says what failed, where (file, field, call), which value, and what would
+// be right. What a video will contain anyway (nobody in view, a lost track) is a status, never an exception.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace livecap {
+
+// Root of all exceptions thrown by this library.
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// A wrong option or a combination of options that makes no sense. Exit code 2.
+class ConfigError : public Error {
+ public:
+  using Error::Error;
+};
+
+// An input that is missing, truncated, malformed or of the wrong size, or an output that cannot be written. Exit code 2.
+class IoError : public Error {
+ public:
+  using Error::Error;
+};
+
+// No usable OpenCL device, or an OpenCL call that failed. Exit code 1.
+class OclError : public Error {
+ public:
+  using Error::Error;
+};
+
+// A broken promise inside the library. Always a bug. Exit code 1.
+class LogicError : public Error {
+ public:
+  using Error::Error;
+};
+
+}  // namespace livecap

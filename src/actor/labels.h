@@ -1,0 +1,19 @@
+// LIP label ids and the material weights of the paper's Table 1.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace livecap {
+
+inline constexpr int kLabelCount = 20;
+
+// Index = LIP id: background, hat, hair, glove, sunglasses, upper-clothes, dress, coat, socks, pants, jumpsuit, scarf,
+// skirt, face, left-arm, right-arm, left-leg, right-leg, left-shoe, right-shoe.
+extern const std::array<std::string_view, kLabelCount> kLabelNames;
+
+// Non-rigidity weight of a label; out-of-range ids count as background.
+float rigidity_of_label(int label);
+
+}  // namespace livecap

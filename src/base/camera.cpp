@@ -1,0 +1,97 @@
+#include "livecap/camera.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "base/text.h"
+#include "livecap/error.h"
+
+namespace livecap {
+
+bool Camera::has_distortion() const {
+  for (double k : distortion) {
+    if (k != 0) return true;
+  }
+  return false;
+}
+
+void Camera::validate() const {
+  if (width <= 0 || height <= 0) throw ConfigError(format("camera: image size %dx%d is not positive", width, height));
+  if (!(fx > 0) || !(fy > 0) || !std::isfinite(fx) || !std::isfinite(fy))
+    throw ConfigError(format("camera: focal length fx %g, fy %g must be positive pixels", fx, fy));
+  if (!std::isfinite(cx) || !std::isfinite(cy)) throw ConfigError("camera: principal point cx, cy is not finite");
+  for (double k : distortion) {
+    if (!std::isfinite(k)) throw ConfigError("camera: a distortion coefficient is not finite");
+  }
+}
+
+Camera load_camera(const std::filesystem::path& path) {
+  const std::string text = read_file(path);
+  nlohmann::json json;
+  try {
+    json = nlohmann::json::parse(text);
+  } catch (const nlohmann::json::exception& e) {
+    throw IoError(path.string() + ": not valid JSON: " + e.what());
+  }
+  if (!json.is_object()) throw IoError(path.string() + ": expected a JSON object with width, height, fx, fy, cx, cy");
+  auto number = [&](const char* field) -> double {
+    if (!json.contains(field)) throw IoError(path.string() + ": field \"" + field + "\" is missing");
+    if (!json[field].is_number()) throw IoError(path.string() + ": field \"" + field + "\" must be a number");
+    return json[field].get<double>();
+  };
+  auto integer = [&](const char* field) -> int {
+    const double value = number(field);
+    if (!(value >= 1 && value <= 65536) || value != std::floor(value))
+      throw IoError(path.string() + format(": field \"%s\" is %g, must be a whole number of pixels in 1..65536", field, value));
+    return static_cast<int>(value);
+  };
+  Camera camera;
+  camera.width = integer("width");
+  camera.height = integer("height");
+  camera.fx = number("fx");
+  camera.fy = number("fy");
+  camera.cx = number("cx");
+  camera.cy = number("cy");
+  if (json.contains("distortion")) {
+    const auto& list = json["distortion"];
+    if (!list.is_array() || list.size() > 5)
+      throw IoError(path.string() + ": field \"distortion\" must be a list of at most 5 numbers k1, k2, p1, p2, k3");
+    for (size_t i = 0; i < list.size(); ++i) {
+      if (!list[i].is_number()) throw IoError(path.string() + format(": field \"distortion\"[%zu] must be a number", i));
+      camera.distortion[i] = list[i].get<double>();
+    }
+  }
+  try {
+    camera.validate();
+  } catch (const ConfigError& e) {
+    throw IoError(path.string() + ": " + e.what());
+  }
+  return camera;
+}
+
+Camera camera_from_fov(int width, int height, double fov_deg) {
+  if (!(fov_deg > 1 && fov_deg < 170)) throw ConfigError(format("--fov %g: must be degrees between 1 and 170", fov_deg));
+  Camera camera;
+  camera.width = width;
+  camera.height = height;
+  const double longer = std::max(width, height);
+  camera.fx = camera.fy = 0.5 * longer / std::tan(0.5 * fov_deg * M_PI / 180);
+  camera.cx = 0.5 * (width - 1);
+  camera.cy = 0.5 * (height - 1);
+  camera.validate();
+  return camera;
+}
+
+void save_camera(const Camera& camera, const std::filesystem::path& path) {
+  nlohmann::ordered_json json;
+  json["width"] = camera.width;
+  json["height"] = camera.height;
+  json["fx"] = camera.fx;
+  json["fy"] = camera.fy;
+  json["cx"] = camera.cx;
+  json["cy"] = camera.cy;
+  json["distortion"] = camera.distortion;
+  write_file_atomically(path, json.dump(2) + "\n");
+}
+
+}  // namespace livecap

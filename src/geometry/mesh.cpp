@@ -1,0 +1,67 @@
+#include "geometry/mesh.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <numeric>
+
+namespace livecap {
+
+OneRing one_ring(int n_vertices, std::span<const int32_t> triangles) {
+  std::vector<std::vector<int32_t>> rings(n_vertices);
+  for (size_t t = 0; t + 2 < triangles.size(); t += 3) {
+    for (int k = 0; k < 3; ++k) {
+      const int32_t a = triangles[t + k];
+      const int32_t b = triangles[t + (k + 1) % 3];
+      rings[a].push_back(b);
+      rings[b].push_back(a);
+    }
+  }
+  OneRing result;
+  result.offsets.push_back(0);
+  for (auto& ring : rings) {
+    std::sort(ring.begin(), ring.end());
+    ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
+    result.neighbors.insert(result.neighbors.end(), ring.begin(), ring.end());
+    result.offsets.push_back(static_cast<int32_t>(result.neighbors.size()));
+  }
+  return result;
+}
+
+std::vector<float> vertex_normals(std::span<const float> positions, std::span<const int32_t> triangles) {
+  std::vector<float> normals(positions.size(), 0.f);
+  auto point = [&](int32_t i) { return Eigen::Map<const Eigen::Vector3f>(positions.data() + 3 * i); };
+  for (size_t t = 0; t + 2 < triangles.size(); t += 3) {
+    const Eigen::Vector3f a = point(triangles[t]);
+    const Eigen::Vector3f n = (point(triangles[t + 1]) - a).cross(point(triangles[t + 2]) - a);
+    for (int k = 0; k < 3; ++k) Eigen::Map<Eigen::Vector3f>(normals.data() + 3 * triangles[t + k]) += n;
+  }
+  for (size_t i = 0; i < normals.size(); i += 3) {
+    Eigen::Map<Eigen::Vector3f> n(normals.data() + i);
+    const float length = n.norm();
+    if (length > 1e-12f) n /= length;
+  }
+  return normals;
+}
+
+int connected_components(int n_vertices, std::span<const int32_t> triangles) {
+  std::vector<int32_t> parent(n_vertices);
+  std::iota(parent.begin(), parent.end(), 0);
+  auto root = [&](int32_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  int components = n_vertices;
+  for (size_t t = 0; t + 2 < triangles.size(); t += 3) {
+    for (int k = 1; k < 3; ++k) {
+      const int32_t a = root(triangles[t]);
+      const int32_t b = root(triangles[t + k]);
+      if (a != b) {
+        parent[a] = b;
+        --components;
+      }
+    }
+  }
+  return components;
+}
+
+}  // namespace livecap

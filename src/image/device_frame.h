@@ -1,0 +1,28 @@
+// One prepared frame in the memory of the solver's device.
+#pragma once
+
+#include <cstdint>
+
+#include "base/image_rgb.h"
+#include "image/silhouette.h"
+#include "ocl/buffer.h"
+
+namespace livecap {
+
+struct DeviceFrame {
+  int width = 0;
+  int height = 0;
+  ocl::Buffer<float> signed_distance;  // [width*height] px, see image/silhouette.h
+  ocl::Buffer<uint8_t> rgb;            // [3*width*height] undistorted
+
+  DeviceFrame(ocl::DeviceContext& device, int width, int height)
+      : width(width), height(height), signed_distance(device, size_t(width) * height), rgb(device, size_t(3) * width * height) {}
+
+  // Blocking upload. Sizes must match.
+  void upload(const Silhouette& silhouette, const ImageRgb& image) {
+    signed_distance.write(silhouette.signed_distance);
+    rgb.write(image.pixels);
+  }
+};
+
+}  // namespace livecap

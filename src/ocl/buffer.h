@@ -1,0 +1,94 @@
+// Device memory with element counts. Host transfers are blocking: one read per stage, no hidden finish elsewhere.
+#pragma once
+
+#include <CL/cl.h>
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "livecap/error.h"
+#include "ocl/context.h"
+#include "ocl/status.h"
+
+namespace livecap::ocl {
+
+// An array of T on one device. A default-constructed buffer is empty and must not be passed to a kernel; a buffer of
+// zero elements holds one, because OpenCL forbids empty ones.
+template <typename T>
+class Buffer {
+ public:
+  using value_type = T;
+
+  Buffer() = default;
+  Buffer(DeviceContext& device, size_t count) : queue_(device.queue()), count_(count) {
+    cl_int status = CL_SUCCESS;
+    memory_ = clCreateBuffer(device.context(), CL_MEM_READ_WRITE, (count > 0 ? count : 1) * sizeof(T), nullptr, &status);
+    check(status, "clCreateBuffer", std::to_string(count * sizeof(T)) + " bytes on " + device.info().label());
+  }
+  Buffer(DeviceContext& device, std::span<const T> values) : Buffer(device, values.size()) { write(values); }
+  Buffer(DeviceContext& device, const std::vector<T>& values) : Buffer(device, std::span<const T>(values)) {}
+  ~Buffer() { release(); }
+  Buffer(Buffer&& other) noexcept { *this = std::move(other); }
+  Buffer& operator=(Buffer&& other) noexcept {
+    if (this != &other) {
+      release();
+      memory_ = std::exchange(other.memory_, nullptr);
+      queue_ = std::exchange(other.queue_, nullptr);
+      count_ = std::exchange(other.count_, 0);
+    }
+    return *this;
+  }
+  Buffer(const Buffer&) = delete;
+  Buffer& operator=(const Buffer&) = delete;
+
+  size_t size() const { return count_; }
+  bool empty() const { return count_ == 0; }
+  cl_mem memory() const { return memory_; }
+
+  // Blocking copies of values.size() elements from element `offset` on. Throws LogicError when they do not fit.
+  void write(std::span<const T> values, size_t offset = 0) {
+    if (values.empty()) return;
+    require(values.size() + offset <= count_);
+    check(clEnqueueWriteBuffer(queue_, memory_, CL_TRUE, offset * sizeof(T), values.size_bytes(), values.data(), 0, nullptr, nullptr),
+          "clEnqueueWriteBuffer");
+  }
+  void write(const std::vector<T>& values, size_t offset = 0) { write(std::span<const T>(values), offset); }
+  void read(std::span<T> values, size_t offset = 0) const {
+    if (values.empty()) return;
+    require(values.size() + offset <= count_);
+    check(clEnqueueReadBuffer(queue_, memory_, CL_TRUE, offset * sizeof(T), values.size_bytes(), values.data(), 0, nullptr, nullptr),
+          "clEnqueueReadBuffer");
+  }
+  std::vector<T> read_all() const {
+    std::vector<T> values(count_);
+    read(std::span<T>(values));
+    return values;
+  }
+  // In-order, not blocking.
+  void fill(T value) {
+    if (count_ == 0) return;
+    check(clEnqueueFillBuffer(queue_, memory_, &value, sizeof(T), 0, count_ * sizeof(T), 0, nullptr, nullptr), "clEnqueueFillBuffer");
+  }
+  void copy_from(const Buffer& other) {
+    if (other.count_ == 0) return;
+    require(other.count_ <= count_);
+    check(clEnqueueCopyBuffer(queue_, other.memory_, memory_, 0, 0, other.count_ * sizeof(T), 0, nullptr, nullptr),
+          "clEnqueueCopyBuffer");
+  }
+
+ private:
+  static void require(bool fits) {
+    if (!fits) throw LogicError("ocl::Buffer: transfer outside the buffer");
+  }
+  void release() {
+    if (memory_) clReleaseMemObject(memory_);
+    memory_ = nullptr;
+  }
+
+  cl_mem memory_ = nullptr;
+  cl_command_queue queue_ = nullptr;
+  size_t count_ = 0;
+};
+
+}  // namespace livecap::ocl

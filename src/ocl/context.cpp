@@ -1,0 +1,73 @@
+#include "ocl/context.h"
+
+#include "base/log.h"
+#include "base/text.h"
+#include "livecap/error.h"
+#include "ocl/kernel_source.h"
+#include "ocl/program_cache.h"
+#include "ocl/status.h"
+
+namespace livecap::ocl {
+namespace {
+
+std::string build_log(cl_program program, cl_device_id device) {
+  size_t size = 0;
+  if (clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size) != CL_SUCCESS || size == 0) return {};
+  std::string log(size, '\0');
+  clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, size, log.data(), nullptr);
+  while (!log.empty() && (log.back() == '\0' || log.back() == '\n')) log.pop_back();
+  return log;
+}
+
+}  // namespace
+
+DeviceContext::DeviceContext(const DeviceInfo& info) : info_(info) {
+  cl_int status = CL_SUCCESS;
+  const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM, reinterpret_cast<cl_context_properties>(info.platform), 0};
+  context_ = clCreateContext(properties, 1, &info_.device, nullptr, nullptr, &status);
+  check(status, "clCreateContext", info_.label());
+  queue_ = clCreateCommandQueue(context_, info_.device, 0, &status);
+  if (status != CL_SUCCESS) {
+    clReleaseContext(context_);
+    check(status, "clCreateCommandQueue", info_.label());
+  }
+}
+
+DeviceContext::~DeviceContext() {
+  if (queue_) clFinish(queue_);
+  for (auto& [key, program] : programs_) clReleaseProgram(program);
+  if (queue_) clReleaseCommandQueue(queue_);
+  if (context_) clReleaseContext(context_);
+}
+
+cl_program DeviceContext::program(const std::string& path, const std::string& extra_options) {
+  const std::string key = path + "\n" + extra_options;
+  if (const auto found = programs_.find(key); found != programs_.end()) return found->second;
+
+  const std::string source = resolve_kernel_source(path);
+  const std::string options = std::string("-cl-std=CL1.2 -D LC_DEVICE=1 -D LC_CPU=") + (is_cpu() ? "1" : "0") +
+                              (extra_options.empty() ? "" : " " + extra_options);
+  const std::filesystem::path cache_file = program_cache_file(source, options, info_);
+  cl_program program = load_cached_program(cache_file, context_, info_.device, options);
+  if (!program) {
+    const char* text = source.c_str();
+    const size_t size = source.size();
+    cl_int status = CL_SUCCESS;
+    program = clCreateProgramWithSource(context_, 1, &text, &size, &status);
+    check(status, "clCreateProgramWithSource", path);
+    status = clBuildProgram(program, 1, &info_.device, options.c_str(), nullptr, nullptr);
+    if (status != CL_SUCCESS) {
+      const std::string log = build_log(program, info_.device);
+      clReleaseProgram(program);
+      throw OclError("clBuildProgram failed: " + status_name(status) + " (kernels/" + path + " on " + info_.label() + ", options " +
+                     options + ")\n" + log);
+    }
+    store_cached_program(cache_file, program);
+  }
+  programs_[key] = program;
+  return program;
+}
+
+void DeviceContext::finish() { check(clFinish(queue_), "clFinish", info_.label()); }
+
+}  // namespace livecap::ocl

@@ -1,0 +1,50 @@
+// One device, one context, one in-order queue, and the programs built for it.
+#pragma once
+
+#include <CL/cl.h>
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ocl/device.h"
+
+namespace livecap::ocl {
+
+// Not thread-safe: each context belongs to one thread at a time. Buffers and kernels must not outlive it.
+class DeviceContext {
+ public:
+  // Throws OclError when the context or queue cannot be made.
+  explicit DeviceContext(const DeviceInfo& info);
+  ~DeviceContext();
+  DeviceContext(const DeviceContext&) = delete;
+  DeviceContext& operator=(const DeviceContext&) = delete;
+
+  const DeviceInfo& info() const { return info_; }
+  bool is_cpu() const { return info_.is_cpu; }
+  cl_context context() const { return context_; }
+  cl_command_queue queue() const { return queue_; }
+
+  // The program of kernels/<path> with these extra options ("-D NAME=1"), built at the first request (from the binary
+  // cache when it has it). LC_DEVICE=1 and LC_CPU=0|1 are always defined. Throws OclError with the build log.
+  cl_program program(const std::string& path, const std::string& options = {});
+
+  // Waits until everything enqueued has run.
+  void finish();
+
+ private:
+  DeviceInfo info_;
+  cl_context context_ = nullptr;
+  cl_command_queue queue_ = nullptr;
+  std::map<std::string, cl_program> programs_;  // key: path + options
+};
+
+// Outcome of one known-answer test of `livecap devices`.
+struct SelfTestResult {
+  std::string kernel;
+  bool ok = false;
+  std::string detail;  // what was expected and found when not ok
+};
+
+}  // namespace livecap::ocl

@@ -1,0 +1,195 @@
+#include "ocl/device.h"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <mutex>
+
+#include "base/log.h"
+#include "base/text.h"
+#include "livecap/error.h"
+#include "ocl/status.h"
+
+namespace livecap::ocl {
+namespace {
+
+std::string platform_text(cl_platform_id platform, cl_platform_info what) {
+  size_t size = 0;
+  check(clGetPlatformInfo(platform, what, 0, nullptr, &size), "clGetPlatformInfo");
+  std::string text(size, '\0');
+  check(clGetPlatformInfo(platform, what, size, text.data(), nullptr), "clGetPlatformInfo");
+  while (!text.empty() && text.back() == '\0') text.pop_back();
+  return text;
+}
+
+std::string device_text(cl_device_id device, cl_device_info what) {
+  size_t size = 0;
+  check(clGetDeviceInfo(device, what, 0, nullptr, &size), "clGetDeviceInfo");
+  std::string text(size, '\0');
+  check(clGetDeviceInfo(device, what, size, text.data(), nullptr), "clGetDeviceInfo");
+  while (!text.empty() && text.back() == '\0') text.pop_back();
+  return text;
+}
+
+template <typename T>
+T device_value(cl_device_id device, cl_device_info what) {
+  T value{};
+  check(clGetDeviceInfo(device, what, sizeof(T), &value, nullptr), "clGetDeviceInfo");
+  return value;
+}
+
+DeviceInfo describe(cl_platform_id platform, cl_device_id device) {
+  DeviceInfo info;
+  info.platform = platform;
+  info.device = device;
+  info.platform_name = platform_text(platform, CL_PLATFORM_NAME);
+  info.platform_version = platform_text(platform, CL_PLATFORM_VERSION);
+  info.device_name = device_text(device, CL_DEVICE_NAME);
+  info.driver_version = device_text(device, CL_DRIVER_VERSION);
+  const auto type = device_value<cl_device_type>(device, CL_DEVICE_TYPE);
+  info.is_cpu = type & CL_DEVICE_TYPE_CPU;
+  info.is_gpu = type & CL_DEVICE_TYPE_GPU;
+  info.compute_units = device_value<cl_uint>(device, CL_DEVICE_MAX_COMPUTE_UNITS);
+  info.global_memory_bytes = device_value<cl_ulong>(device, CL_DEVICE_GLOBAL_MEM_SIZE);
+  info.max_allocation_bytes = device_value<cl_ulong>(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
+  info.local_memory_bytes = device_value<cl_ulong>(device, CL_DEVICE_LOCAL_MEM_SIZE);
+  info.max_work_group_size = device_value<size_t>(device, CL_DEVICE_MAX_WORK_GROUP_SIZE);
+  return info;
+}
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+std::string what_there_is(const std::vector<DeviceInfo>& devices) {
+  if (devices.empty())
+    return "no OpenCL device was found; install a driver (on Debian: apt install pocl-opencl-icd) and see `livecap devices`";
+  std::string text = "available:";
+  for (const auto& device : devices) text += " " + device.label() + ";";
+  text.pop_back();
+  return text;
+}
+
+// Splits a CPU device into two equal sub-devices. Empty when the driver cannot.
+std::vector<cl_device_id> split_in_two(const DeviceInfo& info) {
+  if (info.compute_units < 2) return {};
+  const cl_device_partition_property properties[] = {CL_DEVICE_PARTITION_EQUALLY,
+                                                     static_cast<cl_device_partition_property>(info.compute_units / 2), 0};
+  std::vector<cl_device_id> parts(info.compute_units);
+  cl_uint count = 0;
+  const cl_int status = clCreateSubDevices(info.device, properties, info.compute_units, parts.data(), &count);
+  if (status != CL_SUCCESS || count < 2) return {};
+  parts.resize(2);
+  return parts;
+}
+
+}  // namespace
+
+std::string DeviceInfo::label() const { return device_name + " [" + platform_name + "]"; }
+
+void prepare_platforms() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    if (std::getenv("POCL_DEVICES")) return;
+    // PoCL 4 renamed its one-core driver; asking for a name it does not know leaves it without devices.
+    // The library's version is in its soname: libpocl.so.2.9 (3.0), .2.10 (3.1), .2.11 (4.0), .2.12 (5.0).
+    bool renamed = false;
+    for (const char* name : {"libpocl.so.2.14.0", "libpocl.so.2.13.0", "libpocl.so.2.12.0", "libpocl.so.2.11.0"}) {
+      for (const char* folder : {"/usr/lib/x86_64-linux-gnu/", "/usr/lib/aarch64-linux-gnu/", "/usr/lib/", "/usr/local/lib/"}) {
+        std::error_code code;
+        if (std::filesystem::exists(std::string(folder) + name, code)) renamed = true;
+      }
+    }
+    ::setenv("POCL_DEVICES", renamed ? "cpu-minimal cpu-minimal" : "basic basic", 0);
+  });
+}
+
+std::vector<DeviceInfo> list_devices() {
+  prepare_platforms();
+  cl_uint n_platforms = 0;
+  const cl_int status = clGetPlatformIDs(0, nullptr, &n_platforms);
+  if (status != CL_SUCCESS || n_platforms == 0) return {};
+  std::vector<cl_platform_id> platforms(n_platforms);
+  check(clGetPlatformIDs(n_platforms, platforms.data(), nullptr), "clGetPlatformIDs");
+  std::vector<DeviceInfo> result;
+  for (cl_platform_id platform : platforms) {
+    cl_uint n_devices = 0;
+    const cl_int found = clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &n_devices);
+    if (found != CL_SUCCESS || n_devices == 0) continue;  // a driver without hardware is not an error
+    std::vector<cl_device_id> devices(n_devices);
+    check(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, n_devices, devices.data(), nullptr), "clGetDeviceIDs");
+    for (cl_device_id device : devices) {
+      DeviceInfo info = describe(platform, device);
+      if (device_value<cl_bool>(device, CL_DEVICE_AVAILABLE) && device_value<cl_bool>(device, CL_DEVICE_COMPILER_AVAILABLE))
+        result.push_back(std::move(info));
+    }
+  }
+  return result;
+}
+
+DeviceInfo select_device(const std::string& selector) {
+  const auto devices = list_devices();
+  std::string name = lower(selector);
+  size_t index = 0;
+  if (const size_t colon = name.rfind(':'); colon != std::string::npos) {
+    const std::string digits = name.substr(colon + 1);
+    if (digits.empty() || digits.size() > 4 || !std::all_of(digits.begin(), digits.end(), [](unsigned char c) { return std::isdigit(c); }))
+      throw ConfigError("device selector \"" + selector + "\": expected cpu, gpu or part of a platform name, then optionally :index");
+    index = static_cast<size_t>(std::stoi(digits));
+    name.resize(colon);
+  }
+  std::vector<DeviceInfo> matching;
+  for (const auto& device : devices) {
+    if (name == "cpu" ? device.is_cpu : name == "gpu" ? device.is_gpu : lower(device.platform_name).find(name) != std::string::npos)
+      matching.push_back(device);
+  }
+  if (name.empty()) std::stable_partition(matching.begin(), matching.end(), [](const DeviceInfo& d) { return d.is_gpu; });
+  // A platform can be named twice over by two drivers; "portable computing language" is PoCL's long name.
+  if (matching.empty() && name == "pocl") {
+    for (const auto& device : devices) {
+      if (lower(device.platform_name).find("portable computing") != std::string::npos) matching.push_back(device);
+    }
+  }
+  if (index >= matching.size()) {
+    throw OclError("device selector \"" + selector + "\" matches " + std::to_string(matching.size()) + " device(s), index " +
+                   std::to_string(index) + " asked; " + what_there_is(devices));
+  }
+  return matching[index];
+}
+
+DevicePair select_device_pair(const std::string& cnn_selector, const std::string& solver_selector) {
+  DevicePair pair;
+  if (cnn_selector.empty() && solver_selector.empty()) {
+    std::vector<DeviceInfo> candidates;
+    const auto devices = list_devices();
+    for (const auto& device : devices) {
+      if (device.is_gpu) candidates.push_back(device);
+    }
+    if (candidates.empty()) candidates = devices;
+    if (candidates.empty()) throw OclError(what_there_is(candidates));
+    pair.cnn = candidates.front();
+    pair.solver = candidates.size() > 1 ? candidates[1] : candidates.front();
+  } else {
+    pair.cnn = select_device(cnn_selector.empty() ? solver_selector : cnn_selector);
+    pair.solver = select_device(solver_selector.empty() ? cnn_selector : solver_selector);
+    // "pocl" for both means one each where PoCL offers its one-core driver twice.
+    if (pair.cnn.device == pair.solver.device && pair.cnn.is_cpu && pair.cnn.compute_units < 2) {
+      for (const auto& device : list_devices()) {
+        if (device.platform == pair.cnn.platform && device.device != pair.cnn.device && device.is_cpu) pair.solver = device;
+      }
+    }
+  }
+  if (pair.cnn.device == pair.solver.device && pair.cnn.is_cpu) {
+    const auto parts = split_in_two(pair.cnn);
+    if (parts.size() == 2) {
+      pair.cnn = describe(pair.cnn.platform, parts[0]);
+      pair.solver = describe(pair.solver.platform, parts[1]);
+    }
+  }
+  return pair;
+}
+
+}  // namespace livecap::ocl

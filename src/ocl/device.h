@@ -1,0 +1,52 @@
+// Finding OpenCL devices and choosing the two the method runs on: one for the network, one for the solvers.
+#pragma once
+
+#include <CL/cl.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace livecap::ocl {
+
+// A root device or a sub-device. Plain handles: devices are never released by this library.
+struct DeviceInfo {
+  cl_platform_id platform = nullptr;
+  cl_device_id device = nullptr;
+  std::string platform_name;
+  std::string platform_version;
+  std::string device_name;
+  std::string driver_version;
+  bool is_cpu = false;
+  bool is_gpu = false;
+  uint32_t compute_units = 0;
+  uint64_t global_memory_bytes = 0;
+  uint64_t max_allocation_bytes = 0;
+  uint64_t local_memory_bytes = 0;
+  size_t max_work_group_size = 0;
+
+  // "device name [platform name]".
+  std::string label() const;
+};
+
+// On PoCL asks for its synchronous one-core driver twice (POCL_DEVICES), which partitions two cores exactly, unless the
+// user set that variable. Must run before the first OpenCL call of the process; later calls do nothing.
+void prepare_platforms();
+
+// All devices of all platforms in platform order. Empty when there is none.
+std::vector<DeviceInfo> list_devices();
+
+// selector: "" (first GPU, else first CPU), "cpu", "gpu", "cpu:1", "gpu:1", or a case-insensitive substring of the
+// platform name with an optional index ("pocl", "nvidia:0"). Throws OclError listing what there is.
+DeviceInfo select_device(const std::string& selector);
+
+struct DevicePair {
+  DeviceInfo cnn;
+  DeviceInfo solver;
+};
+
+// Chooses both devices. Empty selectors: two GPUs if there are two, else the one GPU for both, else two CPU devices.
+// When both fall on one CPU device with at least two compute units it is split with clCreateSubDevices.
+DevicePair select_device_pair(const std::string& cnn_selector, const std::string& solver_selector);
+
+}  // namespace livecap::ocl

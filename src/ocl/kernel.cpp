@@ -1,0 +1,39 @@
+#include "ocl/kernel.h"
+
+#include "ocl/status.h"
+
+namespace livecap::ocl {
+
+Kernel::Kernel(DeviceContext& device, const std::string& path, const std::string& name, const std::string& options)
+    : queue_(device.queue()), name_(name) {
+  cl_int status = CL_SUCCESS;
+  kernel_ = clCreateKernel(device.program(path, options), name.c_str(), &status);
+  check(status, "clCreateKernel", name + " of kernels/" + path + " on " + device.info().label());
+}
+
+Kernel::~Kernel() {
+  if (kernel_) clReleaseKernel(kernel_);
+}
+
+Kernel& Kernel::operator=(Kernel&& other) noexcept {
+  if (this != &other) {
+    if (kernel_) clReleaseKernel(kernel_);
+    kernel_ = std::exchange(other.kernel_, nullptr);
+    queue_ = std::exchange(other.queue_, nullptr);
+    name_ = std::move(other.name_);
+  }
+  return *this;
+}
+
+void Kernel::set_raw(cl_uint index, size_t size, const void* value) {
+  check(clSetKernelArg(kernel_, index, size, value), "clSetKernelArg", name_ + " argument " + std::to_string(index));
+}
+
+void Kernel::enqueue(const Range& range) {
+  const size_t global[2] = {range.global_x, range.global_y};
+  const size_t local[2] = {range.local_x, range.local_y};
+  check(clEnqueueNDRangeKernel(queue_, kernel_, 2, nullptr, global, range.local_x ? local : nullptr, 0, nullptr, nullptr),
+        "clEnqueueNDRangeKernel", name_);
+}
+
+}  // namespace livecap::ocl

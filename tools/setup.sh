@@ -7,6 +7,7 @@
 # already there is not touched, so a second run needs no network and takes about a second.
 #
 #   LIVECAP_BUILD_DIR   where to build (default: build)
+#   LIVECAP_BUILD_TYPE  Release (default), Debug, RelWithDebInfo
 #   LIVECAP_SKIP_APT=1  never call apt-get; the packages of third_party/packages.txt are then yours to provide
 set -euo pipefail
 
@@ -90,11 +91,9 @@ ensure_models() {
 configure() {
   local home=
   [[ ! -f $build/CMakeCache.txt ]] || home=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$build/CMakeCache.txt")
-  if [[ $home != "$root" || ! -f $build/build.ninja ]]; then
-    say "configuring $build"
-    rm -rf "$build/CMakeCache.txt" "$build/CMakeFiles"  # of another folder, or of a configure run that failed
-    cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release >/dev/null
-  fi
+  [[ $home == "$root" ]] || rm -rf "$build/CMakeCache.txt" "$build/CMakeFiles"  # nothing yet, or of another folder
+  # Always, because it takes no time and notices rooms that came or went.
+  cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE="${LIVECAP_BUILD_TYPE:-Release}" >/dev/null
 }
 
 ensure_packages

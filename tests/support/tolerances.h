@@ -14,5 +14,8 @@ inline constexpr double kDoubleExact = 1e-9;
 inline constexpr double kRasterDepthRelative = 1e-4;
 // Barycentric coordinate below which rounding may decide whether a pixel centre lies in a triangle.
 inline constexpr double kRasterEdge = 1e-3;
+// Contour vertices of a sphere of 45 x 71 facets, 82 px in radius, against its analytic outline: the inward offset of a
+// vertex up to one facet away from the outline, 82 px * (1 - cos(2 pi / 71)).
+inline constexpr double kContourPx = 0.35;
 
 }  // namespace livecap::test

@@ -10,4 +10,9 @@ inline constexpr double kFloatRelative = 3e-6;
 // Double arithmetic that differs only in order.
 inline constexpr double kDoubleExact = 1e-9;
 
+// Float rasteriser against a double ray caster: perspective-correct depth from three edge values of a float each.
+inline constexpr double kRasterDepthRelative = 1e-4;
+// Barycentric coordinate below which rounding may decide whether a pixel centre lies in a triangle.
+inline constexpr double kRasterEdge = 1e-3;
+
 }  // namespace livecap::test

@@ -14,5 +14,12 @@ inline constexpr double kDoubleExact = 1e-9;
 inline constexpr double kRasterDepthRelative = 1e-4;
 // Barycentric coordinate below which rounding may decide whether a pixel centre lies in a triangle.
 inline constexpr double kRasterEdge = 1e-3;
+// A position of up to two metres that went through float once or twice, in mm (2^-23 * 2000, a few operations).
+inline constexpr double kMillimetreFloat = 2e-3;
+// A direction between two such positions some 300 mm apart.
+inline constexpr double kDirectionFloat = 1e-5;
+// Face vertices of the recorded truth against the rest template, in mm: the face is skinned to the head and neck only,
+// float32 metres, and its lower rim bends a little with the neck.
+inline constexpr double kRigidFaceMm = 3;
 
 }  // namespace livecap::test

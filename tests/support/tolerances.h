@@ -9,5 +9,9 @@ inline constexpr double kFiniteDifference = 2e-6;
 inline constexpr double kFloatRelative = 3e-6;
 // Double arithmetic that differs only in order.
 inline constexpr double kDoubleExact = 1e-9;
+// One network layer in float against sums in double, relative to the layer's largest value: up to 1,632 terms a sum.
+inline constexpr double kLayerRelative = 2e-5;
+// A whole network (up to 300 layers, recorded mask and heatmaps rounded to half precision), |a - b| / |b|.
+inline constexpr double kNetworkRelative = 1e-3;
 
 }  // namespace livecap::test

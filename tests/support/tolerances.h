@@ -9,6 +9,10 @@ inline constexpr double kFiniteDifference = 2e-6;
 inline constexpr double kFloatRelative = 3e-6;
 // Double arithmetic that differs only in order.
 inline constexpr double kDoubleExact = 1e-9;
+// One network layer in float against sums in double, relative to the layer's largest value: up to 1,632 terms a sum.
+inline constexpr double kLayerRelative = 2e-5;
+// A whole network (up to 300 layers, recorded mask and heatmaps rounded to half precision), |a - b| / |b|.
+inline constexpr double kNetworkRelative = 1e-3;
 
 // Float rasteriser against a double ray caster: perspective-correct depth from three edge values of a float each.
 inline constexpr double kRasterDepthRelative = 1e-4;

@@ -25,7 +25,7 @@ typedef float Taps;
 
 // d: tap - position. weight = w(d), slope = dw / d(position).
 static inline void tap_weight(Taps d, float radius, float inv_sigma2, Taps* weight, Taps* slope) {
-  Taps g = exp(-0.5f * inv_sigma2 * d * d);
+  Taps g = exp(fmax(-0.5f * inv_sigma2 * d * d, -40.0f));  // the floor avoids denormals, which are slow; t is 0 there
   Taps e = clamp(fabs(d) - radius, 0.0f, 1.0f);
   Taps t = 1.0f - e * e * (3.0f - 2.0f * e);
   *weight = g * t;

@@ -26,4 +26,12 @@ inline constexpr double kDirectionFloat = 1e-5;
 // float32 metres, and its lower rim bends a little with the neck.
 inline constexpr double kRigidFaceMm = 3;
 
+// Stage II in float against double, relative norm: projections at some 300 px carry 3e-5 px of rounding, which a random
+// image turns into 1e-5 of colour per tap.
+inline constexpr double kSurfaceSystem = 5e-4;
+// A weighted mean of at most 256 8-bit values in float.
+inline constexpr double kBlurredColor = 2e-6;
+// Trapezoidal rule over 0.014 px of a blurred white-noise image plus float rounding of the positions.
+inline constexpr double kBlurredGradientStep = 5e-5;
+
 }  // namespace livecap::test

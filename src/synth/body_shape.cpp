@@ -192,7 +192,7 @@ std::array<double, kPartCount> BodyShape::part_distances(const Vec3& p) const {
     const double t = std::clamp((garment_.front().y - p.y()) / (garment_.front().y - garment_.back().y), 0.0, 1.0);
     const double skirt = ring_stack(garment_, p, 2.0, 0.085 * t * t + 0.01 * t);
     // Hollow from below, so that the legs leave it well above the hem.
-    const double hollow = ellipsoid(p, {0, garment_.back().y - 10, -4}, {250, 90, 212});
+    const double hollow = ellipsoid(p, {0, garment_.back().y - 10, -4}, {222, 80, 182});
     d[kBottomPart] = smooth_max(skirt, -hollow, 10);
   } else {
     d[kTopPart] = ring_stack(trunk_, p, 2.4);

@@ -45,7 +45,7 @@ class ModShape : public OpenMesh::Decimater::ModBaseT<MeshT> {
       if ((pa - info.p1).sqrnorm() > max_edge_ * max_edge_) return Base::ILLEGAL_COLLAPSE;
       worst_after = std::min(worst_after, roundness(info.p1, pa, pb));
     }
-    return worst_after > std::min(0.3, worst_before) ? Base::LEGAL_COLLAPSE : Base::ILLEGAL_COLLAPSE;
+    return worst_after > std::min(0.15, worst_before) ? Base::LEGAL_COLLAPSE : Base::ILLEGAL_COLLAPSE;
   }
 
  private:

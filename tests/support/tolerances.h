@@ -33,5 +33,8 @@ inline constexpr double kSurfaceSystem = 5e-4;
 inline constexpr double kBlurredColor = 2e-6;
 // Trapezoidal rule over 0.014 px of a blurred white-noise image plus float rounding of the positions.
 inline constexpr double kBlurredGradientStep = 5e-5;
+// Contour vertices of a sphere of 45 x 71 facets, 82 px in radius, against its analytic outline: the inward offset of a
+// vertex up to one facet away from the outline, 82 px * (1 - cos(2 pi / 71)).
+inline constexpr double kContourPx = 0.35;
 
 }  // namespace livecap::test

@@ -16,6 +16,6 @@ inline constexpr double kMillimetreFloat = 2e-3;
 inline constexpr double kDirectionFloat = 1e-5;
 // Face vertices of the recorded truth against the rest template, in mm: the face is skinned to the head and neck only,
 // float32 metres, and its lower rim bends a little with the neck.
-inline constexpr double kRigidFaceMm = 3;
+inline constexpr double kRigidFaceMm = 0.5;
 
 }  // namespace livecap::test

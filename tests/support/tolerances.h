@@ -24,7 +24,7 @@ inline constexpr double kMillimetreFloat = 2e-3;
 inline constexpr double kDirectionFloat = 1e-5;
 // Face vertices of the recorded truth against the rest template, in mm: the face is skinned to the head and neck only,
 // float32 metres, and its lower rim bends a little with the neck.
-inline constexpr double kRigidFaceMm = 3;
+inline constexpr double kRigidFaceMm = 0.5;
 
 // Stage II in float against double, relative norm: projections at some 300 px carry 3e-5 px of rounding, which a random
 // image turns into 1e-5 of colour per tap.

@@ -28,7 +28,7 @@ void require_component(const std::string& name) {
 
 void switch_off(const std::string& name, TrackerOptions& options) {
   require_component(name);
-  if (set_weight(options.pose.weights, name, 0) || set_weight(options.surface.weights, name, 0)) return;
+  if (set_weight(options.pose.weights, name, 0) || set_weight(options.surface, name, 0)) return;
   if (name == "face") {
     for (int k = kBodyKeypointCount; k < kKeypointCount; ++k) options.pose.keypoint_2d_weights[k] = 0;
   } else if (name == "warping") {

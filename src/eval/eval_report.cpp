@@ -22,19 +22,20 @@ Json summary_json(const Summary& summary) {
       {"n", summary.n}, {"mean", summary.mean}, {"median", summary.median}, {"p95", summary.p95}, {"max", summary.max}};
 }
 
-std::string summary_line(const char* name, const Summary& summary, int digits) {
+// Mean, median, the value only 5 % of the samples are worse than, and the worst.
+std::string summary_line(const char* name, const Summary& summary, int digits, bool high_is_good) {
   if (summary.n == 0) return format("%-34s no ground truth\n", name);
   std::string line = format("%-34s", name);
-  for (double value : {summary.mean, summary.median, summary.p95, summary.max}) {
-    line += " " + format("%8s", format("%.*f", digits, value).c_str());
+  for (double value : {summary.mean, summary.median, high_is_good ? summary.p05 : summary.p95,
+                       high_is_good ? summary.min : summary.max}) {
+    line += format(" %8.*f", digits, value);
   }
   return line + "\n";
 }
 
-// The frames with the smallest key, NaN left out.
-template <typename Key>
-std::string worst_frames(const EvalReport& report, const char* name, const char* unit, int digits, Key&& badness,
-                         double sign) {
+// The frames with the largest badness; NaN left out. sign * badness is what is printed.
+template <typename Badness>
+std::string worst_frames(const EvalReport& report, const char* name, int digits, double sign, Badness&& badness) {
   std::vector<const FrameEval*> frames;
   for (const FrameEval& frame : report.frames) {
     if (std::isfinite(badness(frame))) frames.push_back(&frame);
@@ -46,7 +47,7 @@ std::string worst_frames(const EvalReport& report, const char* name, const char*
   std::string line = format("worst frames by %-18s", name);
   for (size_t i = 0; i < n; ++i) {
     line += format(" %lld (%.*f%s%s)", static_cast<long long>(frames[i]->index), digits, sign * badness(*frames[i]),
-                   unit, frames[i]->tracked ? "" : (", " + frames[i]->status).c_str());
+                   frames[i]->tracked ? "" : ", ", frames[i]->tracked ? "" : frames[i]->status.c_str());
   }
   return line + "\n";
 }
@@ -59,23 +60,21 @@ std::string eval_report_text(const EvalReport& report) {
                  static_cast<long long>(report.n_frames), static_cast<long long>(report.n_person),
                  static_cast<long long>(report.n_tracked), static_cast<long long>(report.n_lost),
                  static_cast<long long>(report.n_without_result), static_cast<long long>(report.n_invented));
-  text += format("%-34s %8s %8s %8s %8s\n", "", "mean", "median", "95 %", "max");
-  text += summary_line("silhouette IoU", report.iou, 4);
-  text += summary_line("vertex error, mm", report.vertex_mm, 1);
-  text += summary_line("  after translation alignment", report.vertex_aligned_mm, 1);
-  text += summary_line("joint error, mm", report.joint_mm, 1);
-  text += summary_line("  after similarity alignment", report.joint_aligned_mm, 1);
+  text += format("%-34s %8s %8s %8s %8s\n", "", "mean", "median", "worst 5%", "worst");
+  text += summary_line("silhouette IoU", report.iou, 4, true);
+  text += summary_line("vertex error, mm", report.vertex_mm, 1, false);
+  text += summary_line("  after translation alignment", report.vertex_aligned_mm, 1, false);
+  text += summary_line("joint error, mm", report.joint_mm, 1, false);
+  text += summary_line("  after similarity alignment", report.joint_aligned_mm, 1, false);
   if (!report.joints_aligned_mm.empty()) {
     text += "joints, mm after alignment        ";
     for (const auto& [name, value] : report.joints_aligned_mm) text += format(" %s %.0f", name.c_str(), value);
     text += "\n";
   }
-  text += worst_frames(
-      report, "IoU", "", 3, [](const FrameEval& frame) { return -frame.iou; }, -1);
-  text += worst_frames(
-      report, "vertex error", " mm", 0, [](const FrameEval& frame) { return frame.vertex_aligned_mm; }, 1);
-  text += worst_frames(
-      report, "joint error", " mm", 0, [](const FrameEval& frame) { return frame.joint_aligned_mm; }, 1);
+  text += worst_frames(report, "IoU", 3, -1, [](const FrameEval& frame) { return -frame.iou; });
+  text +=
+      worst_frames(report, "vertex error, mm", 0, 1, [](const FrameEval& frame) { return frame.vertex_aligned_mm; });
+  text += worst_frames(report, "joint error, mm", 0, 1, [](const FrameEval& frame) { return frame.joint_aligned_mm; });
   return text;
 }
 

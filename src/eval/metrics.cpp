@@ -90,7 +90,9 @@ Summary summarize(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   summary.mean = std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
   summary.median = quantile(values, 0.5);
+  summary.p05 = quantile(values, 0.05);
   summary.p95 = quantile(values, 0.95);
+  summary.min = values.front();
   summary.max = values.back();
   return summary;
 }

@@ -31,7 +31,9 @@ struct Summary {
   int64_t n = 0;
   double mean = 0;
   double median = 0;
-  double p95 = 0;
+  double p05 = 0;  // 5 % of the values are below
+  double p95 = 0;  // 5 % of the values are above
+  double min = 0;
   double max = 0;
 };
 

@@ -3,7 +3,6 @@
 #include <memory>
 #include <string>
 
-#include "base/text.h"
 #include "command.h"
 #include "livecap/capture.h"
 #include "livecap/error.h"
@@ -28,7 +27,7 @@ void print_summary(const CaptureReport& report) {
   std::printf("silhouette  %.3f IoU with the segmented picture (mean over tracked frames)\n", report.mean_iou);
   std::printf("stages     ");
   for (int i = 0; i < kStageCount; ++i) {
-    std::printf(" %s %.1f", stage_name(static_cast<Stage>(i)), report.stage_median_ms[i]);
+    std::printf(" %s %.1f", stage_name(static_cast<CaptureStage>(i)), report.stage_median_ms[i]);
   }
   std::printf(" ms (medians)\n");
   for (const std::string* path : {&report.glb, &report.pc2, &report.bvh, &report.overlay, &report.report}) {
@@ -47,13 +46,15 @@ int run(const Options& options) {
   Progress progress("capture");
   int64_t done = 0;
   const CaptureReport report = run_capture(capture, [&](const FrameReport& frame, int64_t n_frames) {
-    progress.update(++done, n_frames, format("%s IoU %.2f", track_status_name(frame.status), frame.iou));
+    char state[64];
+    std::snprintf(state, sizeof(state), "%s IoU %.2f", track_status_name(frame.status), frame.iou);
+    progress.update(++done, n_frames, state);
     return !interrupted();
   });
   progress.finish();
   print_summary(report);
   for (const std::string& warning : report.warnings) std::printf("warning     %s\n", warning.c_str());
-  if (interrupted()) throw Error(format("interrupted after %lld frames", static_cast<long long>(done)));
+  if (interrupted()) throw Error("interrupted after " + std::to_string(done) + " frames");
   return kExitOk;
 }
 

@@ -38,4 +38,19 @@ inline constexpr double kBlurredGradientStep = 1e-5;
 // Converged Jacobi sweeps on moves of some 25 mm added to positions of 300 mm in float, mm.
 inline constexpr double kHarmonicBand = 1e-3;
 
+// Time stamps of a 25 fps file, stored as whole units of a time base of 12800 per second.
+inline constexpr double kPtsMs = 0.1;
+// Mean difference of 8-bit colours after H.264 at CRF 18 and 4:2:0 chroma, with small saturated squares.
+inline constexpr double kVideoColour = 2.5;
+// Mean colour of an empty frame against its plate: compression and gain drift leave no bias of half a step.
+inline constexpr double kPlateBias = 0.5;
+// Exact distance transform in float against double.
+inline constexpr double kDistancePx = 1e-4;
+// Bilinear sampling positions rounded to 1/32 px, colours to 1.
+inline constexpr double kUndistortPx = 0.6;
+// Synthetic person with noise, a shadow and a change of gain, about 450 px of border around 7500 px.
+inline constexpr double kForegroundIou = 0.97;
+// The recorded sequence with a blurred mask as the gate.
+inline constexpr double kRecordedForegroundIou = 0.97;
+
 }  // namespace livecap::test

@@ -25,7 +25,7 @@ bool in_shadow(int x, int y) {
   return std::hypot((x - 150) / 40.0, (y - 200) / 12.0) < 1;
 }
 bool in_other(int x, int y) {
-  return x < 30 && y < 60 && y > 20;
+  return x >= 57 && x < 69 && y >= 30 && y < 46;
 }
 
 // A textured room; with a person (blue-green), a shadow and something else that moves.

@@ -31,8 +31,6 @@ inline constexpr double kRigidFaceMm = 0.5;
 inline constexpr double kSurfaceSystem = 2e-5;
 // A weighted mean of at most 256 8-bit values in float.
 inline constexpr double kBlurredColor = 1e-6;
-// Trapezoidal rule over 0.014 px of a blurred white-noise image plus float rounding of the positions.
-inline constexpr double kBlurredGradientStep = 5e-5;
 // Contour vertices of a sphere of 45 x 71 facets, 82 px in radius, against its analytic outline: the inward offset of a
 // vertex up to one facet away from the outline, 82 px * (1 - cos(2 pi / 71)).
 inline constexpr double kContourPx = 0.35;

@@ -24,14 +24,18 @@ inline constexpr double kMillimetreFloat = 2e-3;
 inline constexpr double kDirectionFloat = 1e-5;
 // Face vertices of the recorded truth against the rest template, in mm: the face is skinned to the head and neck only,
 // float32 metres, and its lower rim bends a little with the neck.
-inline constexpr double kRigidFaceMm = 3;
+inline constexpr double kRigidFaceMm = 0.5;
 
 // Stage II in float against double, relative norm: projections at some 300 px carry 3e-5 px of rounding, which a random
 // image turns into 1e-5 of colour per tap.
-inline constexpr double kSurfaceSystem = 5e-4;
+inline constexpr double kSurfaceSystem = 2e-5;
 // A weighted mean of at most 256 8-bit values in float.
-inline constexpr double kBlurredColor = 2e-6;
-// Trapezoidal rule over 0.014 px of a blurred white-noise image plus float rounding of the positions.
-inline constexpr double kBlurredGradientStep = 5e-5;
+inline constexpr double kBlurredColor = 1e-6;
+// Contour vertices of a sphere of 45 x 71 facets, 82 px in radius, against its analytic outline: the inward offset of a
+// vertex up to one facet away from the outline, 82 px * (1 - cos(2 pi / 71)).
+inline constexpr double kContourPx = 0.35;
+inline constexpr double kBlurredGradientStep = 1e-5;
+// Converged Jacobi sweeps on moves of some 25 mm added to positions of 300 mm in float, mm.
+inline constexpr double kHarmonicBand = 1e-3;
 
 }  // namespace livecap::test

@@ -5,6 +5,7 @@ namespace livecap::synth {
 namespace {
 
 constexpr int kSubsteps = 10;
+constexpr double kHold = 0.25;     // share of the displacement lost per substep where the cloth is held
 constexpr double kGravity = 9810;  // mm/s^2
 
 double ramp(double x, double low, double high) {
@@ -96,8 +97,8 @@ void Cloth::substep(const std::vector<Vec3>& target, const std::vector<Vec3>& or
     mean /= static_cast<double>(neighbors_[i].size());
     const Vec3 displacement = before[i] - target[i];
     const double omega = std::sqrt(spring_[i]);
-    Vec3 acceleration = -spring_[i] * displacement + 900.0 * (mean - displacement);
-    acceleration -= (2 * 0.16 * omega) * velocity_[i];
+    Vec3 acceleration = -spring_[i] * displacement + 2500.0 * (mean - displacement);
+    acceleration -= (2 * 0.2 * omega) * velocity_[i];
     acceleration.y() -= 0.06 * kGravity;
     velocity_[i] += dt * acceleration;
     position_[i] += dt * velocity_[i];
@@ -127,8 +128,7 @@ void Cloth::substep(const std::vector<Vec3>& target, const std::vector<Vec3>& or
   const double longest = 260 * actor_.scale;
   for (int i : free_) {
     // Held places are blended, and nothing strays farther than cloth could.
-    Vec3 displacement = freedom_[i] * (position_[i] - target[i]);
-    if (freedom_[i] > 0.999) displacement = position_[i] - target[i];
+    Vec3 displacement = (1 - kHold * (1 - freedom_[i])) * (position_[i] - target[i]);
     const double length = displacement.norm();
     if (length > longest) displacement *= longest / length;
     position_[i] = target[i] + displacement;

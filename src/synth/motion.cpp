@@ -36,7 +36,7 @@ double window(double t, double start, double end, double flank) {
 Posture standing() {
   Posture p;
   for (auto& arm : p.arms) {
-    arm.abduction = 13 * kDegree;
+    arm.abduction = 17 * kDegree;
     arm.flexion = 3 * kDegree;
     arm.elbow = 12 * kDegree;
   }
@@ -76,7 +76,7 @@ void raise(double t, double w, Posture& p) {
     p.arms[side].abduction += w * kDegree * (128 * up[side] + 12 * both);
     p.arms[side].raise += w * kDegree * (16 * up[side]);
     p.arms[side].flexion += w * kDegree * 82 * both;
-    p.arms[side].elbow += w * kDegree * (16 * up[side] + 18 * both);
+    p.arms[side].elbow += w * kDegree * (14 * up[side] + 22 * sin(M_PI * up[side]) + 18 * both);
     p.legs[side].abduction += w * kDegree * 5;
   }
   p.side += w * kDegree * 7 * (right - left);
@@ -143,11 +143,23 @@ void dance(double t, double w, Posture& p) {
     p.legs[side].ankle += w * kDegree * 8 * load;
     p.legs[side].abduction += w * kDegree * (7 + 5 * s * sway);
     p.legs[side].turn += w * kDegree * 10 * load;
-    p.arms[side].abduction += w * kDegree * (38 + 34 * sin(beat + side * M_PI));
+    p.arms[side].abduction += w * kDegree * (30 + 26 * sin(beat + side * M_PI));
     p.arms[side].flexion += w * kDegree * (16 + 30 * sin(0.5 * beat + side * 2.0));
     p.arms[side].elbow += w * kDegree * (52 + 24 * quick * s);
     p.arms[side].twist += w * kDegree * 20 * sin(beat + side);
   }
+}
+
+// One arm up after the other.
+void demo_raise(double t, double w, Posture& p) {
+  const double up[2] = {window(t, 0, 1.05, 0.5), window(t, 0.2, 1.25, 0.5)};
+  for (int side = 0; side < 2; ++side) {
+    p.arms[side].abduction += w * kDegree * 112 * up[side];
+    p.arms[side].raise += w * kDegree * 14 * up[side];
+    p.arms[side].elbow += w * kDegree * (10 * up[side] + 24 * sin(M_PI * up[side]));
+    p.legs[side].abduction += w * kDegree * 4;
+  }
+  p.side += w * kDegree * 8 * (up[1] - up[0]);
 }
 
 struct Segment {
@@ -170,10 +182,10 @@ void append_segments(const std::string& name, std::vector<Segment>& segments) {
   else if (name == "dance")
     segments.push_back({3.6, dance});
   else if (name == "demo") {
-    // The first second of arm raises, a turn that makes the clothes swing, and a dance: 3.6 s.
-    segments.push_back({1.25, [](double t, double w, Posture& p) { raise(1.9 * t, w, p); }});
-    segments.push_back({1.5, [](double t, double w, Posture& p) { dance(t, w, p); }});
-    segments.push_back({1.6, [](double t, double w, Posture& p) { turn(t, w, p, 1.6); }});
+    // Four seconds: both arms up, a dance, and a turn that makes the clothes swing.
+    segments.push_back({1.25, demo_raise});
+    segments.push_back({1.05, dance});
+    segments.push_back({1.7, [](double t, double w, Posture& p) { turn(t, w, p, 1.7); }});
   } else {
     std::string names;
     for (const auto& known : motion_names()) names += (names.empty() ? "" : ", ") + known;

@@ -31,9 +31,6 @@ inline constexpr double kRigidFaceMm = 0.5;
 inline constexpr double kSurfaceSystem = 2e-5;
 // A weighted mean of at most 256 8-bit values in float.
 inline constexpr double kBlurredColor = 1e-6;
-// Contour vertices of a sphere of 45 x 71 facets, 82 px in radius, against its analytic outline: the inward offset of a
-// vertex up to one facet away from the outline, 82 px * (1 - cos(2 pi / 71)).
-inline constexpr double kContourPx = 0.35;
 inline constexpr double kBlurredGradientStep = 1e-5;
 // Converged Jacobi sweeps on moves of some 25 mm added to positions of 300 mm in float, mm.
 inline constexpr double kHarmonicBand = 1e-3;

@@ -43,4 +43,19 @@ inline constexpr double kSurfaceRestMm = 1e-3;
 // Contour vertices of a sphere pulled 5 px with converged linear solves: what the regularisers keep, px.
 inline constexpr double kContourPx = 0.2;
 
+// Time stamps of a 25 fps file, stored as whole units of a time base of 12800 per second.
+inline constexpr double kPtsMs = 0.1;
+// Mean difference of 8-bit colours after H.264 at CRF 18 and 4:2:0 chroma, with small saturated squares.
+inline constexpr double kVideoColour = 2.5;
+// Mean colour of an empty frame against its plate: compression and gain drift leave no bias of half a step.
+inline constexpr double kPlateBias = 0.5;
+// Exact distance transform in float against double.
+inline constexpr double kDistancePx = 1e-4;
+// Bilinear sampling positions rounded to 1/32 px, colours to 1.
+inline constexpr double kUndistortPx = 0.6;
+// Synthetic person with noise, a shadow and a change of gain, about 450 px of border around 7500 px.
+inline constexpr double kForegroundIou = 0.97;
+// The recorded sequence with a blurred mask as the gate.
+inline constexpr double kRecordedForegroundIou = 0.97;
+
 }  // namespace livecap::test

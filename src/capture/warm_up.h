@@ -7,7 +7,7 @@
 namespace livecap {
 
 // Runs one empty picture through the network, then forgets it.
-void warm_up_detector(PoseDetector& detector, const Camera& camera);
+void warm_up_detector(detect::PoseDetector& detector, const Camera& camera);
 
 // Tracks the resting actor, as seen 4 m in front of the camera, for three frames, then forgets it.
 void warm_up_tracker(Tracker& tracker, const Actor& actor, const Camera& camera);

@@ -7,7 +7,6 @@
 
 #include "livecap/error.h"
 #include "scenes.h"
-#include "support/test_device.h"
 #include "support/tolerances.h"
 
 namespace livecap {
@@ -71,14 +70,14 @@ void expect_like_rays(ocl::DeviceContext& device, const Mesh& mesh, const Camera
 }
 
 TEST(Depth, RandomTrianglesMatchRays) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     for (int width : {7, 63, 65})
       expect_like_rays(device, test::random_triangles(40, width), test::small_camera(width, 49));
   });
 }
 
 TEST(Depth, SphereMatchesRaysAndHasNoHoles) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     const Mesh mesh = test::sphere({30, -20, 1500}, 500, 20, 33);
     const Camera camera = test::small_camera(97, 101);
     expect_like_rays(device, mesh, camera);
@@ -97,8 +96,24 @@ TEST(Depth, SphereMatchesRaysAndHasNoHoles) {
   });
 }
 
+TEST(Depth, ClosedMeshesCoverTheSameWithoutTheirFarFaces) {
+  test::on_every_body([](ocl::DeviceContext& device) {
+    const Mesh closed = test::sphere({0, 0, 1500}, 500, 12, 17);
+    Mesh open = closed;  // one extra triangle with an open edge, too small to cover a pixel
+    const float speck[] = {4000, 0, 1500, 4000.01f, 0, 1500, 4000, 0.01f, 1500};
+    for (int k = 0; k < 3; ++k) open.triangles.push_back(open.n_vertices() + k);
+    open.positions.insert(open.positions.end(), speck, speck + 9);
+    const Camera camera = test::small_camera(90, 80);
+    DepthRasterizer one(device, closed, 90, 80), both(device, open, 90, 80);
+    one.render(ocl::Buffer<float>(device, closed.positions), camera);
+    both.render(ocl::Buffer<float>(device, open.positions), camera);
+    EXPECT_EQ(one.read_mask().pixels, both.read_mask().pixels);
+    EXPECT_EQ(one.depth().read_all(), both.depth().read_all());
+  });
+}
+
 TEST(Depth, HugeAndOffScreenTriangles) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     Mesh mesh = test::random_triangles(3, 5);
     for (float& p : mesh.positions) p *= 3;                                  // partly outside the picture
     for (int k = 0; k < 3; ++k) mesh.positions[3 * k + 2] = 900 + 10.f * k;  // one across all of it
@@ -110,7 +125,7 @@ TEST(Depth, HugeAndOffScreenTriangles) {
 }
 
 TEST(Depth, NearBehindAndNotFiniteTrianglesAreLeftOut) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     const Camera camera = test::small_camera(40, 30);
     for (float bad : {99.f, -500.f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
       Mesh mesh;
@@ -124,7 +139,7 @@ TEST(Depth, NearBehindAndNotFiniteTrianglesAreLeftOut) {
 }
 
 TEST(Depth, EqualDepthGoesToTheLowerIdAndRepeats) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     Mesh mesh;
     test::add_plane(mesh, -500, -500, 1000, 900, 3);
     const size_t once = mesh.triangles.size();
@@ -143,7 +158,7 @@ TEST(Depth, EqualDepthGoesToTheLowerIdAndRepeats) {
 }
 
 TEST(Depth, EmptyAndSingleTriangleMeshes) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     const Camera camera = test::small_camera(17, 9);
     for (int n : {0, 1}) {
       const Mesh mesh = test::random_triangles(n, 1);

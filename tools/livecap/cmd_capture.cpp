@@ -27,7 +27,7 @@ void print_summary(const CaptureReport& report) {
   std::printf("silhouette  %.3f IoU with the segmented picture (mean over tracked frames)\n", report.mean_iou);
   std::printf("stages     ");
   for (int i = 0; i < kStageCount; ++i) {
-    std::printf(" %s %.1f", stage_name(static_cast<Stage>(i)), report.stage_median_ms[i]);
+    std::printf(" %s %.1f", stage_name(static_cast<CaptureStage>(i)), report.stage_median_ms[i]);
   }
   std::printf(" ms (medians)\n");
   for (const std::string* path : {&report.glb, &report.pc2, &report.bvh, &report.overlay, &report.report}) {

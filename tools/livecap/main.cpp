@@ -58,9 +58,7 @@ int run(int argc, char** argv) {
 
   Action action;
   add_devices_command(app, action);
-#ifdef LIVECAP_WITH_ACTOR
   add_actor_command(app, action);
-#endif
 #ifdef LIVECAP_WITH_SYNTH
   add_synth_command(app, action);
 #endif

@@ -1,4 +1,4 @@
-// Depth buffer and triangle-id buffer of a mesh. Both faces count. Nearest triangle wins, at equal depth the lower id.
+// Depth buffer and triangle-id buffer of a mesh. Nearest triangle wins, at equal depth the lower id.
 #include "shared/camera.h"
 #include "raster/triangle.h"
 
@@ -24,7 +24,8 @@ kernel void project_vertices(int n, Pinhole camera, global const float* restrict
 #if LC_CPU
 
 // One work-item per band of rows, which it alone writes. depth: [w*h] mm, INFINITY = empty; ids: [w*h], -1 = empty.
-kernel void raster_bands(int n_triangles, int width, int height, int n_bands, global const float* restrict projected,
+kernel void raster_bands(int n_triangles, int width, int height, int n_bands, int cull,
+                         global const float* restrict projected,
                          global const int* restrict triangles, global float* restrict depth, global int* restrict ids) {
   const int band = get_global_id(0);
   if (band >= n_bands) return;
@@ -42,7 +43,7 @@ kernel void raster_bands(int n_triangles, int width, int height, int n_bands, gl
   }
   const float8 lane = (float8)(0, 1, 2, 3, 4, 5, 6, 7);
   for (int t = 0; t < n_triangles; ++t) {
-    const RasterTriangle tri = raster_triangle(t, width, height, projected, triangles);
+    const RasterTriangle tri = raster_triangle(t, width, height, cull, projected, triangles);
     const int y0 = max(tri.y0, first_row);
     const int y1 = min(tri.y1, last_row);
     for (int y = y0; y <= y1; ++y) {
@@ -52,8 +53,7 @@ kernel void raster_bands(int n_triangles, int width, int height, int n_bands, gl
           const int at = y * width + min(x, width - 8);
           const float8 z = raster_depth(&tri, (float)min(x, width - 8) + lane, (float)y);
           const float8 old = vload8(0, depth + at);
-          const int8 closer = z < old;
-          if (!any(closer)) continue;
+          const int8 closer = z < old;  // storing without looking is faster than a branch
           vstore8(select(old, z, closer), 0, depth + at);
           vstore8(select(vload8(0, ids + at), (int8)t, closer), 0, ids + at);
         } else {
@@ -81,11 +81,11 @@ kernel void raster_clear(int n_pixels, global uint* restrict depth, global uint*
 }
 
 // One work-item per triangle.
-kernel void raster_nearest(int n_triangles, int width, int height, global const float* restrict projected,
+kernel void raster_nearest(int n_triangles, int width, int height, int cull, global const float* restrict projected,
                            global const int* restrict triangles, global uint* restrict depth) {
   const int t = get_global_id(0);
   if (t >= n_triangles) return;
-  const RasterTriangle tri = raster_triangle(t, width, height, projected, triangles);
+  const RasterTriangle tri = raster_triangle(t, width, height, cull, projected, triangles);
   for (int y = tri.y0; y <= tri.y1; ++y) {
     for (int x = tri.x0; x <= tri.x1; ++x) {
       const float z = raster_depth(&tri, (float)x, (float)y);
@@ -95,11 +95,11 @@ kernel void raster_nearest(int n_triangles, int width, int height, global const 
 }
 
 // Second pass: the lowest triangle that has the winning depth. -1 (all bits set) stays where there is none.
-kernel void raster_ids(int n_triangles, int width, int height, global const float* restrict projected,
+kernel void raster_ids(int n_triangles, int width, int height, int cull, global const float* restrict projected,
                        global const int* restrict triangles, global const uint* restrict depth, global uint* restrict ids) {
   const int t = get_global_id(0);
   if (t >= n_triangles) return;
-  const RasterTriangle tri = raster_triangle(t, width, height, projected, triangles);
+  const RasterTriangle tri = raster_triangle(t, width, height, cull, projected, triangles);
   for (int y = tri.y0; y <= tri.y1; ++y) {
     for (int x = tri.x0; x <= tri.x1; ++x) {
       const float z = raster_depth(&tri, (float)x, (float)y);

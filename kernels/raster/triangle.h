@@ -19,11 +19,13 @@ typedef struct {
 } RasterTriangle;
 
 // projected: [4*n_vertices] u, v (px), 1/z (1/mm, 0 = not projected), z (mm).
-static inline RasterTriangle raster_triangle(int t, int width, int height, global const float* restrict projected,
+// cull: leave out triangles that face away.
+static inline RasterTriangle raster_triangle(int t, int width, int height, int cull, global const float* restrict projected,
                                              global const int* restrict triangles) {
   RasterTriangle tri;
   int index[3];
   float u[3], v[3];
+#pragma unroll
   for (int k = 0; k < 3; ++k) {
     index[k] = triangles[3 * t + k];
     const float4 p = vload4(index[k], projected);
@@ -38,19 +40,21 @@ static inline RasterTriangle raster_triangle(int t, int width, int height, globa
   tri.x1 = (int)floor(fmin(fmax(u[0], fmax(u[1], u[2])), (float)(width - 1)));
   tri.y0 = (int)ceil(fmax(fmin(v[0], fmin(v[1], v[2])), 0.0f));
   tri.y1 = (int)floor(fmin(fmax(v[0], fmax(v[1], v[2])), (float)(height - 1)));
-  if (!(low_inv_z > 0.0f) || area == 0.0f) tri.x1 = tri.x0 - 1;
+  // Faces that look at the camera are counter-clockwise, which is negative in an image whose y points down.
+  if (!(low_inv_z > 0.0f) || area == 0.0f || (cull && area > 0.0f)) tri.y1 = tri.y0 - 1;
+  if (tri.y0 > tri.y1 || tri.x0 > tri.x1) return tri;
   tri.near_z = 1.0f / high_inv_z;
   tri.far_z = 1.0f / low_inv_z;
+  const float side = area > 0.0f ? 1.0f : -1.0f;
+#pragma unroll
   for (int k = 0; k < 3; ++k) {
     const int a = (k + 1) % 3;
     const int b = (k + 2) % 3;
-    const int from = index[a] < index[b] ? a : b;
-    const int to = a + b - from;
-    const float sign = (from == a) == (area > 0.0f) ? 1.0f : -1.0f;
-    tri.ax[k] = u[from];
-    tri.ay[k] = v[from];
-    tri.dx[k] = sign * (u[to] - u[from]);
-    tri.dy[k] = sign * (v[to] - v[from]);
+    const int forward = index[a] < index[b];
+    tri.ax[k] = forward ? u[a] : u[b];
+    tri.ay[k] = forward ? v[a] : v[b];
+    tri.dx[k] = side * (u[b] - u[a]);
+    tri.dy[k] = side * (v[b] - v[a]);
   }
   return tri;
 }

@@ -46,7 +46,8 @@ static float sum_plane(global const float* restrict values, int n, local float* 
 // The four sum kernels run as one work-group (of one work-item on a CPU).
 
 // r.z at the start. first = 1 clears the failure flag.
-kernel void start_scalars(int n_rows, int first, global const float* restrict products, global float* restrict scalars) {
+kernel void start_scalars(int n_rows, int first, global const float* restrict products,
+                          global float* restrict scalars) {
 #if !LC_CPU
   local float scratch[256];
 #endif
@@ -164,8 +165,8 @@ kernel void advance(int n_rows, int stride, global const float* restrict scalars
 }
 
 // p = z + beta p
-kernel void turn_direction(int n_rows, int stride, global const float* restrict scalars,
-                           global const float* restrict z, global float* restrict p) {
+kernel void turn_direction(int n_rows, int stride, global const float* restrict scalars, global const float* restrict z,
+                           global float* restrict p) {
   int row = FIRST_ROW;
   if (row >= n_rows) return;
   float beta = scalars[2];

@@ -110,7 +110,8 @@ FfmpegSource::FfmpegSource(const std::string& name, const std::string& url, cons
   av_log_set_level(AV_LOG_QUIET);
   AVFormatContext* format = nullptr;
   int status = avformat_open_input(&format, url.c_str(), input_format, nullptr);
-  if (status < 0) throw IoError(name_ + ": not a readable video (truncated, or no video at all): " + error_text(status));
+  if (status < 0)
+    throw IoError(name_ + ": not a readable video (truncated, or no video at all): " + error_text(status));
   format_.reset(format);
   // FFmpeg takes any text for ANSI art.
   if (std::string_view(format->iformat->name) == "tty") throw IoError(name_ + ": not a video file");

@@ -1,6 +1,7 @@
 #include "raster/depth.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/text.h"
 #include "livecap/error.h"
@@ -11,6 +12,22 @@ namespace {
 constexpr char kFile[] = "raster/depth.cl";
 constexpr int kMaxBands = 32;
 constexpr size_t kLocal = 64;
+
+// Every edge is run through once in each direction: a ray then meets as many front as back faces.
+bool is_closed(const Mesh& mesh) {
+  std::vector<std::pair<int32_t, int32_t>> edges, reversed;
+  for (int t = 0; t < mesh.n_triangles(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const int32_t a = mesh.triangles[3 * t + k];
+      const int32_t b = mesh.triangles[3 * t + (k + 1) % 3];
+      edges.emplace_back(a, b);
+      reversed.emplace_back(b, a);
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  std::sort(reversed.begin(), reversed.end());
+  return edges == reversed;
+}
 
 }  // namespace
 
@@ -26,6 +43,7 @@ DepthRasterizer::DepthRasterizer(ocl::DeviceContext& device, const Mesh& mesh, i
     if (index < 0 || index >= n_vertices_)
       throw LogicError(format("rasteriser: triangle corner %d outside 0..%d", index, n_vertices_ - 1));
   }
+  cull_ = is_closed(mesh);
   n_bands_ = std::clamp(static_cast<int>(device.info().compute_units), 1, std::min(kMaxBands, height));
   triangles_ = ocl::Buffer<int32_t>(device, mesh.triangles);
   projected_ = ocl::Buffer<float>(device, size_t(4) * n_vertices_);
@@ -46,12 +64,12 @@ void DepthRasterizer::render(const ocl::Buffer<float>& positions_camera, const C
     throw LogicError(format("rasteriser: %zu coordinates for %d vertices", positions_camera.size(), n_vertices_));
   project_.launch(n_vertices_, kLocal, n_vertices_, pinhole_arg(camera), positions_camera, projected_);
   if (is_cpu_) {
-    bands_.launch(n_bands_, 1, n_triangles_, width_, height_, n_bands_, projected_, triangles_, depth_, ids_);
+    bands_.launch(n_bands_, 1, n_triangles_, width_, height_, n_bands_, cull_, projected_, triangles_, depth_, ids_);
     return;
   }
   clear_.launch(depth_.size(), kLocal, static_cast<int>(depth_.size()), depth_, ids_);
-  nearest_.launch(n_triangles_, kLocal, n_triangles_, width_, height_, projected_, triangles_, depth_);
-  id_.launch(n_triangles_, kLocal, n_triangles_, width_, height_, projected_, triangles_, depth_, ids_);
+  nearest_.launch(n_triangles_, kLocal, n_triangles_, width_, height_, cull_, projected_, triangles_, depth_);
+  id_.launch(n_triangles_, kLocal, n_triangles_, width_, height_, cull_, projected_, triangles_, depth_, ids_);
 }
 
 ImageGray DepthRasterizer::read_mask() const {

@@ -21,7 +21,7 @@ inline PinholeArg pinhole_arg(const Camera& camera) {
           static_cast<float>(camera.cy)};
 }
 
-// Both faces of a triangle count. Pixel centres are at integers, a pixel is covered when its centre lies in the
+// Both faces of a triangle count; on a closed mesh the far ones are left out, which covers the same pixels. Pixel centres are at integers, a pixel is covered when its centre lies in the
 // triangle or on its edge. A triangle with a corner nearer than 100 mm, behind the camera, not finite or more than 1e6
 // px away is left out. Results repeat bit for bit.
 class DepthRasterizer {
@@ -53,6 +53,7 @@ class DepthRasterizer {
   int n_vertices_;
   int n_triangles_;
   int n_bands_;
+  int cull_;  // 1 when the mesh is closed
   bool is_cpu_;
   ocl::Buffer<int32_t> triangles_;
   ocl::Buffer<float> projected_;

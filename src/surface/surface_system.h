@@ -1,6 +1,6 @@
 // The Gauss-Newton system of stage II on the device (paper, "Non-rigid Surface Registration" and "Data Parallel GPU
-// Optimization"): linearise E_non-rigid at the current vertices, solve (J^T J + damping) step = -J^T F by preconditioned
-// conjugate gradients, move. SurfaceSolver runs the three; tests look at each.
+// Optimization"): linearise E_non-rigid at the current vertices, solve (J^T J + damping) step = -J^T F by
+// preconditioned conjugate gradients, move. SurfaceSolver runs the three; tests look at each.
 #pragma once
 
 #include <vector>

@@ -96,6 +96,22 @@ TEST(Depth, SphereMatchesRaysAndHasNoHoles) {
   });
 }
 
+TEST(Depth, ClosedMeshesCoverTheSameWithoutTheirFarFaces) {
+  test::on_every_body([](ocl::DeviceContext& device) {
+    const Mesh closed = test::sphere({0, 0, 1500}, 500, 12, 17);
+    Mesh open = closed;  // one extra triangle with an open edge, too small to cover a pixel
+    const float speck[] = {4000, 0, 1500, 4000.01f, 0, 1500, 4000, 0.01f, 1500};
+    for (int k = 0; k < 3; ++k) open.triangles.push_back(open.n_vertices() + k);
+    open.positions.insert(open.positions.end(), speck, speck + 9);
+    const Camera camera = test::small_camera(90, 80);
+    DepthRasterizer one(device, closed, 90, 80), both(device, open, 90, 80);
+    one.render(ocl::Buffer<float>(device, closed.positions), camera);
+    both.render(ocl::Buffer<float>(device, open.positions), camera);
+    EXPECT_EQ(one.read_mask().pixels, both.read_mask().pixels);
+    EXPECT_EQ(one.depth().read_all(), both.depth().read_all());
+  });
+}
+
 TEST(Depth, HugeAndOffScreenTriangles) {
   test::on_every_body([](ocl::DeviceContext& device) {
     Mesh mesh = test::random_triangles(3, 5);

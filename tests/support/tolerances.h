@@ -31,11 +31,16 @@ inline constexpr double kRigidFaceMm = 0.5;
 inline constexpr double kSurfaceSystem = 2e-5;
 // A weighted mean of at most 256 8-bit values in float.
 inline constexpr double kBlurredColor = 1e-6;
-// Contour vertices of a sphere of 45 x 71 facets, 82 px in radius, against its analytic outline: the inward offset of a
-// vertex up to one facet away from the outline, 82 px * (1 - cos(2 pi / 71)).
-inline constexpr double kContourPx = 0.35;
 inline constexpr double kBlurredGradientStep = 1e-5;
 // Converged Jacobi sweeps on moves of some 25 mm added to positions of 300 mm in float, mm.
 inline constexpr double kHarmonicBand = 1e-3;
+// Energy after 15 inexact steps in float against 15 direct ones in double, relative.
+inline constexpr double kSurfaceMinimum = 1e-3;
+// Mean over the inner vertices after the standard 3 x 4 solve; regularisers and blur leave a part of the way.
+inline constexpr double kRecoveredTranslationPx = 0.3;
+// A mesh at rest 2 m away: float rounding of positions (1.2e-4 mm) through three steps.
+inline constexpr double kSurfaceRestMm = 1e-3;
+// Contour vertices of a sphere pulled 5 px with converged linear solves: what the regularisers keep, px.
+inline constexpr double kContourPx = 0.2;
 
 }  // namespace livecap::test

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "support/test_device.h"
 #include "support/tolerances.h"
 #include "surface/scene.h"
 
@@ -24,13 +23,16 @@ double distance_px(const Scene& s, const std::vector<float>& v, int i, double ra
   return std::hypot(uv[0] - 160, uv[1] - 120) - radius_px;
 }
 
-std::vector<float> snapped(ocl::DeviceContext& device, const Scene& s, const SnapOptions& options = {}, bool parts = false,
-                           std::vector<float>* rings = nullptr) {
+std::vector<float> snapped(ocl::DeviceContext& device, const Scene& s, const SnapOptions& options = {},
+                           bool parts = false, std::vector<float>* rings = nullptr) {
   const test::DeviceScene d(device, s);
   Snapper snapper(device, s.actor, s.camera, options);
   ocl::Buffer<float> vertices(device, s.start);
-  snapper.snap({.frame = d.frame, .contour_flag = d.contour, .normals = d.normals,
-                .part_image = parts ? &d.part_image : nullptr, .vertex_part = parts ? &d.vertex_part : nullptr},
+  snapper.snap({.frame = d.frame,
+                .contour_flag = d.contour,
+                .normals = d.normals,
+                .part_image = parts ? &d.part_image : nullptr,
+                .vertex_part = parts ? &d.vertex_part : nullptr},
                vertices);
   if (rings) *rings = snapper.rings();
   return vertices.read_all();
@@ -57,7 +59,7 @@ std::vector<int> edge_distance(const Scene& s, const std::vector<char>& from) {
 }
 
 TEST(Snap, ContourReachesTheSilhouetteAndOnlyTheBandFollows) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     for (const double radius : {70.0, 81.0}) {
       const Scene s = ball(radius);
       const SnapOptions options;
@@ -91,7 +93,7 @@ TEST(Snap, ContourReachesTheSilhouetteAndOnlyTheBandFollows) {
 }
 
 TEST(Snap, BandIsHarmonicAfterManySweeps) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     const Scene s = ball(80);
     SnapOptions options;
     options.relaxations = 400;
@@ -116,7 +118,7 @@ TEST(Snap, BandIsHarmonicAfterManySweeps) {
 }
 
 TEST(Snap, RigidFarAndForeignVerticesStay) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     Scene s = ball(80);
     for (int i = 0; i < s.n(); ++i)
       if (s.start[3 * i] > 0) s.actor.rigidity[i] = 50.0f;
@@ -157,7 +159,7 @@ TEST(Snap, RigidFarAndForeignVerticesStay) {
 }
 
 TEST(Snap, RepeatsBitForBit) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     const Scene s = ball(79.3);
     EXPECT_EQ(snapped(device, s), snapped(device, s));
   });

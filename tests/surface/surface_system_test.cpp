@@ -6,7 +6,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "livecap/error.h"
-#include "support/test_device.h"
 #include "support/tolerances.h"
 #include "surface/reference_system.h"
 
@@ -49,10 +48,12 @@ double relative_error(const std::vector<float>& found, const Eigen::VectorXd& ex
   return (f - expected).norm() / expected.norm();
 }
 
-std::vector<double> doubles(const std::vector<float>& v) { return {v.begin(), v.end()}; }
+std::vector<double> doubles(const std::vector<float>& v) {
+  return {v.begin(), v.end()};
+}
 
 TEST(SurfaceSystem, GradientProductAndEnergiesEqualAnAssembledJacobian) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     for (const int subdivisions : {1, 3}) {
       const Scene s = busy_scene(subdivisions);
       const test::DeviceScene d(device, s);
@@ -64,9 +65,10 @@ TEST(SurfaceSystem, GradientProductAndEnergiesEqualAnAssembledJacobian) {
         system.linearize(d.input(), kernel);
         EXPECT_LT(relative_error(system.right_hand_side(), expected.rhs), test::kSurfaceSystem) << kernel;
         const SurfaceEnergies e = system.energies();
-        const double pairs[][2] = {{e.photo, expected.energies.photo},       {e.silhouette, expected.energies.silhouette},
-                                   {e.smooth, expected.energies.smooth},     {e.edge, expected.energies.edge},
-                                   {e.velocity, expected.energies.velocity}, {e.acceleration, expected.energies.acceleration}};
+        const double pairs[][2] = {
+            {e.photo, expected.energies.photo},       {e.silhouette, expected.energies.silhouette},
+            {e.smooth, expected.energies.smooth},     {e.edge, expected.energies.edge},
+            {e.velocity, expected.energies.velocity}, {e.acceleration, expected.energies.acceleration}};
         for (const auto& [found, wanted] : pairs) {
           EXPECT_GT(wanted, 0);
           EXPECT_NEAR(found, wanted, test::kSurfaceSystem * wanted);
@@ -81,7 +83,7 @@ TEST(SurfaceSystem, GradientProductAndEnergiesEqualAnAssembledJacobian) {
 }
 
 TEST(SurfaceSystem, EachTermAloneEqualsTheAssembledJacobian) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     const Scene s = busy_scene();
     const test::DeviceScene d(device, s);
     for (int term = 0; term < 6; ++term) {
@@ -108,7 +110,7 @@ TEST(SurfaceSystem, EachTermAloneEqualsTheAssembledJacobian) {
 }
 
 TEST(SurfaceSystem, ConjugateGradientsEqualTheTextbookIteration) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     const Scene s = busy_scene();
     const test::DeviceScene d(device, s);
     const SurfaceOptions o = smooth_options();
@@ -144,7 +146,7 @@ TEST(SurfaceSystem, ConjugateGradientsEqualTheTextbookIteration) {
 }
 
 TEST(SurfaceSystem, ColorThresholdDropsTheResidual) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     Scene s = test::make_scene(test::icosphere(1, 300, {0, 0, 2000}), 160, 120, 300);
     s.visible.assign(s.n(), 1);
     s.image.pixels.assign(s.image.pixels.size(), 255);
@@ -162,7 +164,7 @@ TEST(SurfaceSystem, ColorThresholdDropsTheResidual) {
 }
 
 TEST(SurfaceSystem, ColorsAtIntegerPositionsAreOpenCvGaussianBlur) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     const int w = 57, h = 41;
     cv::Mat image(h, w, CV_8UC3);
     cv::randu(image, 0, 256);
@@ -194,11 +196,12 @@ TEST(SurfaceSystem, ColorsAtIntegerPositionsAreOpenCvGaussianBlur) {
 }
 
 TEST(SurfaceSystem, ColorsAreContinuousBetweenPixels) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     Scene s = busy_scene(1);
     const ocl::Buffer<uint8_t> rgb(device, s.image.pixels);
     std::vector<float> positions;
-    for (int k = 0; k < 400; ++k) positions.insert(positions.end(), {150.5f + 0.01f * float(k), 100.25f + 0.01f * float(k)});
+    for (int k = 0; k < 400; ++k)
+      positions.insert(positions.end(), {150.5f + 0.01f * float(k), 100.25f + 0.01f * float(k)});
     const ocl::Buffer<float> at(device, positions);
     ocl::Buffer<float> out(device, 9 * 400);
     ocl::Kernel kernel(device, "surface/photo_system.cl", "sample_colors");
@@ -219,7 +222,7 @@ TEST(SurfaceSystem, ColorsAreContinuousBetweenPixels) {
 }
 
 TEST(SurfaceSystem, OptionsAndSizesAreChecked) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     Scene s = busy_scene(1);
     SurfaceOptions o;
     o.gaussian_kernels = {4};

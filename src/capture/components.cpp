@@ -7,6 +7,20 @@
 #include "solve/term_table.h"
 
 namespace livecap {
+namespace {
+
+// The weight of a stage II term by its name in the term table; nullptr when it is not one.
+float* surface_weight(SurfaceOptions& options, const std::string& name) {
+  if (name == "photo") return &options.w_photo;
+  if (name == "surface_silhouette") return &options.w_silhouette;
+  if (name == "smooth") return &options.w_smooth;
+  if (name == "edge") return &options.w_edge;
+  if (name == "velocity") return &options.w_velocity;
+  if (name == "acceleration") return &options.w_acceleration;
+  return nullptr;
+}
+
+}  // namespace
 
 const std::vector<std::string>& component_names() {
   static const std::vector<std::string> names = [] {
@@ -28,7 +42,11 @@ void require_component(const std::string& name) {
 
 void switch_off(const std::string& name, TrackerOptions& options) {
   require_component(name);
-  if (set_weight(options.pose.weights, name, 0) || set_weight(options.surface.weights, name, 0)) return;
+  if (set_weight(options.pose.weights, name, 0)) return;
+  if (float* weight = surface_weight(options.surface, name)) {
+    *weight = 0;
+    return;
+  }
   if (name == "face") {
     for (int k = kBodyKeypointCount; k < kKeypointCount; ++k) options.pose.keypoint_2d_weights[k] = 0;
   } else if (name == "warping") {

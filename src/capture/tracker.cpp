@@ -40,8 +40,8 @@ Tracker::Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& c
       n_vertices_(actor.n_vertices()),
       skinner_(device, actor),
       rasterizer_(device, actor.mesh, camera.width, camera.height),
-      visibility_(device, actor.mesh),
-      part_mask_(device, actor, camera.width, camera.height),
+      visibility_(device, actor.mesh, options.visibility),
+      part_mask_(device, actor.mesh, body_parts_of_vertices(actor.skeleton, actor.skin), camera.width, camera.height),
       pose_solver_(device, actor, camera, options.pose),
       surface_solver_(device, actor, camera, options.surface),
       snapper_(device, actor, camera, options.snap),
@@ -66,18 +66,17 @@ void Tracker::skin_at(const Pose& pose, ocl::Buffer<float>& displacement_rest, o
   skinner_.skin(displacement_rest, out);
 }
 
-PoseResult Tracker::solve_pose_from(const TrackInput& input, const Pose& initial, int n_steps, bool temporal) {
+PoseResult Tracker::solve_pose_from(const TrackInput& input, const Pose& initial, int n_steps, const Pose* previous) {
   std::vector<int32_t> contour;
   if (!input.silhouette.empty()) {
     skin_at(initial, displacement_rest_, start_);
-    skinner_.normals(start_, normals_);
     rasterizer_.render(start_, camera_);
-    contour = visibility_.contour_vertices(rasterizer_, start_, normals_, camera_);
+    visibility_.find_contour(rasterizer_);
+    contour = visibility_.read_contour();
   }
-  const std::optional<Pose> none;
   return pose_solver_.solve(PoseInput{.detections = input.detections,
                                       .initial = initial,
-                                      .previous = temporal ? last_pose_ : none,
+                                      .previous = previous,
                                       .frame = input.silhouette.empty() ? nullptr : &frame_,
                                       .contour_vertices = contour,
                                       .displacement_rest = &displacement_rest_,
@@ -92,36 +91,41 @@ bool Tracker::believable(const PoseResult& result, const Detections& detections)
 
 Tracker::Solved Tracker::solve_pose(const TrackInput& input) {
   Solved solved;
+  const PoseOptions& options = options_.pose;
   if (last_pose_) {
-    const Pose predicted = pose_before_last_ ? extrapolate(*pose_before_last_, *last_pose_) : *last_pose_;
-    solved.pose = solve_pose_from(input, predicted, options_.pose.n_steps, true);
+    const Pose predicted =
+        predict_pose(actor_.skeleton, pose_before_last_ ? &*pose_before_last_ : nullptr, *last_pose_, options);
+    solved.pose = solve_pose_from(input, predicted, options.steps, &*last_pose_);
     if (believable(solved.pose, input.detections)) return solved;
     reset();
   }
   solved.initialized = true;
-  const std::optional<Pose> initial = pose_solver_.initialize(input.detections);
+  const std::optional<Pose> initial = initialize_pose(actor_, camera_, input.detections, options);
   if (!initial) {
-    solved.pose.status = SolveStatus::kNoData;
+    solved.pose.status = SolveStatus::kNoObservations;
     return solved;
   }
-  solved.pose = solve_pose_from(input, *initial, options_.pose.n_initial_steps, false);
-  // The contour was found on the rough initial pose: once more from where the first solve ended.
+  // The contour found on the rough first pose is only a start: once more from where that solve ends.
+  solved.pose = solve_pose_from(input, *initial, options.first_steps, nullptr);
   if (solved.pose.status == SolveStatus::kOk)
-    solved.pose = solve_pose_from(input, solved.pose.pose, options_.pose.n_initial_steps, false);
+    solved.pose = solve_pose_from(input, solved.pose.pose, options.first_steps, nullptr);
   return solved;
 }
 
-void Tracker::solve_surface(const Pose& pose, TrackResult& result) {
+void Tracker::solve_surface(const Pose& pose, bool has_picture, TrackResult& result) {
   skin_at(pose, zero_, skinned_);
   skinner_.skin(displacement_rest_, start_);
-  if (!options_.enable_surface) {
+  if (!options_.enable_surface || !has_picture) {
     vertices_.copy_from(skinned_);
     return;
   }
   skinner_.normals(start_, normals_);
   rasterizer_.render(start_, camera_);
-  visibility_.update(rasterizer_, start_, normals_, camera_);
-  if (options_.part_mask) part_mask_.render(rasterizer_);
+  visibility_.find_visible(start_, normals_, rasterizer_);
+  visibility_.find_contour(rasterizer_);
+  if (options_.part_mask) part_mask_.update(rasterizer_);
+  const ocl::Buffer<uint8_t>* part_image = options_.part_mask ? &part_mask_.part_image() : nullptr;
+  const ocl::Buffer<int32_t>* vertex_part = options_.part_mask ? &part_mask_.vertex_part() : nullptr;
 
   const SurfaceResult surface =
       surface_solver_.solve(SurfaceInput{.frame = frame_,
@@ -132,19 +136,19 @@ void Tracker::solve_surface(const Pose& pose, TrackResult& result) {
                                          .visible = visibility_.visible(),
                                          .contour_flag = visibility_.contour(),
                                          .normals = normals_,
-                                         .part_image = options_.part_mask ? &part_mask_.image() : nullptr,
-                                         .vertex_part = options_.part_mask ? &part_mask_.vertex_part() : nullptr},
-                            vertices_);
-  result.surface_energy = surface.energy;
+                                         .part_image = part_image,
+                                         .vertex_part = vertex_part});
+  result.surface_energy = surface.energies.total();
+  vertices_.copy_from(*surface.vertices);
   if (options_.snapping) {
     skinner_.normals(vertices_, normals_);
     rasterizer_.render(vertices_, camera_);
-    visibility_.update(rasterizer_, vertices_, normals_, camera_);
+    visibility_.find_contour(rasterizer_);
     snapper_.snap(SnapInput{.frame = frame_,
                             .contour_flag = visibility_.contour(),
                             .normals = normals_,
-                            .part_image = options_.part_mask ? &part_mask_.image() : nullptr,
-                            .vertex_part = options_.part_mask ? &part_mask_.vertex_part() : nullptr},
+                            .part_image = part_image,
+                            .vertex_part = vertex_part},
                   vertices_);
   }
   if (options_.warp_displacements) skinner_.unskin_displacement(vertices_, skinned_, displacement_rest_);
@@ -160,7 +164,7 @@ TrackResult Tracker::track(const TrackInput& input) {
   if (!input.silhouette.empty()) frame_.upload(input.silhouette, input.image);
   const Solved solved = solve_pose(input);
   result.pose_ms = timer.elapsed_ms();
-  result.pose_energy = solved.pose.energy;
+  result.pose_energy = solved.pose.energy.total();
   result.keypoint_error_px = solved.pose.keypoint_error_px;
   if (!believable(solved.pose, input.detections)) {
     reset();
@@ -171,7 +175,7 @@ TrackResult Tracker::track(const TrackInput& input) {
   result.pose = solved.pose.pose;
 
   timer.restart();
-  solve_surface(result.pose, result);
+  solve_surface(result.pose, !input.silhouette.empty(), result);
   result.vertices_mm.resize(size_t(3) * n_vertices_);
   vertices_.read(result.vertices_mm);
   result.surface_ms = timer.elapsed_ms();

@@ -11,7 +11,7 @@
 #include "livecap/camera.h"
 #include "livecap/capture.h"
 #include "pose/pose_solver.h"
-#include "raster/depth_rasterizer.h"
+#include "raster/depth.h"
 #include "raster/part_mask.h"
 #include "raster/visibility.h"
 #include "surface/snap.h"
@@ -23,6 +23,7 @@ struct TrackerOptions {
   PoseOptions pose;
   SurfaceOptions surface;
   SnapOptions snap;
+  VisibilityOptions visibility;
   bool enable_surface = true;       // false: the result is the skinned template of stage I
   bool warp_displacements = true;   // carry the non-rigid displacement to the next frame
   bool part_mask = true;            // b_i = 0 on another body part's region
@@ -68,10 +69,10 @@ class Tracker {
     bool initialized = false;
   };
   Solved solve_pose(const TrackInput& input);
-  PoseResult solve_pose_from(const TrackInput& input, const Pose& initial, int n_steps, bool temporal);
+  PoseResult solve_pose_from(const TrackInput& input, const Pose& initial, int n_steps, const Pose* previous);
   void skin_at(const Pose& pose, ocl::Buffer<float>& displacement_rest, ocl::Buffer<float>& out);
   bool believable(const PoseResult& result, const Detections& detections) const;
-  void solve_surface(const Pose& pose, TrackResult& result);
+  void solve_surface(const Pose& pose, bool has_picture, TrackResult& result);
 
   const Actor& actor_;
   Camera camera_;
@@ -80,7 +81,7 @@ class Tracker {
 
   Skinner skinner_;
   DepthRasterizer rasterizer_;
-  Visibility visibility_;
+  SurfaceVisibility visibility_;
   PartMask part_mask_;
   PoseSolver pose_solver_;
   SurfaceSolver surface_solver_;

@@ -9,13 +9,28 @@ inline constexpr double kFiniteDifference = 2e-6;
 inline constexpr double kFloatRelative = 3e-6;
 // Double arithmetic that differs only in order.
 inline constexpr double kDoubleExact = 1e-9;
+// One network layer in float against sums in double, relative to the layer's largest value: up to 1,632 terms a sum.
+inline constexpr double kLayerRelative = 2e-5;
+// A whole network (up to 300 layers, recorded mask and heatmaps rounded to half precision), |a - b| / |b|.
+inline constexpr double kNetworkRelative = 1e-3;
+
+// Float rasteriser against a double ray caster: perspective-correct depth from three edge values of a float each.
+inline constexpr double kRasterDepthRelative = 1e-4;
+// Barycentric coordinate below which rounding may decide whether a pixel centre lies in a triangle.
+inline constexpr double kRasterEdge = 1e-3;
+// A position of up to two metres that went through float once or twice, in mm (2^-23 * 2000, a few operations).
+inline constexpr double kMillimetreFloat = 2e-3;
+// A direction between two such positions some 300 mm apart.
+inline constexpr double kDirectionFloat = 1e-5;
+// Face vertices of the recorded truth against the rest template, in mm: the face is skinned to the head and neck only,
+// float32 metres, and its lower rim bends a little with the neck.
+inline constexpr double kRigidFaceMm = 0.5;
 
 // Stage II in float against double, relative norm: projections at some 300 px carry 3e-5 px of rounding, which a random
 // image turns into 1e-5 of colour per tap.
 inline constexpr double kSurfaceSystem = 2e-5;
 // A weighted mean of at most 256 8-bit values in float.
 inline constexpr double kBlurredColor = 1e-6;
-// Trapezoidal rule over 0.014 px of a blurred white-noise image plus float rounding of the positions.
 inline constexpr double kBlurredGradientStep = 1e-5;
 // Converged Jacobi sweeps on moves of some 25 mm added to positions of 300 mm in float, mm.
 inline constexpr double kHarmonicBand = 1e-3;

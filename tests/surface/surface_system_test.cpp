@@ -27,6 +27,8 @@ Scene busy_scene(int subdivisions = 3) {
     s.visible[i] = i % 3 != 0;
     s.contour[i] = i % 4 == 0;
     s.vertex_part[i] = 1 + i % 2;
+    // Every fifth normal points inwards: b_i = -1 there inside the silhouette.
+    for (int a = 0; i % 5 == 0 && a < 3; ++a) s.normals[3 * i + a] *= -1;
   }
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 320; ++x) s.part_image[size_t(y) * 320 + x] = x < 150 ? 1 : (x < 200 ? 2 : 0);
@@ -218,6 +220,32 @@ TEST(SurfaceSystem, ColorsAreContinuousBetweenPixels) {
           EXPECT_NEAR(b[c] - a[c], explained, test::kBlurredGradientStep) << size << " " << k;
         }
     }
+  });
+}
+
+TEST(SurfaceSystem, ALateFailureGivesTheStartBack) {
+  test::on_every_body([](ocl::DeviceContext& device) {
+    const Scene s = busy_scene();
+    test::DeviceScene d(device, s);
+    SurfaceSystem system(device, s.actor, s.camera, {});
+    ocl::Buffer<float> out(device, s.start.size());
+    const auto step = [&] {
+      system.linearize(d.input(), 9);
+      system.iterate_pcg(4);
+      system.move();
+    };
+    system.begin(d.input());
+    step();
+    system.finish(d.input(), out);
+    EXPECT_EQ(system.status(), SurfaceStatus::kOk);
+    EXPECT_NE(out.read_all(), s.start);
+    d.frame.signed_distance.fill(std::nanf(""));
+    step();
+    d.frame.signed_distance.fill(10.0f);
+    step();
+    system.finish(d.input(), out);
+    EXPECT_EQ(system.status(), SurfaceStatus::kNonFinite);
+    EXPECT_EQ(out.read_all(), s.start);
   });
 }
 

@@ -7,6 +7,15 @@ namespace livecap::test {
 inline constexpr double kFiniteDifference = 2e-6;
 // One float operation chain of the shared formulas against the same in double.
 inline constexpr double kFloatRelative = 3e-6;
+// Built-in actors and sequences: twice a triangle's area over its longest edge squared (a right angle of 1:1 has 0.5).
+inline constexpr double kSliver = 0.02;
+// Share of texels that two charts' triangles both claim: rounding along shared edges of the unwrapped surface.
+inline constexpr double kTextureOverlap = 0.003;
+// Share of truth vertices (mask pixels) within two pixels of the mask: half a pixel of rasterising, the rest is
+// rounding.
+inline constexpr double kTruthMaskShare = 0.99;
+// Metres: joints.json is written with five decimals.
+inline constexpr double kJointRounding = 2e-5;
 // Double arithmetic that differs only in order.
 inline constexpr double kDoubleExact = 1e-9;
 // One network layer in float against sums in double, relative to the layer's largest value: up to 1,632 terms a sum.

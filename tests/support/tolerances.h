@@ -38,10 +38,6 @@ inline constexpr double kRigidFaceMm = 0.5;
 // Stage II in float against double, relative norm: projections at some 300 px carry 3e-5 px of rounding, which a random
 // image turns into 1e-5 of colour per tap.
 inline constexpr double kSurfaceSystem = 2e-5;
-// A weighted mean of at most 256 8-bit values in float.
-inline constexpr double kBlurredColor = 2e-6;
-// Trapezoidal rule over 0.014 px of a blurred white-noise image plus float rounding of the positions.
-inline constexpr double kBlurredGradientStep = 5e-5;
 // Eight decimals of a degree and of a unit along a chain of a metre and a half, in metres.
 inline constexpr double kBvhMetres = 2e-7;
 // Seven significant digits of a few metres.

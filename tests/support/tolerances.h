@@ -30,19 +30,6 @@ inline constexpr double kRigidFaceMm = 0.5;
 // image turns into 1e-5 of colour per tap.
 inline constexpr double kSurfaceSystem = 2e-5;
 // A weighted mean of at most 256 8-bit values in float.
-inline constexpr double kBlurredColor = 2e-6;
-// Trapezoidal rule over 0.014 px of a blurred white-noise image plus float rounding of the positions.
-inline constexpr double kBlurredGradientStep = 5e-5;
-// Eight decimals of a degree and of a unit along a chain of a metre and a half, in metres.
-inline constexpr double kBvhMetres = 2e-7;
-// Seven significant digits of a few metres.
-inline constexpr double kCsvMetres = 2e-6;
-// Morph targets stop when what they leave out is below 0.02 mm; int16 shapes and float weights add about as much.
-inline constexpr double kMorphMeanMm = 0.05;
-// The writer's own account of its error against what a viewer computes from the float32 file some metres away.
-inline constexpr double kGlbReportMm = 5e-3;
-// 64 shapes for 150 frames of dancing with a skirt on a rigid body (nearly all motion is residual), in mm.
-inline constexpr double kClothMeanMm = 0.7;
 inline constexpr double kBlurredColor = 1e-6;
 inline constexpr double kBlurredGradientStep = 1e-5;
 // Converged Jacobi sweeps on moves of some 25 mm added to positions of 300 mm in float, mm.
@@ -55,5 +42,16 @@ inline constexpr double kRecoveredTranslationPx = 0.3;
 inline constexpr double kSurfaceRestMm = 1e-3;
 // Contour vertices of a sphere pulled 5 px with converged linear solves: what the regularisers keep, px.
 inline constexpr double kContourPx = 0.2;
+
+// Eight decimals of a degree and of a unit along a chain of a metre and a half, in metres.
+inline constexpr double kBvhMetres = 2e-7;
+// Seven significant digits of a few metres.
+inline constexpr double kCsvMetres = 2e-6;
+// Morph targets stop when what they leave out is below 0.02 mm; int16 shapes and float weights add about as much.
+inline constexpr double kMorphMeanMm = 0.05;
+// The writer's own account of its error against what a viewer computes from the float32 file some metres away.
+inline constexpr double kGlbReportMm = 5e-3;
+// 64 shapes for 150 frames of dancing with a skirt on a rigid body (nearly all motion is residual), in mm.
+inline constexpr double kClothMeanMm = 0.7;
 
 }  // namespace livecap::test

@@ -22,6 +22,13 @@ inline constexpr double kDoubleExact = 1e-9;
 inline constexpr double kLayerRelative = 2e-5;
 // A whole network (up to 300 layers, recorded mask and heatmaps rounded to half precision), |a - b| / |b|.
 inline constexpr double kNetworkRelative = 1e-3;
+// Values computed by hand to seven digits.
+inline constexpr double kHandComputed = 1e-6;
+// Pixels are bytes: half a step of rounding on either side.
+inline constexpr double kByteRounding = 1.0;
+// Landmarks of a network run whose outputs agree to kNetworkRelative (1e-3 of coordinates up to 256 px and 900 mm); seen 1e-3.
+inline constexpr double kLandmarkPx = 0.05;
+inline constexpr double kLandmarkMm = 0.5;
 
 // Float rasteriser against a double ray caster: perspective-correct depth from three edge values of a float each.
 inline constexpr double kRasterDepthRelative = 1e-4;

@@ -10,7 +10,7 @@
 # OpenMesh        libopenmesh-dev                        9.0      BSD-3-Clause   quadric edge-collapse decimation
 # TinyGLTF        libtinygltf-dev                        2.7      MIT            GLB parsing and writing
 # nlohmann json   nlohmann-json3-dev                     3.11     MIT            JSON files
-# FlatBuffers     libflatbuffers-dev                     2.0.8    Apache-2.0     verified reading of .tflite files
+# FlatBuffers     libflatbuffers-dev, flatbuffers-compiler  2.0.8  Apache-2.0  verified reading of .tflite files
 # CLI11           libcli11-dev                           2.1      BSD-3-Clause   command line and TOML configuration
 # GoogleTest      libgtest-dev, libgmock-dev             1.12     BSD-3-Clause   tests
 # Ceres           libceres-dev                           2.1      BSD-3-Clause   tests only: a trusted solver to compare with
@@ -26,7 +26,7 @@ find_path(OPENMESH_INCLUDE_DIR OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh REQUIR
 find_library(OPENMESH_CORE_LIBRARY OpenMeshCore REQUIRED)
 find_library(OPENMESH_TOOLS_LIBRARY OpenMeshTools REQUIRED)
 find_path(FLATBUFFERS_INCLUDE_DIR flatbuffers/flatbuffers.h REQUIRED)
-find_program(FLATC_PROGRAM flatc)
+find_program(FLATC_PROGRAM flatc REQUIRED)
 find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)
 find_library(TINYGLTF_LIBRARY tinygltf REQUIRED)
 find_path(CLI11_INCLUDE_DIR CLI/CLI.hpp REQUIRED)

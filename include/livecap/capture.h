@@ -60,9 +60,9 @@ struct CaptureOptions {
 };
 
 // Wall-clock per stage, ms. kRead .. kOutput run on different threads when pipelined.
-enum class Stage { kRead, kNetwork, kSegment, kPose, kSurface, kOutput, kCount };
-inline constexpr int kStageCount = static_cast<int>(Stage::kCount);
-const char* stage_name(Stage stage);
+enum class CaptureStage { kRead, kNetwork, kSegment, kPose, kSurface, kOutput, kCount };
+inline constexpr int kStageCount = static_cast<int>(CaptureStage::kCount);
+const char* stage_name(CaptureStage stage);
 
 struct FrameReport {
   int64_t index = 0;            // of the input

@@ -1,0 +1,52 @@
+// The operators without weights. One work-item = one output element, neighbours are channels, unless said otherwise.
+// in_offset and residual_offset name the inputs; ADD keeps its second input as the residual.
+#include "nn/panel.h"
+
+// y = clamp(a + b). count = elements.
+kernel void add(NnOp op, global float* arena) {
+  const int i = get_global_id(0);
+  if (i >= op.count) return;
+  arena[op.out_offset + i] = clamp(arena[op.in_offset + i] + arena[op.residual_offset + i], op.low, op.high);
+}
+
+// y = 1 / (1 + exp(-x)). count = elements.
+kernel void logistic(NnOp op, global float* arena) {
+  const int i = get_global_id(0);
+  if (i >= op.count) return;
+  arena[op.out_offset + i] = 1.0f / (1.0f + exp(-arena[op.in_offset + i]));
+}
+
+// 8-bit input to float: y = low + high * x. count = elements.
+kernel void convert_u8(NnOp op, global const uchar* restrict input, global float* arena) {
+  const int i = get_global_id(0);
+  if (i >= op.count) return;
+  arena[op.out_offset + i] = op.low + op.high * (float)input[i];
+}
+
+// Largest value in the window; pixels outside the image are left out. count = elements.
+kernel void max_pool(NnOp op, global float* arena) {
+  const int id = get_global_id(0);
+  if (id >= op.count) return;
+  const int c = id % op.out_channels;
+  const int pixel = id / op.out_channels;
+  const int in_x = pixel % op.out_width * op.stride_w - op.pad_left;
+  const int in_y = pixel / op.out_width * op.stride_h - op.pad_top;
+  float best = -INFINITY;
+  for (int y = max(in_y, 0); y < min(in_y + op.kernel_h, op.in_height); ++y) {
+    for (int x = max(in_x, 0); x < min(in_x + op.kernel_w, op.in_width); ++x)
+      best = fmax(best, arena[op.in_offset + (y * op.in_width + x) * op.in_channels + c]);
+  }
+  nn_store(op, arena, id, best);
+}
+
+// Zeros around the image and its channels. count = elements.
+kernel void pad(NnOp op, global float* arena) {
+  const int id = get_global_id(0);
+  if (id >= op.count) return;
+  const int c = id % op.out_channels - op.pad_front;
+  const int pixel = id / op.out_channels;
+  const int x = pixel % op.out_width - op.pad_left;
+  const int y = pixel / op.out_width - op.pad_top;
+  const int inside = c >= 0 && c < op.in_channels && x >= 0 && x < op.in_width && y >= 0 && y < op.in_height;
+  nn_store(op, arena, id, inside ? arena[op.in_offset + (y * op.in_width + x) * op.in_channels + c] : 0.0f);
+}

@@ -1,0 +1,179 @@
+#include "detect/blazepose.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "livecap/error.h"
+#include "nn/tflite_import.h"
+
+namespace livecap::detect {
+namespace {
+
+constexpr int kHeatmapSize = 64;
+constexpr int kRefineReach = 3;  // half of the 7x7 window
+
+// Outputs in the file's order.
+enum Output { kLandmarks, kScore, kMask, kHeatmap, kWorld };
+
+float sigmoid(float x) {
+  return 1.0f / (1.0f + std::exp(-x));
+}
+
+nn::Graph load_checked(const std::filesystem::path& model) {
+  nn::Graph graph = nn::load_tflite(model);
+  const nn::Shape expected[] = {{1, 195}, {1, 1}, {1, 256, 256, 1}, {1, 64, 64, 39}, {1, 117}};
+  bool right = graph.inputs.size() == 1 && graph.tensors[graph.inputs[0]].shape == nn::Shape{1, 256, 256, 3} &&
+               graph.outputs.size() == std::size(expected);
+  for (size_t i = 0; right && i < std::size(expected); ++i)
+    right = graph.tensors[graph.outputs[i]].shape == expected[i];
+  if (!right) {
+    throw IoError(model.string() +
+                  ": not a MediaPipe pose landmark network (expected input [1,256,256,3] and outputs [1,195], [1,1], "
+                  "[1,256,256,1], "
+                  "[1,64,64,39], [1,117])");
+  }
+  return graph;
+}
+
+std::vector<int> requested(bool with_mask) {
+  return with_mask ? std::vector<int>{kLandmarks, kScore, kHeatmap, kWorld, kMask}
+                   : std::vector<int>{kLandmarks, kScore, kHeatmap, kWorld};
+}
+
+struct KeypointSource {
+  Keypoint keypoint;
+  int count;
+  int landmarks[4];
+};
+
+// 0 nose, 2/5 eyes, 7/8 ears, 9/10 mouth, 11/12 shoulders, 13/14 elbows, 15/16 wrists, 17-22 fingers, 23/24 hips, 25/26
+// knees, 27/28 ankles, 31/32 foot index; odd = left.
+constexpr KeypointSource kSources[] = {
+    {kHeadTop, 2, {7, 8}},
+    {kNeck, 2, {11, 12}},
+    {kPelvis, 2, {23, 24}},
+    {kLeftHip, 1, {23}},
+    {kRightHip, 1, {24}},
+    {kLeftShoulder, 1, {11}},
+    {kRightShoulder, 1, {12}},
+    {kLeftElbow, 1, {13}},
+    {kRightElbow, 1, {14}},
+    {kLeftWrist, 1, {15}},
+    {kRightWrist, 1, {16}},
+    {kLeftHand, 4, {15, 17, 19, 21}},
+    {kRightHand, 4, {16, 18, 20, 22}},
+    {kLeftKnee, 1, {25}},
+    {kRightKnee, 1, {26}},
+    {kLeftAnkle, 1, {27}},
+    {kRightAnkle, 1, {28}},
+    {kLeftToe, 1, {31}},
+    {kRightToe, 1, {32}},
+    {kLeftEye, 1, {2}},
+    {kRightEye, 1, {5}},
+    {kNose, 1, {0}},
+    {kChin, 2, {9, 10}},
+};
+static_assert(std::size(kSources) == kKeypointCount);
+
+}  // namespace
+
+BlazePose::BlazePose(ocl::DeviceContext& device, const std::filesystem::path& model, bool with_mask)
+    : net_(device, load_checked(model), requested(with_mask)),
+      input_(3 * kCropSize * kCropSize),
+      landmarks_(kLandmarkCount * 5),
+      score_(1),
+      heatmap_(kHeatmapSize * kHeatmapSize * kLandmarkCount),
+      world_(kLandmarkCount * 3),
+      mask_(with_mask ? kCropSize * kCropSize : 0) {}
+
+// As MediaPipe's "refine landmarks from heatmap": the centre of mass of the probabilities in a window around the
+// landmark. positions: fractions of the crop.
+void BlazePose::refine(float threshold, std::array<Point2, kLandmarkCount>& positions) const {
+  for (int i = 0; i < kLandmarkCount; ++i) {
+    Point2& p = positions[i];
+    if (!(p.x >= 0 && p.y >= 0 && p.x < 1 && p.y < 1)) continue;
+    const int column = static_cast<int>(p.x * kHeatmapSize), row = static_cast<int>(p.y * kHeatmapSize);
+    double sum = 0, sum_x = 0, sum_y = 0;
+    float best = 0;
+    for (int y = std::max(row - kRefineReach, 0); y <= std::min(row + kRefineReach, kHeatmapSize - 1); ++y) {
+      for (int x = std::max(column - kRefineReach, 0); x <= std::min(column + kRefineReach, kHeatmapSize - 1); ++x) {
+        const float probability = sigmoid(heatmap_[(size_t(y) * kHeatmapSize + x) * kLandmarkCount + i]);
+        best = std::max(best, probability);
+        sum += probability;
+        sum_x += probability * x;
+        sum_y += probability * y;
+      }
+    }
+    if (best < threshold || !(sum > 0)) continue;
+    p = {sum_x / sum / kHeatmapSize, sum_y / sum / kHeatmapSize};
+  }
+}
+
+void BlazePose::estimate(const ImageRgb& image, const CropRegion& crop, float refine_threshold, PoseEstimate& result) {
+  sampler_.sample(image, crop, kCropSize, input_);
+  net_.set_input(input_);
+  net_.run();
+  net_.read_output(0, landmarks_);
+  net_.read_output(1, score_);
+  net_.read_output(2, heatmap_);
+  net_.read_output(3, world_);
+
+  std::array<Point2, kLandmarkCount> positions;
+  for (int i = 0; i < kLandmarkCount; ++i)
+    positions[i] = {landmarks_[5 * i] / double(kCropSize), landmarks_[5 * i + 1] / double(kCropSize)};
+  refine(refine_threshold, positions);
+
+  result.score = std::isfinite(score_[0]) ? score_[0] : 0.0f;
+  result.crop = crop;
+  result.finite = true;
+  result.landmarks.resize(kLandmarkCount);
+  for (int i = 0; i < kLandmarkCount; ++i) {
+    RawLandmark& landmark = result.landmarks[i];
+    const Point2 p = crop.image_from_crop(positions[i]);
+    landmark.x_px = static_cast<float>(p.x);
+    landmark.y_px = static_cast<float>(p.y);
+    landmark.x_mm = 1000 * world_[3 * i];
+    landmark.y_mm = 1000 * world_[3 * i + 1];
+    landmark.z_mm = 1000 * world_[3 * i + 2];
+    landmark.visibility = sigmoid(landmarks_[5 * i + 3]);
+    landmark.presence = sigmoid(landmarks_[5 * i + 4]);
+    for (float v : {landmark.x_px, landmark.y_px, landmark.x_mm, landmark.y_mm, landmark.z_mm, landmark.visibility,
+                    landmark.presence})
+      result.finite = result.finite && std::isfinite(v);
+  }
+}
+
+std::span<const float> BlazePose::mask_probability() {
+  if (mask_.empty()) throw LogicError("detect::BlazePose: made without the mask");
+  net_.read_output(4, mask_);
+  for (float& v : mask_) v = sigmoid(v);
+  return mask_;
+}
+
+CropRegion BlazePose::next_crop(const PoseEstimate& estimate) {
+  const RawLandmark& center = estimate.landmarks[33];
+  const RawLandmark& top = estimate.landmarks[34];
+  const double dx = double(top.x_px) - center.x_px, dy = double(top.y_px) - center.y_px;
+  return {center.x_px, center.y_px, 2.5 * std::hypot(dx, dy), std::atan2(dx, -dy)};
+}
+
+std::array<KeypointDetection, kKeypointCount> keypoints_from_landmarks(const std::vector<RawLandmark>& landmarks) {
+  std::array<KeypointDetection, kKeypointCount> keypoints{};
+  for (const KeypointSource& source : kSources) {
+    KeypointDetection& k = keypoints[source.keypoint];
+    k.confidence = 1;
+    for (int i = 0; i < source.count; ++i) {
+      const RawLandmark& l = landmarks.at(source.landmarks[i]);
+      k.x_px += l.x_px / source.count;
+      k.y_px += l.y_px / source.count;
+      k.x_mm += l.x_mm / source.count;
+      k.y_mm += l.y_mm / source.count;
+      k.z_mm += l.z_mm / source.count;
+      k.confidence = std::min({k.confidence, l.visibility, l.presence});
+    }
+  }
+  keypoints[kHeadTop].confidence = 0;
+  return keypoints;
+}
+
+}  // namespace livecap::detect

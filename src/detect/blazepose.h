@@ -1,0 +1,71 @@
+// MediaPipe Pose (BlazePose GHUM, pose_landmark_{lite,full,heavy}.tflite): what its inputs and outputs mean. Another
+// network (VNect's location maps, say) is another file that gives a PoseEstimate for a crop, and the next crop.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <vector>
+
+#include "base/image_rgb.h"
+#include "detect/crop.h"
+#include "nn/executor.h"
+
+namespace livecap::detect {
+
+// One landmark of the network, before it becomes an observation keypoint.
+struct RawLandmark {
+  float x_px = 0;  // image, pixel centres at integers
+  float y_px = 0;
+  float x_mm = 0;  // in the axes of the crop's own camera, origin near the mid-hip
+  float y_mm = 0;
+  float z_mm = 0;
+  float visibility = 0;  // probability that it is in the picture and not hidden
+  float presence = 0;    // probability that it is in the picture
+};
+
+// What the network saw in one crop.
+struct PoseEstimate {
+  float score = 0;  // probability that the crop holds a person
+  CropRegion crop;
+  bool finite = true;  // every landmark is a number
+  std::vector<RawLandmark>
+      landmarks;  // [39]: 33 of the body, two for the crop (33 centre, 34 scale and up), four unused
+};
+
+class BlazePose {
+ public:
+  static constexpr int kLandmarkCount = 39;
+  static constexpr int kCropSize = 256;  // px
+
+  // Throws IoError naming the file when it is not this network.
+  BlazePose(ocl::DeviceContext& device, const std::filesystem::path& model, bool with_mask);
+
+  // refine_threshold: heatmap probability from which a landmark is moved to its heatmap's centre of mass.
+  void estimate(const ImageRgb& image, const CropRegion& crop, float refine_threshold, PoseEstimate& result);
+
+  // Person probability over the last estimated crop, [kCropSize*kCropSize]. Only with_mask.
+  std::span<const float> mask_probability();
+
+  // Where to look next: centre = landmark 33, side = 2.5 |l34 - l33|, 33 to 34 points up.
+  static CropRegion next_crop(const PoseEstimate& estimate);
+
+ private:
+  void refine(float threshold, std::array<Point2, kLandmarkCount>& positions) const;
+
+  nn::Executor net_;
+  CropSampler sampler_;
+  std::vector<float> input_;
+  std::vector<float> landmarks_;  // [39*5] x, y, z in crop px, visibility and presence logits
+  std::vector<float> score_;      // [1]
+  std::vector<float> heatmap_;    // [64*64*39] logits
+  std::vector<float> world_;      // [39*3] m
+  std::vector<float> mask_;       // [256*256] logits, then probabilities
+};
+
+// The 23 observation keypoints from the network's landmarks: positions and confidences are means and minima of the
+// landmarks a keypoint is made of. Confidence = min(visibility, presence): a landmark that is in the picture but
+// hidden, and one that is outside it, both count little. The crown of the head is unknown (confidence 0, placed between
+// the ears).
+std::array<KeypointDetection, kKeypointCount> keypoints_from_landmarks(const std::vector<RawLandmark>& landmarks);
+
+}  // namespace livecap::detect

@@ -1,0 +1,51 @@
+// The rotated square of the picture that the network sees, sampling it, and warping its mask back.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "base/image_rgb.h"
+#include "livecap/detections.h"
+
+namespace livecap::detect {
+
+struct Point2 {
+  double x = 0;
+  double y = 0;
+};
+
+// A square of the image. Positions in the square are fractions of its side: (0,0) its upper left corner, (1,1) the
+// lower right. Image coordinates have pixel centres at integers.
+struct CropRegion {
+  double center_x_px = 0;
+  double center_y_px = 0;
+  double side_px = 1;
+  double angle_rad = 0;  // clockwise on the screen: the square's "up" is (sin, -cos) in the image
+
+  Point2 image_from_crop(Point2 p) const;
+  Point2 crop_from_image(Point2 p) const;
+};
+
+// The smallest square that holds the whole image.
+CropRegion whole_image_crop(int width, int height);
+
+// Reads crops of an image; keeps its work memory between frames.
+class CropSampler {
+ public:
+  // out: [3*size*size] RGB in [0,1]. Bilinear, black outside the image. Where the crop is shrunk by more than 1.5,
+  // image pixels are averaged in blocks first, so that nothing aliases.
+  void sample(const ImageRgb& image, const CropRegion& crop, int size, std::span<float> out);
+
+ private:
+  void shrink(const ImageRgb& image, int factor, int x_begin, int y_begin, int x_end, int y_end);
+
+  std::vector<float> blocks_;  // [3*block_width_*block_height_], 0..1
+  int block_width_ = 0;
+  int block_height_ = 0;
+};
+
+// probability: [size*size] in [0,1] over the crop. Writes the whole image's mask (bilinear; 0 outside the crop).
+void warp_mask(std::span<const float> probability, int size, const CropRegion& crop, int width, int height,
+               PersonMask& mask);
+
+}  // namespace livecap::detect

@@ -1,0 +1,170 @@
+#include "detect/pose_detector.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/text.h"
+#include "detect/find_model.h"
+#include "livecap/error.h"
+
+namespace livecap::detect {
+namespace {
+
+constexpr int kSearchWindows = 3;  // along the longer side of the image
+
+constexpr double kCropMm = 2000;  // roughly what the side of a person's crop measures
+
+// A square of the image's shorter side, at one of kSearchWindows places along the longer one: the middle first.
+CropRegion search_window(int width, int height, int step) {
+  const int order[kSearchWindows] = {1, 0, 2};
+  const double side = std::min(width, height);
+  const double slack = std::max(width, height) - side;
+  const double start = 0.5 * (side - 1) + slack * order[step % kSearchWindows] / (kSearchWindows - 1);
+  return width > height ? CropRegion{start, 0.5 * (height - 1), side, 0}
+                        : CropRegion{0.5 * (width - 1), start, side, 0};
+}
+
+using Matrix3 = std::array<std::array<double, 3>, 3>;
+
+// The smallest rotation that takes the optical axis (0,0,1) to the unit vector d (d.z > 0): R = I + [v] + [v]^2 / (1 +
+// d.z) with v = z x d.
+Matrix3 rotation_from_axis_to(double dx, double dy, double dz) {
+  const double k = 1.0 / (1.0 + dz);
+  return {{{1 - k * dx * dx, -k * dx * dy, dx}, {-k * dx * dy, 1 - k * dy * dy, dy}, {-dx, -dy, dz}}};
+}
+
+}  // namespace
+
+void PoseDetectorOptions::validate() const {
+  if (!(frame_rate_hz > 0) || !std::isfinite(frame_rate_hz))
+    throw ConfigError(format("frame rate %g Hz must be positive", frame_rate_hz));
+  if (!(score_threshold >= 0 && score_threshold <= 1))
+    throw ConfigError(format("score threshold %g must be in 0..1", double(score_threshold)));
+  if (!(refine_threshold >= 0))
+    throw ConfigError(format("heatmap threshold %g must not be negative", double(refine_threshold)));
+  sides.validate();
+  filter_2d.validate();
+  filter_3d.validate();
+}
+
+PoseDetector::PoseDetector(ocl::DeviceContext& device, const PoseDetectorOptions& options)
+    : options_((options.validate(), options)), network_(device, find_model(options.model), options.mask) {}
+
+void PoseDetector::reset() {
+  tracking_ = false;
+  search_step_ = 0;
+  raw_.clear();
+  sides_.reset();
+  for (auto& keypoint : filters_) {
+    for (OneEuroFilter& filter : keypoint) filter.reset();
+  }
+}
+
+bool PoseDetector::plausible(const CropRegion& crop, const ImageRgb& image) const {
+  const double longest = std::max(image.width, image.height);
+  return std::isfinite(crop.center_x_px) && std::isfinite(crop.center_y_px) && std::isfinite(crop.side_px) &&
+         std::isfinite(crop.angle_rad) && crop.side_px >= 16 && crop.side_px <= 8 * longest &&
+         crop.center_x_px > -0.5 * crop.side_px && crop.center_y_px > -0.5 * crop.side_px &&
+         crop.center_x_px < image.width + 0.5 * crop.side_px && crop.center_y_px < image.height + 0.5 * crop.side_px;
+}
+
+// True when the estimate holds a person that can be followed; then also says where to look next.
+bool PoseDetector::accept(const ImageRgb& image) {
+  if (!(estimate_.score >= options_.score_threshold) || !estimate_.finite) return false;
+  next_crop_ = BlazePose::next_crop(estimate_);
+  return plausible(next_crop_, image);
+}
+
+bool PoseDetector::find_person(const ImageRgb& image) {
+  if (tracking_) {
+    network_.estimate(image, next_crop_, options_.refine_threshold, estimate_);
+    return accept(image);
+  }
+  // The whole image; if nobody is there a closer look at a part of it, another one each frame.
+  network_.estimate(image, whole_image_crop(image.width, image.height), options_.refine_threshold, estimate_);
+  bool found = accept(image);
+  if (!found && image.width != image.height) {
+    network_.estimate(image, search_window(image.width, image.height, search_step_++), options_.refine_threshold,
+                      estimate_);
+    found = accept(image);
+  }
+  if (!found) return false;
+  // A second look with the person's own crop.
+  network_.estimate(image, next_crop_, options_.refine_threshold, estimate_);
+  return accept(image);
+}
+
+// 3D points from the crop's camera to the image's: by the crop's roll, then to the viewing ray of its centre. Origin
+// mid-hip.
+void PoseDetector::turn_to_camera_axes(const Camera& camera) {
+  const CropRegion& crop = estimate_.crop;
+  Matrix3 ray{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  if (options_.perspective_correction) {
+    const double x = (crop.center_x_px - camera.cx) / camera.fx;
+    const double y = (crop.center_y_px - camera.cy) / camera.fy;
+    const double n = std::sqrt(x * x + y * y + 1);
+    ray = rotation_from_axis_to(x / n, y / n, 1 / n);
+  }
+  const double c = std::cos(crop.angle_rad), s = std::sin(crop.angle_rad);
+  for (RawLandmark& l : raw_) {
+    const double p[3] = {c * l.x_mm - s * l.y_mm, s * l.x_mm + c * l.y_mm, l.z_mm};
+    l.x_mm = static_cast<float>(ray[0][0] * p[0] + ray[0][1] * p[1] + ray[0][2] * p[2]);
+    l.y_mm = static_cast<float>(ray[1][0] * p[0] + ray[1][1] * p[1] + ray[1][2] * p[2]);
+    l.z_mm = static_cast<float>(ray[2][0] * p[0] + ray[2][1] * p[1] + ray[2][2] * p[2]);
+  }
+  const float origin[3] = {(raw_[23].x_mm + raw_[24].x_mm) / 2, (raw_[23].y_mm + raw_[24].y_mm) / 2,
+                           (raw_[23].z_mm + raw_[24].z_mm) / 2};
+  for (RawLandmark& l : raw_) {
+    l.x_mm -= origin[0];
+    l.y_mm -= origin[1];
+    l.z_mm -= origin[2];
+  }
+}
+
+void PoseDetector::filter_keypoints(double dt_s, Detections& detections) {
+  const double crop_px = BlazePose::kCropSize / estimate_.crop.side_px;
+  const double cm = 0.1;
+  for (int i = 0; i < kKeypointCount; ++i) {
+    KeypointDetection& k = detections.keypoints[i];
+    auto& filter = filters_[i];
+    k.x_px = static_cast<float>(filter[0].filter(options_.filter_2d, k.x_px, dt_s, crop_px));
+    k.y_px = static_cast<float>(filter[1].filter(options_.filter_2d, k.y_px, dt_s, crop_px));
+    k.x_mm = static_cast<float>(filter[2].filter(options_.filter_3d, k.x_mm, dt_s, cm));
+    k.y_mm = static_cast<float>(filter[3].filter(options_.filter_3d, k.y_mm, dt_s, cm));
+    k.z_mm = static_cast<float>(filter[4].filter(options_.filter_3d, k.z_mm, dt_s, cm));
+  }
+}
+
+Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camera, int64_t frame_index) {
+  if (undistorted.empty() || undistorted.width != camera.width || undistorted.height != camera.height)
+    throw ConfigError(format("frame %lld is %dx%d, the camera's pictures are %dx%d",
+                             static_cast<long long>(frame_index), undistorted.width, undistorted.height, camera.width,
+                             camera.height));
+  Detections detections;
+  detections.frame_index = frame_index;
+  const bool found = find_person(undistorted);
+  detections.score = estimate_.score;
+  if (!found) {
+    const int step = search_step_;
+    reset();
+    search_step_ = step;
+    last_frame_ = frame_index;
+    return detections;
+  }
+  detections.person = true;
+  search_step_ = 0;
+  raw_ = estimate_.landmarks;
+  turn_to_camera_axes(camera);
+  detections.keypoints = keypoints_from_landmarks(raw_);
+  const double dt_s = static_cast<double>(std::max<int64_t>(1, frame_index - last_frame_)) / options_.frame_rate_hz;
+  if (options_.keep_sides) sides_.update(options_.sides, dt_s, kCropMm / estimate_.crop.side_px, detections.keypoints);
+  if (options_.filter) filter_keypoints(dt_s, detections);
+  if (options_.mask)
+    warp_mask(network_.mask_probability(), BlazePose::kCropSize, estimate_.crop, undistorted.width, undistorted.height,
+              detections.mask);
+  tracking_ = true;
+  last_frame_ = frame_index;
+  return detections;
+}
+
+}  // namespace livecap::detect

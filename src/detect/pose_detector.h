@@ -1,0 +1,81 @@
+// One person's pose in every frame of a video: crop tracking, the network, 1 euro filters (paper, "Joint Detection"
+// after VNect). The result is a deterministic function of the frames since construction or reset().
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/image_rgb.h"
+#include "detect/blazepose.h"
+#include "detect/one_euro.h"
+#include "detect/side_tracker.h"
+#include "livecap/camera.h"
+#include "livecap/detections.h"
+
+namespace livecap::detect {
+
+struct PoseDetectorOptions {
+  std::string model = "full";     // lite, full, heavy, or the path of a .tflite file
+  bool mask = true;               // also the person mask
+  double frame_rate_hz = 30;      // of the frame indices given to detect()
+  float score_threshold = 0.5f;   // below: nobody
+  float refine_threshold = 0.5f;  // heatmap probability from which landmarks are refined; > 1 switches it off
+  // The network takes every crop for the picture of a camera that looks straight at it. On: its 3D points are also
+  // turned by the rotation from the optical axis to the viewing ray of the crop's centre. Off: by the crop's roll only.
+  bool perspective_correction = true;
+  bool keep_sides = true;  // undo sudden exchanges of left and right
+  SideTrackerOptions sides;
+  bool filter = true;  // 1 euro filters on the keypoints
+  // Cut-off and beta as VNect has them. 2D speed is in px of the network's 256 px crop per second, so that the video's
+  // size does not matter; 3D speed in cm per second. With the usual 1 Hz on the speed itself quick limbs lag by several
+  // frames.
+  OneEuroOptions filter_2d{1.7, 0.3, 10.0};
+  OneEuroOptions filter_3d{0.8, 0.4, 10.0};
+
+  // Throws ConfigError.
+  void validate() const;
+};
+
+// Not thread-safe; uses the device's queue during detect().
+class PoseDetector {
+ public:
+  // Throws IoError (model), ConfigError (options), OclError.
+  PoseDetector(ocl::DeviceContext& device, const PoseDetectorOptions& options);
+
+  // undistorted: the camera's size, else ConfigError. frame_index: rising; a gap counts as time. Nobody in view gives
+  // person = false and the next frame is searched as a whole; it is never an error.
+  Detections detect(const ImageRgb& undistorted, const Camera& camera, int64_t frame_index);
+
+  // Forgets the person and the filters' past.
+  void reset();
+
+  // The network's own landmarks of the last frame (2D before filters, sides as the
+  // network named them; 3D in camera axes, mm, mid-hip origin). Empty
+  // when nobody was found.
+  const std::vector<RawLandmark>& raw_landmarks() const { return raw_; }
+
+  // The crop of the last frame's result.
+  const CropRegion& crop() const { return estimate_.crop; }
+
+ private:
+  bool plausible(const CropRegion& crop, const ImageRgb& image) const;
+  bool accept(const ImageRgb& image);
+  bool find_person(const ImageRgb& image);
+  void turn_to_camera_axes(const Camera& camera);
+  void filter_keypoints(double dt_s, Detections& detections);
+
+  PoseDetectorOptions options_;
+  BlazePose network_;
+  PoseEstimate estimate_;
+  std::vector<RawLandmark> raw_;
+  bool tracking_ = false;
+  CropRegion next_crop_;
+  int search_step_ = 0;  // which window is tried next while nobody is found
+  int64_t last_frame_ = 0;
+  SideTracker sides_;
+  std::array<std::array<OneEuroFilter, 5>, kKeypointCount> filters_;
+};
+
+}  // namespace livecap::detect

@@ -195,7 +195,7 @@ std::map<std::string_view, Restatement> restatements() {
             const VectorXd color = random_vector(rng, 3, 0.6, 1);
             Instance i{random_point(rng),
                        concat({random_camera(rng), color, random_vector(rng, 6, -0.02, 0.02), numbers({0, 0}),
-                               color - random_vector(rng, 3, 0.25, 0.35), numbers({rng() % 2 == 0 ? 0.1 : 1.0})})};
+                               color - random_vector(rng, 3, 0.25, 0.35), numbers({rng() % 2 == 0 ? 0.3 : 1.0})})};
             i.params.segment<2>(13) = project(i.x, i.params.head(4)) + random_vector(rng, 2, -0.5, 0.5);
             return i;
           },

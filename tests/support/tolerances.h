@@ -45,16 +45,6 @@ inline constexpr double kRigidFaceMm = 0.5;
 // Stage II in float against double, relative norm: projections at some 300 px carry 3e-5 px of rounding, which a random
 // image turns into 1e-5 of colour per tap.
 inline constexpr double kSurfaceSystem = 2e-5;
-// Eight decimals of a degree and of a unit along a chain of a metre and a half, in metres.
-inline constexpr double kBvhMetres = 2e-7;
-// Seven significant digits of a few metres.
-inline constexpr double kCsvMetres = 2e-6;
-// Morph targets stop when what they leave out is below 0.02 mm; int16 shapes and float weights add about as much.
-inline constexpr double kMorphMeanMm = 0.05;
-// The writer's own account of its error against what a viewer computes from the float32 file some metres away.
-inline constexpr double kGlbReportMm = 5e-3;
-// 64 shapes for 150 frames of dancing with a skirt on a rigid body (nearly all motion is residual), in mm.
-inline constexpr double kClothMeanMm = 0.7;
 // A weighted mean of at most 256 8-bit values in float.
 inline constexpr double kBlurredColor = 1e-6;
 inline constexpr double kBlurredGradientStep = 1e-5;

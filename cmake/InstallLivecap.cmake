@@ -13,6 +13,8 @@ install(TARGETS livecap_api ${rooms} livecap_openmesh livecap_tinygltf EXPORT li
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/livecap)
 install(EXPORT livecapTargets NAMESPACE livecap:: DESTINATION ${package_dir})
 install(DIRECTORY include/livecap DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN *.h)
+# The network weights, when tools/setup.sh has fetched them; the program looks for them there.
+install(DIRECTORY models/ DESTINATION ${CMAKE_INSTALL_DATADIR}/livecap/models OPTIONAL FILES_MATCHING PATTERN *.tflite)
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 configure_package_config_file(cmake/livecapConfig.cmake.in ${PROJECT_BINARY_DIR}/livecapConfig.cmake

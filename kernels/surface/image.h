@@ -38,8 +38,7 @@ static inline int on_other_part(global const uchar* restrict part_image, int wid
 
 // Image direction of a camera-frame direction at a projected point.
 static inline Vec2 project_direction(Projection q, Vec3 n) {
-  Vec2 out = {q.J[0][0] * n.x + q.J[0][1] * n.y + q.J[0][2] * n.z,
-              q.J[1][0] * n.x + q.J[1][1] * n.y + q.J[1][2] * n.z};
+  Vec2 out = {q.J[0][0] * n.x + q.J[0][1] * n.y + q.J[0][2] * n.z, q.J[1][0] * n.x + q.J[1][1] * n.y + q.J[1][2] * n.z};
   return out;
 }
 

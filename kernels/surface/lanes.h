@@ -27,7 +27,9 @@ typedef int LaneInt;
 #define STORE(value, p, at) ((p)[at] = (value))
 #define ANY_LANE(condition) (condition)
 #define LANE_IDS 0
-static inline float gather(global const float* restrict p, int i) { return p[i]; }
+static inline float gather(global const float* restrict p, int i) {
+  return p[i];
+}
 #endif
 
 // First row of this work-item.

@@ -46,7 +46,8 @@ static float sum_plane(global const float* restrict values, int n, local float* 
 // The four sum kernels run as one work-group (of one work-item on a CPU).
 
 // r.z at the start. first = 1 clears the failure flag.
-kernel void start_scalars(int n_rows, int first, global const float* restrict products, global float* restrict scalars) {
+kernel void start_scalars(int n_rows, int first, global const float* restrict products,
+                          global float* restrict scalars) {
 #if !LC_CPU
   local float scratch[256];
 #endif
@@ -164,8 +165,8 @@ kernel void advance(int n_rows, int stride, global const float* restrict scalars
 }
 
 // p = z + beta p
-kernel void turn_direction(int n_rows, int stride, global const float* restrict scalars,
-                           global const float* restrict z, global float* restrict p) {
+kernel void turn_direction(int n_rows, int stride, global const float* restrict scalars, global const float* restrict z,
+                           global float* restrict p) {
   int row = FIRST_ROW;
   if (row >= n_rows) return;
   float beta = scalars[2];
@@ -176,11 +177,11 @@ kernel void turn_direction(int n_rows, int stride, global const float* restrict 
   }
 }
 
-// v += step, each vertex by at most max_move mm; nothing after a failure.
-kernel void move_vertices(int n_rows, int stride, float max_move, global const float* restrict scalars,
-                          global const float* restrict step, global float* restrict v) {
+// v += step, each vertex by at most max_move mm.
+kernel void move_vertices(int n_rows, int stride, float max_move, global const float* restrict step,
+                          global float* restrict v) {
   int row = FIRST_ROW;
-  if (row >= n_rows || scalars[3] != 0.0f) return;
+  if (row >= n_rows) return;
   Vec3 d = vec3(LOAD(step, row), LOAD(step, row + stride), LOAD(step, row + 2 * stride));
   REAL length = norm3(d);
   REAL scale = length > max_move ? max_move / length : 1.0f;

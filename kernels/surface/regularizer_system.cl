@@ -36,10 +36,9 @@ kernel void regularizer_system(int n_rows, int stride, float w_smooth, float w_e
                                global const float* restrict rest_lengths, global const float* restrict v,
                                global const float* restrict skinned, global const float* restrict previous,
                                global const float* restrict before, global float* restrict blocks,
-                               global float* restrict rhs, global float* restrict edges,
-                               global float* restrict inverse, global float* restrict z, global float* restrict p,
-                               global float* restrict step, global float* restrict products,
-                               global float* restrict energies) {
+                               global float* restrict rhs, global float* restrict edges, global float* restrict inverse,
+                               global float* restrict z, global float* restrict p, global float* restrict step,
+                               global float* restrict products, global float* restrict energies) {
   int row = FIRST_ROW;
   if (row >= n_rows) return;
   Vec3 v_i = load_planes(v, stride, row);
@@ -61,8 +60,8 @@ kernel void regularizer_system(int n_rows, int stride, float w_smooth, float w_e
   Vec3 r_acceleration = vec3(acceleration.r[0], acceleration.r[1], acceleration.r[2]);
   s.rhs = sub3(s.rhs, scale3(r_velocity, w_velocity * velocity.J[0][0]));
   s.rhs = sub3(s.rhs, scale3(r_acceleration, w_acceleration * acceleration.J[0][0]));
-  REAL diagonal = w_velocity * velocity.J[0][0] * velocity.J[0][0] +
-                  w_acceleration * acceleration.J[0][0] * acceleration.J[0][0];
+  REAL diagonal =
+      w_velocity * velocity.J[0][0] * velocity.J[0][0] + w_acceleration * acceleration.J[0][0] * acceleration.J[0][0];
 
   REAL e_smooth = 0.0f, e_edge = 0.0f;
   int begin = slice_offsets[row / SLICE];
@@ -102,8 +101,8 @@ kernel void regularizer_system(int n_rows, int stride, float w_smooth, float w_e
   REAL iyz = (s.xy * s.xz - s.xx * s.yz) * inv_det;
   REAL izz = (s.xx * s.yy - s.xy * s.xy) * inv_det;
   Vec3 r = s.rhs;
-  Vec3 z_i = vec3(ixx * r.x + ixy * r.y + ixz * r.z, ixy * r.x + iyy * r.y + iyz * r.z,
-                  ixz * r.x + iyz * r.y + izz * r.z);
+  Vec3 z_i =
+      vec3(ixx * r.x + ixy * r.y + ixz * r.z, ixy * r.x + iyy * r.y + iyz * r.z, ixz * r.x + iyz * r.y + izz * r.z);
 
   STORE(s.xx, blocks, row);
   STORE(s.xy, blocks, row + stride);

@@ -9,8 +9,8 @@ kernel void silhouette_system(int n, int n_rows, int stride, int width, int heig
                               Pinhole cam, global const int* restrict order, global const int* restrict contour,
                               global const float* restrict normals, global const float* restrict signed_distance,
                               global const uchar* restrict part_image, global const int* restrict vertex_part,
-                              global const float* restrict v, global float* restrict blocks,
-                              global float* restrict rhs, global float* restrict energy) {
+                              global const float* restrict v, global float* restrict blocks, global float* restrict rhs,
+                              global float* restrict energy) {
   int row = get_global_id(0);
   if (row >= n_rows) return;
   energy[row] = 0.0f;

@@ -6,10 +6,10 @@
 namespace livecap {
 
 const std::array<std::string_view, kRigJointCount> kRigJointNames = {
-    "root",           "neck",         "left_clavicle", "left_shoulder", "left_elbow", "right_clavicle",
-    "right_shoulder", "right_elbow",  "left_hip",      "left_knee",     "left_ankle", "right_hip",
-    "right_knee",     "right_ankle",  "left_wrist",    "right_wrist",   "left_toe",   "right_toe",
-    "head",           "left_knuckle", "right_knuckle", "head_top"};
+    "root",           "neck",        "left_clavicle", "left_shoulder", "left_elbow", "right_clavicle",
+    "right_shoulder", "right_elbow", "left_hip",      "left_knee",     "left_ankle", "right_hip",
+    "right_knee",     "right_ankle", "left_wrist",    "right_wrist",   "left_toe",   "right_toe",
+    "head",           "left_hand",   "right_hand",    "head_top"};
 
 bool rig_joint_required(int joint) {
   return joint <= kRigRightWrist && joint != kRigLeftClavicle && joint != kRigRightClavicle;
@@ -31,10 +31,10 @@ constexpr Table kTables[] = {
     {"UE/MakeHuman", {"pelvis", "neck01", "claviclel", "upperarml", "lowerarml", "clavicler", "upperarmr", "lowerarmr",
                       "thighl", "calfl",  "footl",     "thighr",    "calfr",     "footr",     "handl",     "handr",
                       "balll",  "ballr",  "head",      "middle01l", "middle01r", "headend"}},
-    {"LiveCap", {"root",          "neck",        "leftclavicle", "leftshoulder", "leftelbow", "rightclavicle",
-                 "rightshoulder", "rightelbow",  "lefthip",      "leftknee",     "leftankle", "righthip",
-                 "rightknee",     "rightankle",  "leftwrist",    "rightwrist",   "lefttoe",   "righttoe",
-                 "head",          "leftknuckle", "rightknuckle", "headtop"}},
+    {"LiveCap", {"root",          "neck",       "leftclavicle", "leftshoulder", "leftelbow", "rightclavicle",
+                 "rightshoulder", "rightelbow", "lefthip",      "leftknee",     "leftankle", "righthip",
+                 "rightknee",     "rightankle", "leftwrist",    "rightwrist",   "lefttoe",   "righttoe",
+                 "head",          "lefthand",   "righthand",    "headtop"}},
 };
 
 // "mixamorig1:LeftUpLeg" -> "leftupleg", "upperarm_l" -> "upperarml".

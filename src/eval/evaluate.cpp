@@ -74,7 +74,8 @@ std::vector<float> to_camera_mm(std::vector<float> positions) {
 Actor load_actor_named(const std::string& name, double height_mm) {
   const std::string prefix = "builtin:";
   if (name.rfind(prefix, 0) != 0) return load_actor(name, height_mm);
-  return load_actor_bytes(make_builtin_actor_glb(name.substr(prefix.size())), name, height_mm);
+  return load_actor_bytes(
+      make_builtin_actor_glb(name.substr(prefix.size()), height_mm > 0 ? height_mm : kBuiltinHeightMm), name);
 }
 
 // Field `name` of report.json's options; `fallback` when it is missing or null.

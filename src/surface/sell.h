@@ -1,6 +1,6 @@
-// The one-ring graph of a mesh in slices of 16 rows (SELL-16, sliced ELLPACK): within a slice the k-th neighbours of its
-// 16 vertices lie side by side, so that a vector register or a half-warp reads them at once. Rows are renumbered for
-// locality (reverse Cuthill-McKee), then sorted by degree in windows to keep the padding small.
+// The one-ring graph of a mesh in slices of 16 rows (SELL-16, sliced ELLPACK): within a slice the k-th neighbours of
+// its 16 vertices lie side by side, so that a vector register or a half-warp reads them at once. Rows are renumbered
+// for locality (reverse Cuthill-McKee), then sorted by degree in windows to keep the padding small.
 #pragma once
 
 #include <cstdint>

@@ -24,7 +24,8 @@ void smooth_trajectory(std::vector<std::vector<float>>& frames) {
   std::vector<float> previous, original;  // previous: the unsmoothed frame t-1
   for (size_t t = 0; t < frames.size(); ++t) {
     original = frames[t];
-    const std::span<const float> next = t + 1 < frames.size() ? std::span<const float>(frames[t + 1]) : std::span<const float>();
+    const std::span<const float> next =
+        t + 1 < frames.size() ? std::span<const float>(frames[t + 1]) : std::span<const float>();
     smooth_frame(previous, original, next, frames[t]);
     std::swap(previous, original);
   }

@@ -74,9 +74,9 @@ void Snapper::snap(const SnapInput& input, ocl::Buffer<float>& vertices) {
   const int n_rows = graph_.n_rows, stride = graph_.stride;
   const int has_parts = input.part_image ? 1 : 0;
   targets_.launch(n_rows, 64, graph_.n, n_rows, stride, width_, height_, options_.max_rigidity, options_.max_move_px,
-                  has_parts, camera_, order_, rigidity_, input.contour_flag, input.normals,
-                  input.frame.signed_distance, has_parts ? *input.part_image : no_parts_,
-                  has_parts ? *input.vertex_part : input.contour_flag, vertices, moves_, rings_);
+                  has_parts, camera_, order_, rigidity_, input.contour_flag, input.normals, input.frame.signed_distance,
+                  has_parts ? *input.part_image : no_parts_, has_parts ? *input.vertex_part : input.contour_flag,
+                  vertices, moves_, rings_);
   for (int ring = 1; ring <= options_.n_rings; ++ring) {
     // Linear fall-off to zero at n_rings + 1.
     const float fall = float(options_.n_rings + 1 - ring) / float(options_.n_rings + 2 - ring);
@@ -87,8 +87,8 @@ void Snapper::snap(const SnapInput& input, ocl::Buffer<float>& vertices) {
   ocl::Buffer<float>* after = &relaxed_;
   if (options_.n_rings > 0 && options_.relaxations > 0) relaxed_.copy_from(moves_);
   for (int k = 0; options_.n_rings > 0 && k < options_.relaxations; ++k) {
-    relax_.launch(lane_items_, lane_local_, n_rows, stride, float(options_.n_rings), slice_offsets_, neighbors_,
-                  rings_, *before, *after);
+    relax_.launch(lane_items_, lane_local_, n_rows, stride, float(options_.n_rings), slice_offsets_, neighbors_, rings_,
+                  *before, *after);
     std::swap(before, after);
   }
   apply_.launch(n, 64, graph_.n, stride, float(options_.n_rings), order_, rings_, *before, vertices);

@@ -11,10 +11,10 @@
 namespace livecap {
 
 struct SnapOptions {
-  float max_rigidity = 3.0f;   // only vertices of at most this rigidity move (paper, Table 1: clothes and scarfs)
-  float max_move_px = 15.0f;   // a contour vertex farther from the silhouette stays
-  int n_rings = 5;             // width of the warped band in edges, 0: contour vertices only
-  int relaxations = 8;         // Jacobi sweeps of the warp
+  float max_rigidity = 3.0f;  // only vertices of at most this rigidity move (paper, Table 1: clothes and scarfs)
+  float max_move_px = 15.0f;  // a contour vertex farther from the silhouette stays
+  int n_rings = 5;            // width of the warped band in edges, 0: contour vertices only
+  int relaxations = 8;        // Jacobi sweeps of the warp
 
   // Throws ConfigError naming the field.
   void validate() const;
@@ -52,9 +52,9 @@ class Snapper {
   int height_;
   size_t lane_items_, lane_local_;
   ocl::Buffer<int32_t> order_, slice_offsets_, neighbors_;
-  ocl::Buffer<float> rigidity_;          // [stride] rows
-  ocl::Buffer<float> rings_;             // [stride]
-  ocl::Buffer<float> moves_, relaxed_;   // 2 planes, mm
+  ocl::Buffer<float> rigidity_;         // [stride] rows
+  ocl::Buffer<float> rings_;            // [stride]
+  ocl::Buffer<float> moves_, relaxed_;  // 2 planes, mm
   ocl::Buffer<uint8_t> no_parts_;
   ocl::Kernel targets_, spread_, relax_, apply_;
 };

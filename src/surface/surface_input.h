@@ -25,9 +25,9 @@ struct SurfaceInput {
 };
 
 struct SurfaceOptions {
-  float w_photo = 1e4f;          // colours in [0,1]; a weight of 0 switches its term off
-  float w_silhouette = 600.0f;   // px
-  float w_smooth = 10.0f;        // mm, as the following
+  float w_photo = 1e4f;         // colours in [0,1]; a weight of 0 switches its term off
+  float w_silhouette = 600.0f;  // px
+  float w_smooth = 10.0f;       // mm, as the following
   float w_edge = 30.0f;
   float w_velocity = 0.25f;
   float w_acceleration = 0.1f;
@@ -36,9 +36,9 @@ struct SurfaceOptions {
   // sigma_c: photometric residuals longer than this (Euclidean, RGB in [0,1]) are zero. The paper gives no value: 0.2
   // is well above shading and noise and below the distance of most garments from each other.
   float color_threshold = 0.2f;
-  float damping = 1e-3f;         // added to the diagonal of J^T J; the weakest regulariser is 0.1
-  float max_step_mm = 50.0f;     // no vertex moves farther in one Gauss-Newton step
-  bool evaluate_energies = true; // of the result; costs about one more linearisation
+  float damping = 1e-3f;          // added to the diagonal of J^T J; the weakest regulariser is 0.1
+  float max_step_mm = 50.0f;      // no vertex moves farther in one Gauss-Newton step
+  bool evaluate_energies = true;  // of the result; costs about one more linearisation
 
   // Throws ConfigError naming the field.
   void validate() const;

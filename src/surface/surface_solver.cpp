@@ -4,9 +4,7 @@ namespace livecap {
 
 SurfaceSolver::SurfaceSolver(ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
                              const SurfaceOptions& options)
-    : options_(options),
-      system_(device, actor, camera, options),
-      vertices_(device, 3 * size_t(actor.n_vertices())) {}
+    : options_(options), system_(device, actor, camera, options), vertices_(device, 3 * size_t(actor.n_vertices())) {}
 
 SurfaceResult SurfaceSolver::solve(const SurfaceInput& input) {
   system_.begin(input);

@@ -37,7 +37,9 @@ double rest_length(const Mesh& mesh, int i, int j) {
 
 }  // namespace
 
-double gaussian_sigma(int kernel_size) { return 0.3 * ((kernel_size - 1) * 0.5 - 1.0) + 0.8; }
+double gaussian_sigma(int kernel_size) {
+  return 0.3 * ((kernel_size - 1) * 0.5 - 1.0) + 0.8;
+}
 
 void SurfaceOptions::validate() const {
   require_weight(w_photo, "w_photo");
@@ -177,8 +179,8 @@ void SurfaceSystem::linearize(const SurfaceInput& input, int gaussian_kernel) {
   const int has_parts = input.part_image ? 1 : 0;
   silhouette_.launch(n_rows, row_local_, n, n_rows, stride, width_, height_, options_.w_silhouette, has_parts, camera_,
                      order_, input.contour_flag, input.normals, input.frame.signed_distance,
-                     has_parts ? *input.part_image : no_parts_, has_parts ? *input.vertex_part : input.contour_flag,
-                     v_, blocks_, residual_, data_energies_[1]);
+                     has_parts ? *input.part_image : no_parts_, has_parts ? *input.vertex_part : input.contour_flag, v_,
+                     blocks_, residual_, data_energies_[1]);
   // Without an earlier frame the term is off; its positions must still be finite.
   const ocl::Buffer<float>& previous = w_velocity_ > 0 || w_acceleration_ > 0 ? previous_ : v_;
   const ocl::Buffer<float>& before = w_acceleration_ > 0 ? before_ : v_;
@@ -209,7 +211,7 @@ void SurfaceSystem::iterate_pcg(int iterations) {
 }
 
 void SurfaceSystem::move() {
-  move_.launch(lane_items_, lane_local_, graph_.n_rows, graph_.stride, options_.max_step_mm, scalars_, step_, v_);
+  move_.launch(lane_items_, lane_local_, graph_.n_rows, graph_.stride, options_.max_step_mm, step_, v_);
 }
 
 void SurfaceSystem::finish(const SurfaceInput& input, ocl::Buffer<float>& out) {
@@ -241,14 +243,19 @@ std::vector<float> SurfaceSystem::from_planes(const ocl::Buffer<float>& planes, 
   const std::vector<float> values = planes.read_all();
   std::vector<float> out(size_t(width) * graph_.n);
   for (int r = 0; r < graph_.n; ++r)
-    for (int a = 0; a < width; ++a)
-      out[size_t(width) * graph_.order[r] + a] = values[size_t(a) * graph_.stride + r];
+    for (int a = 0; a < width; ++a) out[size_t(width) * graph_.order[r] + a] = values[size_t(a) * graph_.stride + r];
   return out;
 }
 
-std::vector<float> SurfaceSystem::right_hand_side() const { return from_planes(residual_, 3); }
-std::vector<float> SurfaceSystem::step() const { return from_planes(step_, 3); }
-std::vector<float> SurfaceSystem::diagonal_blocks() const { return from_planes(blocks_, 6); }
+std::vector<float> SurfaceSystem::right_hand_side() const {
+  return from_planes(residual_, 3);
+}
+std::vector<float> SurfaceSystem::step() const {
+  return from_planes(step_, 3);
+}
+std::vector<float> SurfaceSystem::diagonal_blocks() const {
+  return from_planes(blocks_, 6);
+}
 
 std::vector<float> SurfaceSystem::product(const std::vector<float>& direction) {
   direction_.write(graph_.planes(direction, 3));

@@ -1,6 +1,6 @@
 // The Gauss-Newton system of stage II on the device (paper, "Non-rigid Surface Registration" and "Data Parallel GPU
-// Optimization"): linearise E_non-rigid at the current vertices, solve (J^T J + damping) step = -J^T F by preconditioned
-// conjugate gradients, move. SurfaceSolver runs the three; tests look at each.
+// Optimization"): linearise E_non-rigid at the current vertices, solve (J^T J + damping) step = -J^T F by
+// preconditioned conjugate gradients, move. SurfaceSolver runs the three; tests look at each.
 #pragma once
 
 #include <vector>
@@ -27,9 +27,9 @@ class SurfaceSystem {
   // solve when it is the first of a frame.
   void linearize(const SurfaceInput& input, int gaussian_kernel);
   void iterate_pcg(int iterations);
-  // vertices += step, unless anything was not finite since begin().
+  // vertices += step, each by at most max_step_mm.
   void move();
-  // out [3n]: the vertices, or input.start after a failure.
+  // out [3n]: the vertices, or input.start when anything was not finite since begin().
   void finish(const SurfaceInput& input, ocl::Buffer<float>& out);
 
   // Blocking reads.

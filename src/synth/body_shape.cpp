@@ -43,9 +43,9 @@ const std::vector<Ring> kWomanTrunk = {{1438, 62, 56, -14},  {1415, 108, 66, -14
 const std::vector<Ring> kSkirt = {{1052, 127, 100, 0}, {1020, 137, 107, -2}, {960, 165, 127, -6}, {900, 188, 148, -8},
                                   {780, 221, 180, -8}, {660, 250, 210, -6},  {530, 282, 243, -4}};
 const std::vector<Ring> kManTrunk = {{1442, 66, 60, -14},  {1420, 118, 74, -14}, {1390, 158, 92, -10},
-                                     {1350, 170, 108, -4}, {1290, 172, 120, 2},  {1220, 164, 116, 2},
-                                     {1130, 154, 110, 2},  {1050, 152, 110, 2},  {980, 158, 116, 0},
-                                     {920, 168, 124, -4},  {872, 176, 132, -6}};
+                                     {1350, 170, 108, -4}, {1290, 172, 120, 2},  {1220, 164, 117, 2},
+                                     {1130, 156, 113, 2},  {1050, 162, 116, 1},  {990, 178, 123, 0},
+                                     {930, 196, 132, -4},  {872, 204, 142, -6}};
 const std::vector<Ring> kTrousersSeat = {
     {1040, 140, 100, 0}, {960, 150, 108, -4}, {880, 160, 116, -8}, {800, 150, 108, -8}};
 
@@ -115,14 +115,14 @@ void BodyShape::head_distances(const Vec3& p, std::array<double, kPartCount>& d)
   const bool woman = outfit_ == Outfit::kSkirt;
   const double jaw = woman ? 33 : 38;
   double face = ellipsoid(p, {0, 1607, 0}, {74, 84, 92});
-  face = smooth_min(face, tapered_capsule(p, {0, 1575, 26}, {0, 1507, 50}, 62, jaw), 45);
+  face = smooth_min(face, tapered_capsule(p, {0, 1575, 26}, {0, 1505, 55}, 62, jaw), 45);
   const double socket = (p - Vec3(31, 1594, 103)).norm() - 17;
   face = smooth_max(face, -socket, 12);
   face = smooth_min(face, tapered_capsule(p, {0, 1594, 90}, {0, 1563, 107}, 7, 12), 12);  // nose
   face = smooth_min(face, tapered_capsule(p, {0, 1535, 86}, {13, 1535, 83}, 8, 6), 12);   // lips
   face = smooth_min(face, ellipsoid(p, {77, 1582, 2}, {10, 30, 18}), 10);                 // ear
   d[kFacePart] = face;
-  d[kNeckPart] = tapered_capsule(p, {0, 1405, -18}, {0, 1530, 0}, woman ? 55 : 63, woman ? 48 : 56);
+  d[kNeckPart] = tapered_capsule(p, {0, 1405, -18}, {0, 1530, 0}, woman ? 52 : 62, woman ? 44 : 54);
 
   // Hair: a cap around the skull, cut free of the face and the ears.
   const double volume = woman ? 12 : 8;

@@ -73,11 +73,11 @@ Vec3 face(const BodyShape& shape, const Vec3& p) {
   return c;
 }
 
-// Place on the sleeves and the trunk of the top: how far down, and which stripe coordinate the cloth has there.
+// How far down the sleeve a point of the top is, mm; negative on the trunk.
 double sleeve_parameter(const BodyShape& shape, const Vec3& p) {
   const Vec3 q(std::abs(p.x()), p.y(), p.z());
   const Vec3 &shoulder = shape.joints()[kLeftArm], &elbow = shape.joints()[kLeftForeArm];
-  return (q - shoulder).dot((elbow - shoulder).normalized());
+  return segment_distance(q, shoulder, elbow) < 72 ? (q - shoulder).dot((elbow - shoulder).normalized()) : -1;
 }
 
 Vec3 striped_top(const BodyShape& shape, const Vec3& p) {
@@ -97,6 +97,7 @@ Vec3 striped_top(const BodyShape& shape, const Vec3& p) {
   } else {
     c = mix(c, {0.15, 0.1, 0.1}, inside(std::hypot(p.x(), std::fmod(p.y(), 55) - 27) - 6, 2));
   }
+  if (p.y() < 1064) return {0.20, 0.09, 0.07};  // goes into the belt
   return mix(c, coral, inside(1426 - p.y(), 3));
 }
 

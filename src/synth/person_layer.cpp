@@ -69,7 +69,7 @@ class SampleBuffer {
     const Vec3 &a = points_[t[0]], &b = points_[t[1]], &c = points_[t[2]];  // x, y in samples; z = 1/depth
     if (!(a.z() > 0 && b.z() > 0 && c.z() > 0)) return;                     // behind the camera
     const double area = (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
-    if (area <= 1e-9) return;  // turned away (y goes down)
+    if (area >= -1e-9) return;  // turned away: y goes down, so what faces the camera runs clockwise
     const int x0 = std::max(0, static_cast<int>(std::ceil(std::min({a.x(), b.x(), c.x()}))));
     const int x1 = std::min(width_ - 1, static_cast<int>(std::floor(std::max({a.x(), b.x(), c.x()}))));
     const int y0 = std::max(first_row_, static_cast<int>(std::ceil(std::min({a.y(), b.y(), c.y()}))));

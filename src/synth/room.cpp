@@ -16,14 +16,13 @@ struct Box {
   int kind;  // 0 shelf, 1 drawers, 2 picture, 3 pot, 4 leaves, 5 skirting board
 };
 
-const std::array<Box, 7> kFurniture = {{
+const std::array<Box, 6> kFurniture = {{
     {{-1500, 0, kWallZ}, {-640, 1690, kWallZ + 300}, 0},
     {{560, 0, kWallZ}, {1500, 720, kWallZ + 420}, 1},
     {{330, 1330, kWallZ}, {820, 1840, kWallZ + 25}, 2},
     {{660, 720, kWallZ + 120}, {800, 860, kWallZ + 260}, 3},
     {{620, 860, kWallZ + 100}, {840, 1110, kWallZ + 280}, 4},
     {{-640, 0, kWallZ}, {560, 95, kWallZ + 18}, 5},
-    {{-150, 1400, kWallZ}, {60, 1650, kWallZ + 20}, 2},
 }};
 
 Color srgb(double r, double g, double b) {

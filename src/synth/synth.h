@@ -45,7 +45,6 @@ struct SynthOptions {
   double blur_px = 0.45;           // standard deviation of the lens blur
   bool cloth = true;               // false: the surface is pure skinning
   uint64_t seed = 1;               // of the noise and the room's texture
-  int crf = 18;                    // H.264 quality of video.mp4
 
   // Throws ConfigError naming the field.
   void validate() const;

@@ -14,8 +14,8 @@ find src include tools tests -name '*.h' -o -name '*.cpp' | sort | xargs grep -H
     for (i = 1; i <= n; ++i) level[list[i]] = i
     network["nn"]; network["detect"]
     solver["solve"]; solver["pose"]; solver["surface"]
-    home["opencv2"] = "image export"; home["OpenMesh"] = "actor synth"; home["clblast.h"] = "nn"
-    home["tiny_gltf.h"] = "actor export"; home["CLI"] = ""
+    home["opencv2"] = "image export synth"; home["OpenMesh"] = "actor synth"; home["clblast.h"] = "nn"
+    home["tiny_gltf.h"] = "actor export synth"; home["CLI"] = ""
   }
   function offence(why) { print file ":" line ": " what " " why }
   {

@@ -47,8 +47,8 @@ struct ReferenceSystem {
 };
 
 // v: [3n] the current vertices. Photometric and distance derivatives by central differences of the images themselves.
-inline ReferenceSystem reference_system(const Scene& s, const SurfaceOptions& o, const std::vector<double>& v, int kernel,
-                                        bool temporal = true) {
+inline ReferenceSystem reference_system(const Scene& s, const SurfaceOptions& o, const std::vector<double>& v,
+                                        int kernel, bool temporal = true) {
   const int n = s.n();
   std::vector<Eigen::Triplet<double>> J;
   std::vector<double> F;
@@ -81,8 +81,9 @@ inline ReferenceSystem reference_system(const Scene& s, const SurfaceOptions& o,
     const Eigen::Vector2d uv = project(p);
     const Eigen::Matrix<double, 2, 3> D = projection_jacobian(p);
     if (s.visible[i] && o.w_photo > 0) {
-      const Eigen::Vector3d d = blurred_color(s, uv.x(), uv.y(), kernel) -
-                                Eigen::Vector3d(s.actor.colors[3 * i], s.actor.colors[3 * i + 1], s.actor.colors[3 * i + 2]);
+      const Eigen::Vector3d d =
+          blurred_color(s, uv.x(), uv.y(), kernel) -
+          Eigen::Vector3d(s.actor.colors[3 * i], s.actor.colors[3 * i + 1], s.actor.colors[3 * i + 2]);
       if (d.norm() <= o.color_threshold) {
         const Eigen::Vector3d du =
             (blurred_color(s, uv.x() + h, uv.y(), kernel) - blurred_color(s, uv.x() - h, uv.y(), kernel)) / (2 * h);
@@ -97,8 +98,7 @@ inline ReferenceSystem reference_system(const Scene& s, const SurfaceOptions& o,
       }
     }
     if (s.contour[i] && o.w_silhouette > 0) {
-      const int part =
-          s.part_image[size_t(std::lround(uv.y())) * s.camera.width + size_t(std::lround(uv.x()))];
+      const int part = s.part_image[size_t(std::lround(uv.y())) * s.camera.width + size_t(std::lround(uv.x()))];
       if (part == 0 || part == s.vertex_part[i]) {
         const double d = bilinear_distance(s, uv.x(), uv.y());
         const Eigen::Vector2d g(

@@ -1,6 +1,8 @@
 // Procedural meshes and frames for the tests of stage II, on the host and on a device.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <array>
 #include <cmath>
 #include <functional>
@@ -10,6 +12,7 @@
 
 #include "actor/actor.h"
 #include "livecap/camera.h"
+#include "support/test_device.h"
 #include "surface/surface_input.h"
 
 namespace livecap::test {
@@ -17,12 +20,13 @@ namespace livecap::test {
 // Icosphere: 12, 42, 162, 642, 2562 vertices for 0..4 subdivisions.
 inline Mesh icosphere(int subdivisions, double radius, std::array<double, 3> center) {
   const double t = (1 + std::sqrt(5.0)) / 2;
-  std::vector<std::array<double, 3>> points = {{-1, t, 0}, {1, t, 0}, {-1, -t, 0}, {1, -t, 0}, {0, -1, t}, {0, 1, t},
-                                               {0, -1, -t}, {0, 1, -t}, {t, 0, -1}, {t, 0, 1}, {-t, 0, -1}, {-t, 0, 1}};
-  std::vector<std::array<int, 3>> faces = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11},
-                                           {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-                                           {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8}, {3, 8, 9},
-                                           {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+  std::vector<std::array<double, 3>> points = {{-1, t, 0}, {1, t, 0}, {-1, -t, 0}, {1, -t, 0},
+                                               {0, -1, t}, {0, 1, t}, {0, -1, -t}, {0, 1, -t},
+                                               {t, 0, -1}, {t, 0, 1}, {-t, 0, -1}, {-t, 0, 1}};
+  std::vector<std::array<int, 3>> faces = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                           {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                           {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                           {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
   for (int level = 0; level < subdivisions; ++level) {
     std::map<std::pair<int, int>, int> middles;
     const auto middle = [&](int a, int b) {
@@ -66,9 +70,9 @@ inline Mesh tube(int around, int along, double radius, double height, std::array
       const int a = j * around + i, b = j * around + (i + 1) % around;
       const int c = a + around, d = b + around;
       if (j % 2 == 0) {
-        for (const int v : {a, b, c, b, d, c}) mesh.triangles.push_back(v);
+        for (const int v : {a, c, b, b, c, d}) mesh.triangles.push_back(v);
       } else {
-        for (const int v : {a, d, c, a, b, d}) mesh.triangles.push_back(v);
+        for (const int v : {a, c, d, a, d, b}) mesh.triangles.push_back(v);
       }
     }
   return mesh;
@@ -167,21 +171,49 @@ inline void add_noise(std::vector<float>& values, double sigma, unsigned seed) {
   for (float& v : values) v += float(normal(random));
 }
 
+// Runs check(device) on every test device; on a CPU a second time with the kernels' GPU bodies.
+template <typename Check>
+void on_every_body(Check&& check) {
+  for (const std::string& selector : device_selectors()) {
+    ocl::DeviceInfo info = ocl::select_device(selector);
+    const bool cpu = info.is_cpu;
+    for (const bool gpu_body : {false, true}) {
+      if (gpu_body && !cpu) continue;
+      info.is_cpu = cpu && !gpu_body;
+      SCOPED_TRACE(info.label() + (gpu_body ? ", GPU bodies" : ""));
+      ocl::DeviceContext device(info);
+      check(device);
+    }
+  }
+}
+
 // The scene's buffers on one device.
 class DeviceScene {
  public:
   DeviceScene(ocl::DeviceContext& device, const Scene& s)
       : frame(device, s.camera.width, s.camera.height),
-        skinned(device, s.skinned), start(device, s.start), previous(device, s.previous), before(device, s.before),
-        normals(device, s.normals), visible(device, s.visible), contour(device, s.contour),
-        vertex_part(device, s.vertex_part), part_image(device, s.part_image) {
+        skinned(device, s.skinned),
+        start(device, s.start),
+        previous(device, s.previous),
+        before(device, s.before),
+        normals(device, s.normals),
+        visible(device, s.visible),
+        contour(device, s.contour),
+        vertex_part(device, s.vertex_part),
+        part_image(device, s.part_image) {
     frame.upload(s.silhouette, s.image);
   }
   SurfaceInput input(bool temporal = true, bool parts = true) const {
-    return {.frame = frame, .skinned = skinned, .start = start,
-            .previous = temporal ? &previous : nullptr, .before_previous = temporal ? &before : nullptr,
-            .visible = visible, .contour_flag = contour, .normals = normals,
-            .part_image = parts ? &part_image : nullptr, .vertex_part = parts ? &vertex_part : nullptr};
+    return {.frame = frame,
+            .skinned = skinned,
+            .start = start,
+            .previous = temporal ? &previous : nullptr,
+            .before_previous = temporal ? &before : nullptr,
+            .visible = visible,
+            .contour_flag = contour,
+            .normals = normals,
+            .part_image = parts ? &part_image : nullptr,
+            .vertex_part = parts ? &vertex_part : nullptr};
   }
 
   DeviceFrame frame;

@@ -6,7 +6,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "livecap/error.h"
-#include "support/test_device.h"
 #include "support/tolerances.h"
 #include "surface/reference_system.h"
 
@@ -16,8 +15,8 @@ namespace {
 using test::Scene;
 
 // All terms on: a sphere of 642 vertices (not a multiple of 16), every second kind of vertex flagged, noise everywhere.
-Scene busy_scene(int subdivisions = 3) {
-  Scene s = test::make_scene(test::icosphere(subdivisions, 300, {40, -30, 2000}), 320, 240, 500);
+Scene busy_scene(const Mesh& mesh = test::icosphere(3, 300, {40, -30, 2000})) {
+  Scene s = test::make_scene(mesh, 320, 240, 500);
   std::mt19937 random(7);
   std::uniform_real_distribution<float> uniform(0, 1);
   for (uint8_t& p : s.image.pixels) p = uint8_t(random() % 256);
@@ -28,6 +27,8 @@ Scene busy_scene(int subdivisions = 3) {
     s.visible[i] = i % 3 != 0;
     s.contour[i] = i % 4 == 0;
     s.vertex_part[i] = 1 + i % 2;
+    // Every fifth normal points inwards: b_i = -1 there inside the silhouette.
+    for (int a = 0; i % 5 == 0 && a < 3; ++a) s.normals[3 * i + a] *= -1;
   }
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 320; ++x) s.part_image[size_t(y) * 320 + x] = x < 150 ? 1 : (x < 200 ? 2 : 0);
@@ -49,12 +50,16 @@ double relative_error(const std::vector<float>& found, const Eigen::VectorXd& ex
   return (f - expected).norm() / expected.norm();
 }
 
-std::vector<double> doubles(const std::vector<float>& v) { return {v.begin(), v.end()}; }
+std::vector<double> doubles(const std::vector<float>& v) {
+  return {v.begin(), v.end()};
+}
 
 TEST(SurfaceSystem, GradientProductAndEnergiesEqualAnAssembledJacobian) {
-  test::on_every_device([](ocl::DeviceContext& device) {
-    for (const int subdivisions : {1, 3}) {
-      const Scene s = busy_scene(subdivisions);
+  test::on_every_body([](ocl::DeviceContext& device) {
+    // The grid's 1024 vertices would make planes of 4096 bytes.
+    for (const Mesh& mesh : {test::icosphere(1, 300, {40, -30, 2000}), test::icosphere(3, 300, {40, -30, 2000}),
+                             test::grid(32, 32, 15, 2000)}) {
+      const Scene s = busy_scene(mesh);
       const test::DeviceScene d(device, s);
       const SurfaceOptions o = smooth_options();
       SurfaceSystem system(device, s.actor, s.camera, o);
@@ -64,9 +69,10 @@ TEST(SurfaceSystem, GradientProductAndEnergiesEqualAnAssembledJacobian) {
         system.linearize(d.input(), kernel);
         EXPECT_LT(relative_error(system.right_hand_side(), expected.rhs), test::kSurfaceSystem) << kernel;
         const SurfaceEnergies e = system.energies();
-        const double pairs[][2] = {{e.photo, expected.energies.photo},       {e.silhouette, expected.energies.silhouette},
-                                   {e.smooth, expected.energies.smooth},     {e.edge, expected.energies.edge},
-                                   {e.velocity, expected.energies.velocity}, {e.acceleration, expected.energies.acceleration}};
+        const double pairs[][2] = {
+            {e.photo, expected.energies.photo},       {e.silhouette, expected.energies.silhouette},
+            {e.smooth, expected.energies.smooth},     {e.edge, expected.energies.edge},
+            {e.velocity, expected.energies.velocity}, {e.acceleration, expected.energies.acceleration}};
         for (const auto& [found, wanted] : pairs) {
           EXPECT_GT(wanted, 0);
           EXPECT_NEAR(found, wanted, test::kSurfaceSystem * wanted);
@@ -81,7 +87,7 @@ TEST(SurfaceSystem, GradientProductAndEnergiesEqualAnAssembledJacobian) {
 }
 
 TEST(SurfaceSystem, EachTermAloneEqualsTheAssembledJacobian) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     const Scene s = busy_scene();
     const test::DeviceScene d(device, s);
     for (int term = 0; term < 6; ++term) {
@@ -108,7 +114,7 @@ TEST(SurfaceSystem, EachTermAloneEqualsTheAssembledJacobian) {
 }
 
 TEST(SurfaceSystem, ConjugateGradientsEqualTheTextbookIteration) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     const Scene s = busy_scene();
     const test::DeviceScene d(device, s);
     const SurfaceOptions o = smooth_options();
@@ -144,7 +150,7 @@ TEST(SurfaceSystem, ConjugateGradientsEqualTheTextbookIteration) {
 }
 
 TEST(SurfaceSystem, ColorThresholdDropsTheResidual) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     Scene s = test::make_scene(test::icosphere(1, 300, {0, 0, 2000}), 160, 120, 300);
     s.visible.assign(s.n(), 1);
     s.image.pixels.assign(s.image.pixels.size(), 255);
@@ -162,7 +168,7 @@ TEST(SurfaceSystem, ColorThresholdDropsTheResidual) {
 }
 
 TEST(SurfaceSystem, ColorsAtIntegerPositionsAreOpenCvGaussianBlur) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_body([](ocl::DeviceContext& device) {
     const int w = 57, h = 41;
     cv::Mat image(h, w, CV_8UC3);
     cv::randu(image, 0, 256);
@@ -194,11 +200,12 @@ TEST(SurfaceSystem, ColorsAtIntegerPositionsAreOpenCvGaussianBlur) {
 }
 
 TEST(SurfaceSystem, ColorsAreContinuousBetweenPixels) {
-  test::on_every_device([](ocl::DeviceContext& device) {
-    Scene s = busy_scene(1);
+  test::on_every_body([](ocl::DeviceContext& device) {
+    Scene s = busy_scene(test::icosphere(1, 300, {40, -30, 2000}));
     const ocl::Buffer<uint8_t> rgb(device, s.image.pixels);
     std::vector<float> positions;
-    for (int k = 0; k < 400; ++k) positions.insert(positions.end(), {150.5f + 0.01f * float(k), 100.25f + 0.01f * float(k)});
+    for (int k = 0; k < 400; ++k)
+      positions.insert(positions.end(), {150.5f + 0.01f * float(k), 100.25f + 0.01f * float(k)});
     const ocl::Buffer<float> at(device, positions);
     ocl::Buffer<float> out(device, 9 * 400);
     ocl::Kernel kernel(device, "surface/photo_system.cl", "sample_colors");
@@ -218,9 +225,35 @@ TEST(SurfaceSystem, ColorsAreContinuousBetweenPixels) {
   });
 }
 
+TEST(SurfaceSystem, ALateFailureGivesTheStartBack) {
+  test::on_every_body([](ocl::DeviceContext& device) {
+    const Scene s = busy_scene();
+    test::DeviceScene d(device, s);
+    SurfaceSystem system(device, s.actor, s.camera, {});
+    ocl::Buffer<float> out(device, s.start.size());
+    const auto step = [&] {
+      system.linearize(d.input(), 9);
+      system.iterate_pcg(4);
+      system.move();
+    };
+    system.begin(d.input());
+    step();
+    system.finish(d.input(), out);
+    EXPECT_EQ(system.status(), SurfaceStatus::kOk);
+    EXPECT_NE(out.read_all(), s.start);
+    d.frame.signed_distance.fill(std::nanf(""));
+    step();
+    d.frame.signed_distance.fill(10.0f);
+    step();
+    system.finish(d.input(), out);
+    EXPECT_EQ(system.status(), SurfaceStatus::kNonFinite);
+    EXPECT_EQ(out.read_all(), s.start);
+  });
+}
+
 TEST(SurfaceSystem, OptionsAndSizesAreChecked) {
-  test::on_every_device([](ocl::DeviceContext& device) {
-    Scene s = busy_scene(1);
+  test::on_every_body([](ocl::DeviceContext& device) {
+    Scene s = busy_scene(test::icosphere(1, 300, {40, -30, 2000}));
     SurfaceOptions o;
     o.gaussian_kernels = {4};
     EXPECT_THROW(SurfaceSystem(device, s.actor, s.camera, o), ConfigError);

@@ -13,6 +13,7 @@
 #include "livecap/error.h"
 #include "ocl/context.h"
 #include "ocl/device.h"
+#include "solve/term_check.h"
 
 namespace livecap::tools {
 namespace {
@@ -27,6 +28,7 @@ using SelfTest = std::function<std::vector<ocl::SelfTestResult>(ocl::DeviceConte
 const std::vector<std::pair<const char*, SelfTest>>& self_tests() {
   static const std::vector<std::pair<const char*, SelfTest>> tests = {
       {"actor", skinner_self_test},
+      {"solve", solve_self_test},
   };
   return tests;
 }

@@ -1,4 +1,4 @@
-// Links the whole library through its public header and sees it answer: a missing camera is refused by name.
+// Links the whole library through its public header and sees it answer: a missing input is refused by name.
 #include <livecap/capture.h>
 #include <livecap/error.h>
 
@@ -7,7 +7,7 @@
 
 int main() {
   livecap::CaptureOptions options;
-  options.video = "video.mp4";
+  options.video = "no_such_video.mp4";
   options.camera = "no_such_camera.json";
   options.actor = "no_such_actor.glb";
   options.out = "consumer_out";

@@ -1,6 +1,6 @@
 #include "geometry/mesh.h"
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <numeric>
 

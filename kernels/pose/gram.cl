@@ -1,0 +1,62 @@
+// [J | F]^T [J | F] in 8x8 tiles of the upper triangle: J^T J and J^T F at once, rows summed in fixed order.
+// Tile t = (tile row a, tile column b >= a), counted along the rows. CPU: one work-item per tile and slice of rows with
+// the tile in registers. GPU: one work-item per entry. Slices are added by the host.
+#include "pose/layout.h"
+
+// The tile's place, as first column of its rows and of its columns.
+inline int2 tile_corner(int tile, int n_tiles_per_side) {
+  int a = 0;
+  while (tile >= n_tiles_per_side - a) {
+    tile -= n_tiles_per_side - a;
+    ++a;
+  }
+  return (int2)(8 * a, 8 * (a + tile));
+}
+
+// n_items: CPU n_tiles*n_slices, GPU 64 times that. J [n_rows*n_columns]. Out: gram [n_slices][n_tiles][8][8].
+kernel void pose_gram(int n_items, int n_rows, int n_columns, int n_tiles, int n_slices, global const float* restrict J,
+                      global float* restrict gram) {
+  const int i = get_global_id(0);
+  if (i >= n_items) return;
+#if LC_CPU
+  const int block = i;
+#else
+  const int block = i / 64;
+#endif
+  const int slice = block / n_tiles;
+  const int2 corner = tile_corner(block % n_tiles, n_columns / 8);
+  const int rows_per_slice = (n_rows + n_slices - 1) / n_slices;
+  const int begin = slice * rows_per_slice;
+  const int end = min(n_rows, begin + rows_per_slice);
+#if LC_CPU
+  float8 s0 = 0.0f, s1 = 0.0f, s2 = 0.0f, s3 = 0.0f, s4 = 0.0f, s5 = 0.0f, s6 = 0.0f, s7 = 0.0f;
+  for (int row = begin; row < end; ++row) {
+    global const float* values = J + row * n_columns;
+    const float8 left = vload8(0, values + corner.x);
+    const float8 right = vload8(0, values + corner.y);
+    s0 += left.s0 * right;
+    s1 += left.s1 * right;
+    s2 += left.s2 * right;
+    s3 += left.s3 * right;
+    s4 += left.s4 * right;
+    s5 += left.s5 * right;
+    s6 += left.s6 * right;
+    s7 += left.s7 * right;
+  }
+  global float* out = gram + 64 * block;
+  vstore8(s0, 0, out);
+  vstore8(s1, 1, out);
+  vstore8(s2, 2, out);
+  vstore8(s3, 3, out);
+  vstore8(s4, 4, out);
+  vstore8(s5, 5, out);
+  vstore8(s6, 6, out);
+  vstore8(s7, 7, out);
+#else
+  const int left = corner.x + i % 64 / 8;
+  const int right = corner.y + i % 8;
+  float sum = 0.0f;
+  for (int row = begin; row < end; ++row) sum += J[row * n_columns + left] * J[row * n_columns + right];
+  gram[i] = sum;
+#endif
+}

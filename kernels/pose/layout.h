@@ -1,0 +1,54 @@
+// Sizes and places that the host and the kernels of the pose stage agree on. Read by both compilers.
+//
+// Unknowns: [rotation vector 3 | t 3 | joint angles n_dofs | t' 3]. J has one row per residual and n_columns columns:
+// the unknowns, the residual itself in column n_unknowns, zeros up to a multiple of 8.
+// Rows: 8 per keypoint (2D 2, 3D 3, temporal 3), one per joint angle (anatomic), one per contour vertex.
+// Positions marked "root-relative" are camera-frame vectors from the root's origin t: floats keep more of them.
+#ifndef LC_POSE_LAYOUT_H
+#define LC_POSE_LAYOUT_H
+
+#define LC_POSE_KEYPOINTS 23
+#define LC_POSE_ROWS_PER_KEYPOINT 8
+#define LC_POSE_POINT_ROWS (LC_POSE_KEYPOINTS * LC_POSE_ROWS_PER_KEYPOINT)
+#define LC_POSE_ROW_2D 0
+#define LC_POSE_ROW_3D 2
+#define LC_POSE_ROW_TEMPORAL 5
+
+// A row before it is spread over the columns, in 32 words: four wrenches (torque xyz, force xyz), their bones (one byte
+// each, int), the first column of the extra coefficients (int), the three extra coefficients.
+#define LC_POSE_RECORD 32
+#define LC_POSE_RECORD_BONES 24
+#define LC_POSE_RECORD_EXTRA_COLUMN 25
+#define LC_POSE_RECORD_EXTRA 26
+
+// One keypoint of the frame, in 12 floats: target u, v (px); target x, y, z (mm); square roots of the 2D, 3D and
+// temporal weights, 0 = no such row; position in the previous frame (mm); unused.
+#define LC_POSE_TARGET 12
+
+typedef struct {
+  int n_dofs;
+  int n_unknowns;  // n_dofs + 9
+  int n_columns;   // n_unknowns + 1, rounded up to a multiple of 8
+  int n_bones;
+} PoseLayout;
+
+// What one Gauss-Newton step uploads, in floats: for every column the axis (3 planes) and the moment origin x axis
+// (3 planes); keypoints xyz, root-relative; t'; t; joint angles; bone dual quaternions, root-relative.
+#define LC_POSE_STEP_KEYPOINTS(layout) (6 * (layout).n_columns)
+#define LC_POSE_STEP_T_PRIME(layout) (LC_POSE_STEP_KEYPOINTS(layout) + 3 * LC_POSE_KEYPOINTS)
+#define LC_POSE_STEP_ROOT(layout) (LC_POSE_STEP_T_PRIME(layout) + 3)
+#define LC_POSE_STEP_ANGLES(layout) (LC_POSE_STEP_ROOT(layout) + 3)
+#define LC_POSE_STEP_DUAL_QUATS(layout) (LC_POSE_STEP_ANGLES(layout) + (layout).n_dofs)
+#define LC_POSE_STEP_SIZE(layout) (LC_POSE_STEP_DUAL_QUATS(layout) + 8 * (layout).n_bones)
+
+// The contour term's constants.
+typedef struct {
+  int n;      // contour vertices
+  int width;  // of the distance image, px
+  int height;
+  int has_displacement;
+  float sqrt_weight;  // of one vertex
+  float huber_px;     // 0 = quadratic everywhere
+} PoseContour;
+
+#endif

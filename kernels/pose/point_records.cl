@@ -1,0 +1,86 @@
+// Rows of the keypoint terms E_2D, E_3D, E_temporal and of the joint limits E_anatomic.
+#include "pose/layout.h"
+#include "pose/skinned_gradient.h"
+#include "terms/anatomic.cl"
+#include "terms/keypoint_2d.cl"
+#include "terms/keypoint_3d.cl"
+#include "terms/temporal.cl"
+
+// Square root of the Huber weight of a residual of this length.
+LC_FN float huber_factor(float length, float threshold) {
+  return threshold > 0.0f && length > threshold ? sqrt(threshold / length) : 1.0f;
+}
+
+// One row of a point p (root-relative) fixed to `bone`: gradient g by the point, extra coefficients from
+// `extra_column`.
+LC_FN void write_point_row(global float* restrict record, global float* restrict residual, float r, Vec3 p, Vec3 g,
+                           int bone, int extra_column, Vec3 extra) {
+  Wrench w = point_wrench(p, g);
+  vstore3((float3)(w.torque.x, w.torque.y, w.torque.z), 0, record);
+  vstore3((float3)(w.force.x, w.force.y, w.force.z), 1, record);
+  record[LC_POSE_RECORD_BONES] = as_float(bone);
+  record[LC_POSE_RECORD_EXTRA_COLUMN] = as_float(extra_column);
+  vstore3((float3)(extra.x, extra.y, extra.z), 0, record + LC_POSE_RECORD_EXTRA);
+  *residual = r;
+}
+
+LC_FN Vec3 load_vec3(global const float* p) {
+  return vec3(p[0], p[1], p[2]);
+}
+
+// Work-item i < LC_POSE_KEYPOINTS: the 8 rows of keypoint i; then one work-item per joint angle.
+// step, targets: see layout.h. keypoint_bones [LC_POSE_KEYPOINTS], any valid bone for a keypoint without anchor.
+// limits [2*n_dofs] min, max. Out: records [LC_POSE_RECORD * rows], residuals [rows].
+kernel void pose_point_records(PoseLayout layout, Pinhole cam, float huber_px, global const float* restrict step,
+                               global const float* restrict targets, global const int* restrict keypoint_bones,
+                               global const float* restrict limits, float sqrt_anatomic, global float* restrict records,
+                               global float* restrict residuals) {
+  const int i = get_global_id(0);
+  if (i >= LC_POSE_KEYPOINTS + layout.n_dofs) return;
+  const Vec3 zero = vec3(0.0f, 0.0f, 0.0f);
+
+  if (i >= LC_POSE_KEYPOINTS) {
+    const int k = i - LC_POSE_KEYPOINTS;
+    const int row = LC_POSE_POINT_ROWS + k;
+    AnatomicRow a = anatomic_row(step[LC_POSE_STEP_ANGLES(layout) + k], limits[2 * k], limits[2 * k + 1]);
+    write_point_row(records + row * LC_POSE_RECORD, residuals + row, sqrt_anatomic * a.r, zero, zero, 0, 6 + k,
+                    vec3(sqrt_anatomic * a.J, 0.0f, 0.0f));
+    return;
+  }
+
+  const int first = i * LC_POSE_ROWS_PER_KEYPOINT;
+  const int t_prime_column = layout.n_unknowns - 3;
+  global float* record = records + first * LC_POSE_RECORD;
+  global float* residual = residuals + first;
+  global const float* target = targets + i * LC_POSE_TARGET;
+  const int bone = keypoint_bones[i];
+  const Vec3 p = load_vec3(step + LC_POSE_STEP_KEYPOINTS(layout) + 3 * i);
+  const Vec3 p_camera = add3(p, load_vec3(step + LC_POSE_STEP_ROOT(layout)));
+  for (int j = 0; j < LC_POSE_ROWS_PER_KEYPOINT; ++j)
+    write_point_row(record + j * LC_POSE_RECORD, residual + j, 0.0f, zero, zero, bone, t_prime_column, zero);
+
+  float s = target[5];
+  if (s > 0.0f && p_camera.z > LC_MIN_DEPTH_MM) {
+    Vec2 px = {target[0], target[1]};
+    Keypoint2dRow a = keypoint_2d_row(p_camera, cam, px);
+    s *= huber_factor(sqrt(a.r[0] * a.r[0] + a.r[1] * a.r[1]), huber_px);
+    for (int j = 0; j < 2; ++j)
+      write_point_row(record + (LC_POSE_ROW_2D + j) * LC_POSE_RECORD, residual + LC_POSE_ROW_2D + j, s * a.r[j], p,
+                      scale3(vec3(a.J[j][0], a.J[j][1], a.J[j][2]), s), bone, t_prime_column, zero);
+  }
+  s = target[6];
+  if (s > 0.0f) {
+    Keypoint3dRow a = keypoint_3d_row(p_camera, load_vec3(step + LC_POSE_STEP_T_PRIME(layout)), load_vec3(target + 2));
+    for (int j = 0; j < 3; ++j)
+      write_point_row(record + (LC_POSE_ROW_3D + j) * LC_POSE_RECORD, residual + LC_POSE_ROW_3D + j, s * a.r[j], p,
+                      scale3(vec3(a.J[j][0], a.J[j][1], a.J[j][2]), s), bone, t_prime_column,
+                      scale3(vec3(a.J[j][3], a.J[j][4], a.J[j][5]), s));
+  }
+  s = target[7];
+  if (s > 0.0f) {
+    TemporalRow a = temporal_row(p_camera, load_vec3(target + 8));
+    for (int j = 0; j < 3; ++j)
+      write_point_row(record + (LC_POSE_ROW_TEMPORAL + j) * LC_POSE_RECORD, residual + LC_POSE_ROW_TEMPORAL + j,
+                      s * a.r[j], p, scale3(vec3(a.J[j][0], a.J[j][1], a.J[j][2]), s), bone, t_prime_column, zero);
+  }
+}

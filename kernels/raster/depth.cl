@@ -1,0 +1,112 @@
+// Depth buffer and triangle-id buffer of a mesh. Nearest triangle wins, at equal depth the lower id.
+#include "shared/camera.h"
+#include "raster/triangle.h"
+
+#ifdef LC_DEVICE
+
+// Vertices further outside than this (px) are not projected: their pixels could not be told apart.
+#define LC_MAX_PIXEL 1e6f
+
+// One work-item per vertex. projected: [4*n] u, v, 1/z, z; 1/z = 0 for a vertex that is too near, behind or not finite.
+kernel void project_vertices(int n, Pinhole camera, global const float* restrict positions,  // [3*n] mm, camera frame
+                             global float* restrict projected) {
+  const int i = get_global_id(0);
+  if (i >= n) return;
+  const float3 p = vload3(i, positions);
+  float4 out = (float4)(0.0f, 0.0f, 0.0f, p.z);
+  if (p.z > LC_MIN_DEPTH_MM && p.z < INFINITY) {
+    const Projection q = project_point(vec3(p.x, p.y, p.z), camera);
+    if (fabs(q.uv.x) < LC_MAX_PIXEL && fabs(q.uv.y) < LC_MAX_PIXEL) out.xyz = (float3)(q.uv.x, q.uv.y, 1.0f / p.z);
+  }
+  vstore4(out, i, projected);
+}
+
+#if LC_CPU
+
+// One work-item per band of rows, which it alone writes. depth: [w*h] mm, INFINITY = empty; ids: [w*h], -1 = empty.
+kernel void raster_bands(int n_triangles, int width, int height, int n_bands, int cull,
+                         global const float* restrict projected,
+                         global const int* restrict triangles, global float* restrict depth, global int* restrict ids) {
+  const int band = get_global_id(0);
+  if (band >= n_bands) return;
+  const int first_row = (int)((long)height * band / n_bands);
+  const int last_row = (int)((long)height * (band + 1) / n_bands) - 1;
+  int p = first_row * width;
+  const int end = (last_row + 1) * width;
+  for (; p + 16 <= end; p += 16) {
+    vstore16((float16)INFINITY, 0, depth + p);
+    vstore16((int16)(-1), 0, ids + p);
+  }
+  for (; p < end; ++p) {
+    depth[p] = INFINITY;
+    ids[p] = -1;
+  }
+  const float8 lane = (float8)(0, 1, 2, 3, 4, 5, 6, 7);
+  for (int t = 0; t < n_triangles; ++t) {
+    const RasterTriangle tri = raster_triangle(t, width, height, cull, projected, triangles);
+    const int y0 = max(tri.y0, first_row);
+    const int y1 = min(tri.y1, last_row);
+    for (int y = y0; y <= y1; ++y) {
+      for (int x = tri.x0; x <= tri.x1; x += 8) {
+        if (width >= 8) {
+          // The last eight pixels of a row are looked at again rather than reading past it.
+          const int at = y * width + min(x, width - 8);
+          const float8 z = raster_depth(&tri, (float)min(x, width - 8) + lane, (float)y);
+          const float8 old = vload8(0, depth + at);
+          const int8 closer = z < old;  // storing without looking is faster than a branch
+          vstore8(select(old, z, closer), 0, depth + at);
+          vstore8(select(vload8(0, ids + at), (int8)t, closer), 0, ids + at);
+        } else {
+          float z[8];
+          vstore8(raster_depth(&tri, lane, (float)y), 0, z);
+          for (int k = 0; k < width; ++k) {
+            if (!(z[k] < depth[y * width + k])) continue;
+            depth[y * width + k] = z[k];
+            ids[y * width + k] = t;
+          }
+        }
+      }
+    }
+  }
+}
+
+#else
+
+// Positive floats order like their bits, so a minimum over uint is a minimum over depth.
+kernel void raster_clear(int n_pixels, global uint* restrict depth, global uint* restrict ids) {
+  const int p = get_global_id(0);
+  if (p >= n_pixels) return;
+  depth[p] = as_uint(INFINITY);
+  ids[p] = 0xffffffffu;
+}
+
+// One work-item per triangle.
+kernel void raster_nearest(int n_triangles, int width, int height, int cull, global const float* restrict projected,
+                           global const int* restrict triangles, global uint* restrict depth) {
+  const int t = get_global_id(0);
+  if (t >= n_triangles) return;
+  const RasterTriangle tri = raster_triangle(t, width, height, cull, projected, triangles);
+  for (int y = tri.y0; y <= tri.y1; ++y) {
+    for (int x = tri.x0; x <= tri.x1; ++x) {
+      const float z = raster_depth(&tri, (float)x, (float)y);
+      if (z < INFINITY) atomic_min(depth + y * width + x, as_uint(z));
+    }
+  }
+}
+
+// Second pass: the lowest triangle that has the winning depth. -1 (all bits set) stays where there is none.
+kernel void raster_ids(int n_triangles, int width, int height, int cull, global const float* restrict projected,
+                       global const int* restrict triangles, global const uint* restrict depth, global uint* restrict ids) {
+  const int t = get_global_id(0);
+  if (t >= n_triangles) return;
+  const RasterTriangle tri = raster_triangle(t, width, height, cull, projected, triangles);
+  for (int y = tri.y0; y <= tri.y1; ++y) {
+    for (int x = tri.x0; x <= tri.x1; ++x) {
+      const float z = raster_depth(&tri, (float)x, (float)y);
+      if (z < INFINITY && as_uint(z) == depth[y * width + x]) atomic_min(ids + y * width + x, (uint)t);
+    }
+  }
+}
+
+#endif
+#endif

@@ -1,0 +1,73 @@
+// One projected triangle over the pixel grid. CPU bodies look at eight neighbouring pixels at once, GPU bodies at one;
+// the formulas are the same. Contraction is explicit (fma), so that two kernels and the two triangles of an edge get the
+// same bits: edges are evaluated from their lower vertex index and leave no gap.
+#ifndef LC_RASTER_TRIANGLE_H
+#define LC_RASTER_TRIANGLE_H
+#pragma OPENCL FP_CONTRACT OFF
+
+#if LC_CPU
+typedef float8 pix_t;
+#else
+typedef float pix_t;
+#endif
+
+typedef struct {
+  float ax[3], ay[3], dx[3], dy[3];  // edge k lies opposite corner k; positive inside
+  float inv_z[3];
+  float near_z, far_z;               // mm
+  int x0, x1, y0, y1;                // pixels of the image it may cover, inclusive; empty when x0 > x1 or y0 > y1
+} RasterTriangle;
+
+// projected: [4*n_vertices] u, v (px), 1/z (1/mm, 0 = not projected), z (mm).
+// cull: leave out triangles that face away.
+static inline RasterTriangle raster_triangle(int t, int width, int height, int cull, global const float* restrict projected,
+                                             global const int* restrict triangles) {
+  RasterTriangle tri;
+  int index[3];
+  float u[3], v[3];
+#pragma unroll
+  for (int k = 0; k < 3; ++k) {
+    index[k] = triangles[3 * t + k];
+    const float4 p = vload4(index[k], projected);
+    u[k] = p.x;
+    v[k] = p.y;
+    tri.inv_z[k] = p.z;
+  }
+  const float area = fma(u[1] - u[0], v[2] - v[0], -((v[1] - v[0]) * (u[2] - u[0])));
+  const float low_inv_z = fmin(tri.inv_z[0], fmin(tri.inv_z[1], tri.inv_z[2]));
+  const float high_inv_z = fmax(tri.inv_z[0], fmax(tri.inv_z[1], tri.inv_z[2]));
+  tri.x0 = (int)ceil(fmax(fmin(u[0], fmin(u[1], u[2])), 0.0f));
+  tri.x1 = (int)floor(fmin(fmax(u[0], fmax(u[1], u[2])), (float)(width - 1)));
+  tri.y0 = (int)ceil(fmax(fmin(v[0], fmin(v[1], v[2])), 0.0f));
+  tri.y1 = (int)floor(fmin(fmax(v[0], fmax(v[1], v[2])), (float)(height - 1)));
+  // Faces that look at the camera are counter-clockwise, which is negative in an image whose y points down.
+  if (!(low_inv_z > 0.0f) || area == 0.0f || (cull && area > 0.0f)) tri.y1 = tri.y0 - 1;
+  if (tri.y0 > tri.y1 || tri.x0 > tri.x1) return tri;
+  tri.near_z = 1.0f / high_inv_z;
+  tri.far_z = 1.0f / low_inv_z;
+  const float side = area > 0.0f ? 1.0f : -1.0f;
+#pragma unroll
+  for (int k = 0; k < 3; ++k) {
+    const int a = (k + 1) % 3;
+    const int b = (k + 2) % 3;
+    const int forward = index[a] < index[b];
+    tri.ax[k] = forward ? u[a] : u[b];
+    tri.ay[k] = forward ? v[a] : v[b];
+    tri.dx[k] = side * (u[b] - u[a]);
+    tri.dy[k] = side * (v[b] - v[a]);
+  }
+  return tri;
+}
+
+// Depth (mm) of the triangle at pixel (px, py), perspective-correct; INFINITY outside.
+static inline pix_t raster_depth(const RasterTriangle* tri, pix_t px, float py) {
+  const pix_t e0 = fma((pix_t)(-tri->dy[0]), px - tri->ax[0], (pix_t)(tri->dx[0] * (py - tri->ay[0])));
+  const pix_t e1 = fma((pix_t)(-tri->dy[1]), px - tri->ax[1], (pix_t)(tri->dx[1] * (py - tri->ay[1])));
+  const pix_t e2 = fma((pix_t)(-tri->dy[2]), px - tri->ax[2], (pix_t)(tri->dx[2] * (py - tri->ay[2])));
+  const pix_t sum = e0 + e1 + e2;
+  const pix_t weighted = fma(e0, (pix_t)tri->inv_z[0], fma(e1, (pix_t)tri->inv_z[1], e2 * (pix_t)tri->inv_z[2]));
+  const pix_t z = clamp(sum / weighted, (pix_t)tri->near_z, (pix_t)tri->far_z);
+  return select((pix_t)INFINITY, z, (e0 >= 0.0f) & (e1 >= 0.0f) & (e2 >= 0.0f) & (sum > 0.0f));
+}
+
+#endif

@@ -1,0 +1,194 @@
+// Preconditioned conjugate gradients on (J^T J + damping) step = -J^T F, matrix-free over SELL-16 slices; one row is a
+// vertex (3 unknowns), the preconditioner is the inverse 3x3 diagonal block. All scalars stay on the device:
+//   scalars[0] = r.z, [1] = alpha, [2] = beta, [3] = 1 when anything was not finite since the solve began.
+// Sums run in a fixed order, so results repeat bit for bit.
+#include "surface/lanes.h"
+//
+#include "surface/system.h"
+
+#if LC_CPU
+// One work-item; four accumulators hide the latency of the additions. n is a multiple of 16.
+static float sum_plane(global const float* restrict values, int n) {
+  float16 a = 0.0f, b = 0.0f, c = 0.0f, d = 0.0f;
+  int i = 0;
+  for (; i + 64 <= n; i += 64) {
+    a += vload16(0, values + i);
+    b += vload16(0, values + i + 16);
+    c += vload16(0, values + i + 32);
+    d += vload16(0, values + i + 48);
+  }
+  for (; i < n; i += 16) a += vload16(0, values + i);
+  a = (a + b) + (c + d);
+  float8 e = a.lo + a.hi;
+  float4 f = e.lo + e.hi;
+  return (f.x + f.y) + (f.z + f.w);
+}
+#define SUM_PLANE(values, n) sum_plane(values, n)
+#else
+// One work-group of at most 256; the sum is valid in every work-item.
+static float sum_plane(global const float* restrict values, int n, local float* scratch) {
+  int id = get_local_id(0);
+  int size = get_local_size(0);
+  float sum = 0.0f;
+  for (int i = id; i < n; i += size) sum += values[i];
+  barrier(CLK_LOCAL_MEM_FENCE);
+  scratch[id] = sum;
+  for (int half_size = 128; half_size > 0; half_size >>= 1) {
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (id < half_size && id + half_size < size) scratch[id] += scratch[id + half_size];
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+  return scratch[0];
+}
+#define SUM_PLANE(values, n) sum_plane(values, n, scratch)
+#endif
+
+// The four sum kernels run as one work-group (of one work-item on a CPU).
+
+// r.z at the start. first = 1 clears the failure flag.
+kernel void start_scalars(int n_rows, int first, global const float* restrict products,
+                          global float* restrict scalars) {
+#if !LC_CPU
+  local float scratch[256];
+#endif
+  float sum = SUM_PLANE(products, n_rows);
+  if (get_local_id(0) != 0) return;
+  scalars[0] = sum;
+  scalars[1] = 0.0f;
+  scalars[2] = 0.0f;
+  scalars[3] = (!first && scalars[3] != 0.0f) || !isfinite(sum) ? 1.0f : 0.0f;
+}
+
+// alpha = r.z / p.Ap
+kernel void alpha_scalar(int n_rows, global const float* restrict products, global float* restrict scalars) {
+#if !LC_CPU
+  local float scratch[256];
+#endif
+  float sum = SUM_PLANE(products, n_rows);
+  if (get_local_id(0) != 0) return;
+  float alpha = sum > 0.0f ? scalars[0] / sum : 0.0f;
+  if (!isfinite(sum) || !isfinite(alpha)) {
+    alpha = 0.0f;
+    scalars[3] = 1.0f;
+  }
+  scalars[1] = alpha;
+}
+
+// beta = new r.z / old r.z
+kernel void beta_scalar(int n_rows, global const float* restrict products, global float* restrict scalars) {
+#if !LC_CPU
+  local float scratch[256];
+#endif
+  float sum = SUM_PLANE(products, n_rows);
+  if (get_local_id(0) != 0) return;
+  float beta = scalars[0] > 0.0f ? sum / scalars[0] : 0.0f;
+  if (!isfinite(sum) || !isfinite(beta)) {
+    beta = 0.0f;
+    scalars[3] = 1.0f;
+  }
+  scalars[0] = sum;
+  scalars[2] = beta;
+}
+
+// totals[k] = sum of plane k of n_planes energies.
+kernel void sum_energies(int n_rows, int stride, int n_planes, global const float* restrict energies,
+                         global float* restrict totals) {
+#if !LC_CPU
+  local float scratch[256];
+#endif
+  for (int k = 0; k < n_planes; ++k) {
+    float sum = SUM_PLANE(energies + k * stride, n_rows);
+    if (get_local_id(0) == 0) totals[k] = sum;
+  }
+}
+
+// q = A p, products = p . q per row. blocks: 6 planes; edges: see regularizer_system.cl.
+kernel void apply_system(int n_rows, int stride, float w_smooth, global const int* restrict slice_offsets,
+                         global const int* restrict neighbors, global const float* restrict edge_weights,
+                         global const float* restrict edges, global const float* restrict blocks,
+                         global const float* restrict p, global float* restrict q, global float* restrict products) {
+  int row = FIRST_ROW;
+  if (row >= n_rows) return;
+  global const float* px = p;
+  global const float* py = p + stride;
+  global const float* pz = p + 2 * stride;
+  REAL x = LOAD(px, row), y = LOAD(py, row), z = LOAD(pz, row);
+  REAL xy = LOAD(blocks, row + stride), xz = LOAD(blocks, row + 2 * stride), yz = LOAD(blocks, row + 4 * stride);
+  REAL qx = LOAD(blocks, row) * x + xy * y + xz * z;
+  REAL qy = xy * x + LOAD(blocks, row + 3 * stride) * y + yz * z;
+  REAL qz = xz * x + yz * y + LOAD(blocks, row + 5 * stride) * z;
+  int begin = slice_offsets[row / SLICE];
+  int end = slice_offsets[row / SLICE + 1];
+  for (int base = begin; base < end; base += SLICE) {
+    int at = base + row % SLICE;
+    int e = 3 * base + row % SLICE;
+    LaneInt j = LOAD(neighbors, at);
+    REAL k = w_smooth * LOAD(edge_weights, at);
+    REAL jx = gather(px, j), jy = gather(py, j), jz = gather(pz, j);
+    REAL ex = LOAD(edges, e), ey = LOAD(edges, e + SLICE), ez = LOAD(edges, e + 2 * SLICE);
+    REAL along = ex * jx + ey * jy + ez * jz;
+    qx -= k * jx + ex * along;
+    qy -= k * jy + ey * along;
+    qz -= k * jz + ez * along;
+  }
+  STORE(qx, q, row);
+  STORE(qy, q, row + stride);
+  STORE(qz, q, row + 2 * stride);
+  REAL product = x * qx + y * qy + z * qz;
+  STORE(product, products, row);
+}
+
+// step += alpha p, r -= alpha q, z = M^-1 r, products = r . z per row. All of 3 planes, inverse 6.
+kernel void advance(int n_rows, int stride, global const float* restrict scalars, global const float* restrict inverse,
+                    global const float* restrict p, global const float* restrict q, global float* restrict step,
+                    global float* restrict r, global float* restrict z, global float* restrict products) {
+  int row = FIRST_ROW;
+  if (row >= n_rows) return;
+  float alpha = scalars[1];
+  REAL rv[3];
+  for (int a = 0; a < 3; ++a) {
+    int at = row + a * stride;
+    REAL moved = LOAD(step, at) + alpha * LOAD(p, at);
+    STORE(moved, step, at);
+    rv[a] = LOAD(r, at) - alpha * LOAD(q, at);
+    STORE(rv[a], r, at);
+  }
+  REAL xy = LOAD(inverse, row + stride), xz = LOAD(inverse, row + 2 * stride), yz = LOAD(inverse, row + 4 * stride);
+  REAL zx = LOAD(inverse, row) * rv[0] + xy * rv[1] + xz * rv[2];
+  REAL zy = xy * rv[0] + LOAD(inverse, row + 3 * stride) * rv[1] + yz * rv[2];
+  REAL zz = xz * rv[0] + yz * rv[1] + LOAD(inverse, row + 5 * stride) * rv[2];
+  STORE(zx, z, row);
+  STORE(zy, z, row + stride);
+  STORE(zz, z, row + 2 * stride);
+  REAL product = rv[0] * zx + rv[1] * zy + rv[2] * zz;
+  STORE(product, products, row);
+}
+
+// p = z + beta p
+kernel void turn_direction(int n_rows, int stride, global const float* restrict scalars, global const float* restrict z,
+                           global float* restrict p) {
+  int row = FIRST_ROW;
+  if (row >= n_rows) return;
+  float beta = scalars[2];
+  for (int a = 0; a < 3; ++a) {
+    int at = row + a * stride;
+    REAL turned = LOAD(z, at) + beta * LOAD(p, at);
+    STORE(turned, p, at);
+  }
+}
+
+// v += step, each vertex by at most max_move mm.
+kernel void move_vertices(int n_rows, int stride, float max_move, global const float* restrict step,
+                          global float* restrict v) {
+  int row = FIRST_ROW;
+  if (row >= n_rows) return;
+  Vec3 d = vec3(LOAD(step, row), LOAD(step, row + stride), LOAD(step, row + 2 * stride));
+  REAL length = norm3(d);
+  REAL scale = length > max_move ? max_move / length : 1.0f;
+  REAL x = LOAD(v, row) + scale * d.x;
+  REAL y = LOAD(v, row + stride) + scale * d.y;
+  REAL z = LOAD(v, row + 2 * stride) + scale * d.z;
+  STORE(x, v, row);
+  STORE(y, v, row + stride);
+  STORE(z, v, row + 2 * stride);
+}

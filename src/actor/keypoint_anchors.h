@@ -1,0 +1,29 @@
+// Where the 23 observation keypoints sit on an actor (DESIGN section 4): joints, extremities and face markers.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "actor/actor.h"
+#include "actor/bone_names.h"
+#include "actor/livecap_skeleton.h"
+
+namespace livecap {
+
+struct AnchorInput {
+  RigPositions joints_mm;                             // rest frame
+  std::array<bool, kRigJointCount> joint_found{};     // joints without a position get a guess from the mesh
+  std::map<std::string, int> marker_vertices;         // keypoint name -> template vertex
+  std::map<std::string, Eigen::Vector3d> offsets_mm;  // keypoint name -> added to the default position
+};
+
+// mesh and skin are the finished template in the rest frame. Guesses are reported in `notes`.
+std::array<KeypointAnchor, kKeypointCount> place_keypoints(const AnchorInput& input, const Mesh& mesh,
+                                                           const SkinWeights& skin, std::vector<std::string>& notes);
+
+}  // namespace livecap

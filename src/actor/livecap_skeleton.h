@@ -1,0 +1,28 @@
+// The LiveCap-27 chain (DESIGN section 4) fitted to the joint positions of one actor.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "actor/bone_names.h"
+#include "geometry/skeleton.h"
+
+namespace livecap {
+
+// Joint positions in the rest frame (mm, +X the subject's left, +Y up, +Z front), index = RigJoint. Only joints of
+// bones and the wrists are used; every one of them must be set.
+using RigPositions = std::array<Eigen::Vector3d, kRigJointCount>;
+
+// Builds 14 bones (names and indices as RigJoint) and 27 joint angles with the rest angles the positions imply, so that
+// forward kinematics at rest reproduces the positions. Limits come from DESIGN's table, replaced by `limits_deg`
+// (joint angle name -> min, max in degrees). A ball joint's rest angle outside its limits widens them, with a note;
+// a hinge keeps its limits and leaves the rest to the bone's offset.
+Skeleton build_livecap_skeleton(const RigPositions& joints_mm,
+                                const std::map<std::string, std::pair<double, double>>& limits_deg,
+                                std::vector<std::string>& notes);
+
+}  // namespace livecap

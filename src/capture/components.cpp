@@ -1,0 +1,63 @@
+#include "capture/components.h"
+
+#include <algorithm>
+
+#include "capture/tracker.h"
+#include "livecap/error.h"
+#include "solve/term_table.h"
+
+namespace livecap {
+namespace {
+
+// The weight of a stage II term by its name in the term table; nullptr when it is not one.
+float* surface_weight(SurfaceOptions& options, const std::string& name) {
+  if (name == "photo") return &options.w_photo;
+  if (name == "surface_silhouette") return &options.w_silhouette;
+  if (name == "smooth") return &options.w_smooth;
+  if (name == "edge") return &options.w_edge;
+  if (name == "velocity") return &options.w_velocity;
+  if (name == "acceleration") return &options.w_acceleration;
+  return nullptr;
+}
+
+}  // namespace
+
+const std::vector<std::string>& component_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> list;
+    for (const Term& term : term_table()) list.emplace_back(term.name);
+    for (const char* name : {"face", "warping", "part_mask", "snapping", "confidence"}) list.emplace_back(name);
+    return list;
+  }();
+  return names;
+}
+
+void require_component(const std::string& name) {
+  const auto& names = component_names();
+  if (std::find(names.begin(), names.end(), name) != names.end()) return;
+  std::string message = "--without " + name + ": no such term or component; there are:";
+  for (const auto& known : names) message += " " + known;
+  throw ConfigError(message);
+}
+
+void switch_off(const std::string& name, TrackerOptions& options) {
+  require_component(name);
+  if (set_weight(options.pose.weights, name, 0)) return;
+  if (float* weight = surface_weight(options.surface, name)) {
+    *weight = 0;
+    return;
+  }
+  if (name == "face") {
+    for (int k = kBodyKeypointCount; k < kKeypointCount; ++k) options.pose.keypoint_2d_weights[k] = 0;
+  } else if (name == "warping") {
+    options.warp_displacements = false;
+  } else if (name == "part_mask") {
+    options.part_mask = false;
+  } else if (name == "snapping") {
+    options.snapping = false;
+  } else if (name == "confidence") {
+    options.ignore_confidence = true;
+  }
+}
+
+}  // namespace livecap

@@ -1,0 +1,22 @@
+// What `--without NAME` can switch off: the energy terms and the components around them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "livecap/camera.h"
+
+namespace livecap {
+
+struct TrackerOptions;
+
+// All names in the order they are documented.
+const std::vector<std::string>& component_names();
+
+// Throws ConfigError listing the names when this is not one.
+void require_component(const std::string& name);
+
+// Switches the component off.
+void switch_off(const std::string& name, TrackerOptions& options);
+
+}  // namespace livecap

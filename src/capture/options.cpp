@@ -1,0 +1,53 @@
+#include <cmath>
+
+#include "base/text.h"
+#include "capture/components.h"
+#include "livecap/capture.h"
+#include "livecap/error.h"
+
+namespace livecap {
+
+const char* track_status_name(TrackStatus status) {
+  switch (status) {
+    case TrackStatus::kOk:
+      return "ok";
+    case TrackStatus::kInitialized:
+      return "initialized";
+    case TrackStatus::kNobody:
+      return "nobody";
+    case TrackStatus::kLost:
+      return "lost";
+    case TrackStatus::kDamaged:
+      return "damaged";
+    case TrackStatus::kDropped:
+      return "dropped";
+  }
+  return "?";
+}
+
+const char* stage_name(CaptureStage stage) {
+  constexpr const char* kNames[kStageCount] = {"read", "network", "segment", "pose", "surface", "output"};
+  const int index = static_cast<int>(stage);
+  return index >= 0 && index < kStageCount ? kNames[index] : "?";
+}
+
+void CaptureOptions::validate() const {
+  if (video.empty()) throw ConfigError("--video is missing: a video file, a folder of images or webcam:N");
+  if (actor.empty()) throw ConfigError("--actor is missing: an actor.glb or builtin:skirt, builtin:trousers");
+  if (out.empty()) throw ConfigError("--out is missing: the folder to write");
+  if (camera.empty() == (fov_deg == 0)) throw ConfigError("give either --camera FILE or --fov DEGREES");
+  if (fov_deg != 0 && !(fov_deg > 1 && fov_deg < 170)) throw ConfigError(format("--fov %g: must be between 1 and 170 degrees", fov_deg));
+  if (!background.empty() && background_frames > 0) throw ConfigError("give either --background or --background-frames, not both");
+  if (background_frames < 0) throw ConfigError(format("--background-frames %d: must not be negative", background_frames));
+  if (height_mm != 0 && !(height_mm >= 500 && height_mm <= 3000))
+    throw ConfigError(format("--height %g m: must be between 0.5 and 3 metres", height_mm / 1000));
+  if (first < 0) throw ConfigError(format("--first %lld: must not be negative", static_cast<long long>(first)));
+  if (frames == 0 || frames < -1) throw ConfigError("--frames: must be at least 1");
+  if (!detections.empty() && background.empty() && background_frames == 0)
+    throw ConfigError("--detections needs --background or --background-frames: without the network there is no person mask");
+  if (sequential && realtime) throw ConfigError("--sequential and --pace realtime exclude each other");
+  if (!(bvh_unit_m > 0) || !std::isfinite(bvh_unit_m)) throw ConfigError("--bvh-unit: must be a positive length in metres");
+  for (const std::string& name : without) require_component(name);
+}
+
+}  // namespace livecap

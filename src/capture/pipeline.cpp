@@ -1,0 +1,108 @@
+#include "capture/pipeline.h"
+
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include "capture/channel.h"
+
+namespace livecap {
+namespace {
+
+// Remembers the first exception of any thread.
+class FirstError {
+ public:
+  void capture() {
+    std::lock_guard lock(mutex_);
+    if (!error_) error_ = std::current_exception();
+  }
+  void rethrow() {
+    if (error_) std::rethrow_exception(error_);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::exception_ptr error_;
+};
+
+// Moves the displaced item's report, and those it carried, to the front of what the newer item carries.
+void inherit_dropped(WorkItem& newer, WorkItem&& displaced) {
+  std::vector<FrameReport> dropped = std::move(displaced.dropped_before);
+  displaced.report.status = TrackStatus::kDropped;
+  dropped.push_back(displaced.report);
+  newer.dropped_before = std::move(dropped);
+}
+
+}  // namespace
+
+void run_sequential(const PipelineStages& stages) {
+  for (;;) {
+    WorkItem item;
+    if (!stages.read(item)) return;
+    stages.detect(item);
+    stages.solve(item);
+    if (!stages.publish(item)) return;
+  }
+}
+
+void run_pipelined(const PipelineStages& stages, bool newest_wins) {
+  Channel<WorkItem> to_detect, to_solve, to_publish;
+  FirstError error;
+  auto abort_all = [&] {
+    to_detect.abort();
+    to_solve.abort();
+    to_publish.abort();
+  };
+  auto guarded = [&](auto&& body) {
+    return std::thread([&, body] {
+      try {
+        body();
+      } catch (...) {
+        error.capture();
+        abort_all();
+      }
+    });
+  };
+
+  std::thread reader = guarded([&] {
+    for (;;) {
+      WorkItem item;
+      if (!stages.read(item)) break;
+      if (newest_wins) {
+        if (!to_detect.push_newest(std::move(item), inherit_dropped)) return;
+      } else if (!to_detect.push(std::move(item))) {
+        return;
+      }
+    }
+    to_detect.close();
+  });
+  std::thread detector = guarded([&] {
+    while (auto item = to_detect.pop()) {
+      stages.detect(*item);
+      if (!to_solve.push(std::move(*item))) return;
+    }
+    to_solve.close();
+  });
+  std::thread solver = guarded([&] {
+    while (auto item = to_solve.pop()) {
+      stages.solve(*item);
+      if (!to_publish.push(std::move(*item))) return;
+    }
+    to_publish.close();
+  });
+
+  try {
+    while (auto item = to_publish.pop()) {
+      if (!stages.publish(*item)) break;
+    }
+  } catch (...) {
+    error.capture();
+  }
+  abort_all();
+  reader.join();
+  detector.join();
+  solver.join();
+  error.rethrow();
+}
+
+}  // namespace livecap

@@ -1,0 +1,194 @@
+#include "capture/tracker.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/log.h"
+#include "base/timer.h"
+
+namespace livecap {
+namespace {
+
+// Vertical extent of the confident keypoints: the person's size in the picture, px.
+double person_height_px(const Detections& detections) {
+  double low = 1e9, high = -1e9;
+  for (const KeypointDetection& keypoint : detections.keypoints) {
+    if (keypoint.confidence < 0.3f) continue;
+    low = std::min<double>(low, keypoint.y_px);
+    high = std::max<double>(high, keypoint.y_px);
+  }
+  return high > low ? high - low : 0;
+}
+
+double intersection_over_union(const ImageGray& a, const ImageGray& b) {
+  int64_t intersection = 0, either = 0;
+  for (size_t i = 0; i < a.pixels.size(); ++i) {
+    const bool in_a = a.pixels[i] > 127;
+    const bool in_b = b.pixels[i] > 127;
+    intersection += in_a && in_b;
+    either += in_a || in_b;
+  }
+  return either ? static_cast<double>(intersection) / either : 0;
+}
+
+}  // namespace
+
+Tracker::Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const TrackerOptions& options)
+    : actor_(actor),
+      camera_(camera),
+      options_(options),
+      n_vertices_(actor.n_vertices()),
+      skinner_(device, actor),
+      rasterizer_(device, actor.mesh, camera.width, camera.height),
+      visibility_(device, actor.mesh, options.visibility),
+      part_mask_(device, actor.mesh, body_parts_of_vertices(actor.skeleton, actor.skin), camera.width, camera.height),
+      pose_solver_(device, actor, camera, options.pose),
+      surface_solver_(device, actor, camera, options.surface),
+      snapper_(device, actor, camera, options.snap),
+      frame_(device, camera.width, camera.height) {
+  const size_t size = size_t(3) * n_vertices_;
+  for (ocl::Buffer<float>* buffer :
+       {&displacement_rest_, &zero_, &start_, &skinned_, &normals_, &vertices_, &previous_, &before_previous_}) {
+    *buffer = ocl::Buffer<float>(device, size);
+    buffer->fill(0);
+  }
+}
+
+void Tracker::reset() {
+  last_pose_.reset();
+  pose_before_last_.reset();
+  n_history_ = 0;
+  displacement_rest_.fill(0);
+}
+
+void Tracker::skin_at(const Pose& pose, ocl::Buffer<float>& displacement_rest, ocl::Buffer<float>& out) {
+  skinner_.set_pose(bone_dual_quats(forward_kinematics(actor_.skeleton, pose)));
+  skinner_.skin(displacement_rest, out);
+}
+
+PoseResult Tracker::solve_pose_from(const TrackInput& input, const Pose& initial, int n_steps, const Pose* previous) {
+  std::vector<int32_t> contour;
+  if (!input.silhouette.empty()) {
+    skin_at(initial, displacement_rest_, start_);
+    rasterizer_.render(start_, camera_);
+    visibility_.find_contour(rasterizer_);
+    contour = visibility_.read_contour();
+  }
+  return pose_solver_.solve(PoseInput{.detections = input.detections,
+                                      .initial = initial,
+                                      .previous = previous,
+                                      .frame = input.silhouette.empty() ? nullptr : &frame_,
+                                      .contour_vertices = contour,
+                                      .displacement_rest = &displacement_rest_,
+                                      .n_steps = n_steps});
+}
+
+bool Tracker::believable(const PoseResult& result, const Detections& detections) const {
+  if (result.status != SolveStatus::kOk) return false;
+  const double height = person_height_px(detections);
+  return height > 0 && result.keypoint_error_px < options_.lost_error_fraction * height;
+}
+
+Tracker::Solved Tracker::solve_pose(const TrackInput& input) {
+  Solved solved;
+  const PoseOptions& options = options_.pose;
+  if (last_pose_) {
+    const Pose predicted =
+        predict_pose(actor_.skeleton, pose_before_last_ ? &*pose_before_last_ : nullptr, *last_pose_, options);
+    solved.pose = solve_pose_from(input, predicted, options.steps, &*last_pose_);
+    if (believable(solved.pose, input.detections)) return solved;
+    reset();
+  }
+  solved.initialized = true;
+  const std::optional<Pose> initial = initialize_pose(actor_, camera_, input.detections, options);
+  if (!initial) {
+    solved.pose.status = SolveStatus::kNoObservations;
+    return solved;
+  }
+  // The contour found on the rough first pose is only a start: once more from where that solve ends.
+  solved.pose = solve_pose_from(input, *initial, options.first_steps, nullptr);
+  if (solved.pose.status == SolveStatus::kOk)
+    solved.pose = solve_pose_from(input, solved.pose.pose, options.first_steps, nullptr);
+  return solved;
+}
+
+void Tracker::solve_surface(const Pose& pose, bool has_picture, TrackResult& result) {
+  skin_at(pose, zero_, skinned_);
+  skinner_.skin(displacement_rest_, start_);
+  if (!options_.enable_surface || !has_picture) {
+    vertices_.copy_from(skinned_);
+    return;
+  }
+  skinner_.normals(start_, normals_);
+  rasterizer_.render(start_, camera_);
+  visibility_.find_visible(start_, normals_, rasterizer_);
+  visibility_.find_contour(rasterizer_);
+  if (options_.part_mask) part_mask_.update(rasterizer_);
+  const ocl::Buffer<uint8_t>* part_image = options_.part_mask ? &part_mask_.part_image() : nullptr;
+  const ocl::Buffer<int32_t>* vertex_part = options_.part_mask ? &part_mask_.vertex_part() : nullptr;
+
+  const SurfaceResult surface =
+      surface_solver_.solve(SurfaceInput{.frame = frame_,
+                                         .skinned = skinned_,
+                                         .start = start_,
+                                         .previous = n_history_ >= 1 ? &previous_ : nullptr,
+                                         .before_previous = n_history_ >= 2 ? &before_previous_ : nullptr,
+                                         .visible = visibility_.visible(),
+                                         .contour_flag = visibility_.contour(),
+                                         .normals = normals_,
+                                         .part_image = part_image,
+                                         .vertex_part = vertex_part});
+  result.surface_energy = surface.energies.total();
+  vertices_.copy_from(*surface.vertices);
+  if (options_.snapping) {
+    skinner_.normals(vertices_, normals_);
+    rasterizer_.render(vertices_, camera_);
+    visibility_.find_contour(rasterizer_);
+    snapper_.snap(SnapInput{.frame = frame_,
+                            .contour_flag = visibility_.contour(),
+                            .normals = normals_,
+                            .part_image = part_image,
+                            .vertex_part = vertex_part},
+                  vertices_);
+  }
+  if (options_.warp_displacements) skinner_.unskin_displacement(vertices_, skinned_, displacement_rest_);
+}
+
+TrackResult Tracker::track(const TrackInput& input) {
+  TrackResult result;
+  if (!input.detections.person) {
+    reset();
+    return result;
+  }
+  Timer timer;
+  if (!input.silhouette.empty()) frame_.upload(input.silhouette, input.image);
+  const Solved solved = solve_pose(input);
+  result.pose_ms = timer.elapsed_ms();
+  result.pose_energy = solved.pose.energy.total();
+  result.keypoint_error_px = solved.pose.keypoint_error_px;
+  if (!believable(solved.pose, input.detections)) {
+    reset();
+    result.status = TrackStatus::kLost;
+    return result;
+  }
+  result.status = solved.initialized ? TrackStatus::kInitialized : TrackStatus::kOk;
+  result.pose = solved.pose.pose;
+
+  timer.restart();
+  solve_surface(result.pose, !input.silhouette.empty(), result);
+  result.vertices_mm.resize(size_t(3) * n_vertices_);
+  vertices_.read(result.vertices_mm);
+  result.surface_ms = timer.elapsed_ms();
+
+  rasterizer_.render(vertices_, camera_);
+  result.iou = intersection_over_union(rasterizer_.read_mask(), input.mask);
+
+  std::swap(before_previous_, previous_);
+  previous_.copy_from(vertices_);
+  n_history_ = std::min(n_history_ + 1, 2);
+  pose_before_last_ = last_pose_;
+  last_pose_ = result.pose;
+  return result;
+}
+
+}  // namespace livecap

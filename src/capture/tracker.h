@@ -1,0 +1,105 @@
+// One frame of the method: stage I (pose), stage II (surface), snapping, and what is carried to the next frame.
+// Runs on one thread with the solver context.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "actor/actor.h"
+#include "actor/skinner.h"
+#include "image/device_frame.h"
+#include "livecap/camera.h"
+#include "livecap/capture.h"
+#include "pose/pose_solver.h"
+#include "raster/depth.h"
+#include "raster/part_mask.h"
+#include "raster/visibility.h"
+#include "surface/snap.h"
+#include "surface/surface_solver.h"
+
+namespace livecap {
+
+struct TrackerOptions {
+  PoseOptions pose;
+  SurfaceOptions surface;
+  SnapOptions snap;
+  VisibilityOptions visibility;
+  bool enable_surface = true;       // false: the result is the skinned template of stage I
+  bool warp_displacements = true;   // carry the non-rigid displacement to the next frame
+  bool part_mask = true;            // b_i = 0 on another body part's region
+  bool snapping = true;
+  bool ignore_confidence = false;   // true: every keypoint the network knows counts fully
+  // A pose whose mean keypoint error exceeds this fraction of the person's height in the picture is not believed: the
+  // frame is solved again from the detections alone, and lost when that does not help.
+  double lost_error_fraction = 0.08;
+};
+
+struct TrackInput {
+  const ImageRgb& image;          // undistorted
+  const Detections& detections;
+  const Silhouette& silhouette;
+  const ImageGray& mask;          // the silhouette as pixels, for the IoU
+};
+
+struct TrackResult {
+  TrackStatus status = TrackStatus::kNobody;
+  Pose pose;                       // valid when tracked
+  std::vector<float> vertices_mm;  // [3*n_vertices] camera frame; empty unless tracked
+  double pose_energy = 0;
+  double surface_energy = 0;
+  double keypoint_error_px = 0;
+  double iou = 0;                  // rendered mesh against the mask
+  double pose_ms = 0;
+  double surface_ms = 0;
+};
+
+class Tracker {
+ public:
+  // camera: undistorted. Builds every program and allocates every buffer. The actor must outlive the tracker.
+  Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const TrackerOptions& options);
+
+  TrackResult track(const TrackInput& input);
+
+  // Forgets the person: the next frame with detections is initialised.
+  void reset();
+
+ private:
+  struct Solved {
+    PoseResult pose;
+    bool initialized = false;
+  };
+  Solved solve_pose(const TrackInput& input);
+  PoseResult solve_pose_from(const TrackInput& input, const Pose& initial, int n_steps, const Pose* previous);
+  void skin_at(const Pose& pose, ocl::Buffer<float>& displacement_rest, ocl::Buffer<float>& out);
+  bool believable(const PoseResult& result, const Detections& detections) const;
+  void solve_surface(const Pose& pose, bool has_picture, TrackResult& result);
+
+  const Actor& actor_;
+  Camera camera_;
+  TrackerOptions options_;
+  int n_vertices_;
+
+  Skinner skinner_;
+  DepthRasterizer rasterizer_;
+  SurfaceVisibility visibility_;
+  PartMask part_mask_;
+  PoseSolver pose_solver_;
+  SurfaceSolver surface_solver_;
+  Snapper snapper_;
+  DeviceFrame frame_;
+
+  ocl::Buffer<float> displacement_rest_;  // d-hat, rest frame; zero before the first surface
+  ocl::Buffer<float> zero_;               // [3n] always zero
+  ocl::Buffer<float> start_;              // V^S + d^S
+  ocl::Buffer<float> skinned_;            // V^S
+  ocl::Buffer<float> normals_;
+  ocl::Buffer<float> vertices_;           // the result
+  ocl::Buffer<float> previous_;           // V^{t-1}
+  ocl::Buffer<float> before_previous_;    // V^{t-2}
+  int n_history_ = 0;                     // how many of the two are valid
+
+  std::optional<Pose> last_pose_;
+  std::optional<Pose> pose_before_last_;
+};
+
+}  // namespace livecap

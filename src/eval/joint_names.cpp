@@ -1,0 +1,55 @@
+#include "eval/joint_names.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace livecap {
+namespace {
+
+struct Names {
+  const char* captured;
+  const char* mixamo;
+  const char* ue;
+};
+
+constexpr Names kJoints[] = {
+    {"root", "Hips", "pelvis"},
+    {"neck", "Neck", "neck_01"},
+    {"left_shoulder", "LeftArm", "upperarm_l"},
+    {"left_elbow", "LeftForeArm", "lowerarm_l"},
+    {"left_wrist", "LeftHand", "hand_l"},
+    {"right_shoulder", "RightArm", "upperarm_r"},
+    {"right_elbow", "RightForeArm", "lowerarm_r"},
+    {"right_wrist", "RightHand", "hand_r"},
+    {"left_hip", "LeftUpLeg", "thigh_l"},
+    {"left_knee", "LeftLeg", "calf_l"},
+    {"left_ankle", "LeftFoot", "foot_l"},
+    {"right_hip", "RightUpLeg", "thigh_r"},
+    {"right_knee", "RightLeg", "calf_r"},
+    {"right_ankle", "RightFoot", "foot_r"},
+};
+
+std::string without_prefix(const std::string& name) {
+  return name.substr(name.find_last_of(":|") + 1);
+}
+
+int index_of(const std::vector<std::string>& names, const std::string& wanted) {
+  const auto found =
+      std::find_if(names.begin(), names.end(), [&](const std::string& name) { return without_prefix(name) == wanted; });
+  return found == names.end() ? -1 : static_cast<int>(found - names.begin());
+}
+
+}  // namespace
+
+std::vector<JointPair> match_joints(const std::vector<std::string>& captured, const std::vector<std::string>& truth) {
+  std::vector<JointPair> pairs;
+  for (const Names& joint : kJoints) {
+    JointPair pair{joint.captured, index_of(captured, joint.captured), index_of(truth, joint.captured)};
+    if (pair.truth < 0) pair.truth = index_of(truth, joint.mixamo);
+    if (pair.truth < 0) pair.truth = index_of(truth, joint.ue);
+    if (pair.captured >= 0 && pair.truth >= 0) pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+}  // namespace livecap

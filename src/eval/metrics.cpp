@@ -1,0 +1,100 @@
+#include "eval/metrics.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "base/text.h"
+#include "livecap/error.h"
+
+namespace livecap {
+namespace {
+
+using Points = Eigen::Matrix3Xd;
+
+Points to_points(std::span<const float> packed) {
+  return Eigen::Map<const Eigen::Matrix3Xf>(packed.data(), 3, static_cast<Eigen::Index>(packed.size() / 3))
+      .cast<double>();
+}
+
+void require_same_points(std::span<const float> a, std::span<const float> b) {
+  if (a.size() == b.size() && a.size() % 3 == 0) return;
+  throw LogicError(format("point lists of %zu and %zu numbers cannot be compared", a.size(), b.size()));
+}
+
+std::vector<double> column_norms(const Points& difference) {
+  std::vector<double> norms(difference.cols());
+  for (Eigen::Index i = 0; i < difference.cols(); ++i) norms[i] = difference.col(i).norm();
+  return norms;
+}
+
+// q in [0,1] of an ascending list.
+double quantile(const std::vector<double>& sorted, double q) {
+  const double position = q * static_cast<double>(sorted.size() - 1);
+  const size_t below = static_cast<size_t>(position);
+  const size_t above = std::min(below + 1, sorted.size() - 1);
+  return sorted[below] + (position - static_cast<double>(below)) * (sorted[above] - sorted[below]);
+}
+
+}  // namespace
+
+double mask_iou(const ImageGray& a, const ImageGray& b) {
+  if (a.width != b.width || a.height != b.height) {
+    throw LogicError(format("masks of %dx%d and %dx%d cannot be compared", a.width, a.height, b.width, b.height));
+  }
+  int64_t both = 0;
+  int64_t any = 0;
+  for (size_t i = 0; i < a.pixels.size(); ++i) {
+    const bool in_a = a.pixels[i] >= 128;
+    const bool in_b = b.pixels[i] >= 128;
+    both += in_a && in_b;
+    any += in_a || in_b;
+  }
+  return any == 0 ? 1.0 : static_cast<double>(both) / static_cast<double>(any);
+}
+
+bool mask_has_person(const ImageGray& mask) {
+  return std::any_of(mask.pixels.begin(), mask.pixels.end(), [](uint8_t value) { return value >= 128; });
+}
+
+std::vector<double> point_distances(std::span<const float> estimate, std::span<const float> truth) {
+  require_same_points(estimate, truth);
+  return column_norms(to_points(estimate) - to_points(truth));
+}
+
+std::vector<double> translation_aligned_distances(std::span<const float> estimate, std::span<const float> truth) {
+  require_same_points(estimate, truth);
+  if (estimate.empty()) return {};
+  const Points difference = to_points(estimate) - to_points(truth);
+  return column_norms(difference.colwise() - difference.rowwise().mean());
+}
+
+std::vector<double> similarity_aligned_distances(std::span<const float> estimate, std::span<const float> truth) {
+  require_same_points(estimate, truth);
+  if (estimate.size() < 9) throw LogicError("a similarity alignment needs at least three points");
+  const Points from = to_points(estimate);
+  const Points to = to_points(truth);
+  const Points from_centred = from.colwise() - from.rowwise().mean();
+  if (from_centred.squaredNorm() == 0) return translation_aligned_distances(estimate, truth);
+  const Eigen::Matrix4d transform = Eigen::umeyama(from, to, true);
+  const Points moved = (transform.topLeftCorner<3, 3>() * from).colwise() + transform.topRightCorner<3, 1>();
+  return column_norms(moved - to);
+}
+
+Summary summarize(std::vector<double> values) {
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });
+  Summary summary;
+  summary.n = static_cast<int64_t>(values.size());
+  if (values.empty()) return summary;
+  std::sort(values.begin(), values.end());
+  summary.mean = std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+  summary.median = quantile(values, 0.5);
+  summary.p05 = quantile(values, 0.05);
+  summary.p95 = quantile(values, 0.95);
+  summary.min = values.front();
+  summary.max = values.back();
+  return summary;
+}
+
+}  // namespace livecap

@@ -1,0 +1,43 @@
+// How far a capture is from the truth, as pure functions: silhouette overlap, vertex and joint distances under the
+// three usual alignments (none, translation, similarity), and their summaries.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/image_rgb.h"
+
+namespace livecap {
+
+// Intersection over union of the pixels >= 128. 1 when neither picture has any. Throws LogicError when sizes differ.
+double mask_iou(const ImageGray& a, const ImageGray& b);
+
+// True when a pixel is >= 128.
+bool mask_has_person(const ImageGray& mask);
+
+// Distance of each point of `estimate` to the same point of `truth`. Both [3*n], any unit -> [n]. Throws LogicError
+// when sizes differ or are no multiple of 3.
+std::vector<double> point_distances(std::span<const float> estimate, std::span<const float> truth);
+
+// The same after the translation that minimises the sum of squared distances (both centroids on top of each other).
+std::vector<double> translation_aligned_distances(std::span<const float> estimate, std::span<const float> truth);
+
+// The same after the rotation, translation and uniform scale that minimise it (Umeyama, PAMI 1991; without reflection).
+// Needs three points (LogicError). Points that coincide are aligned by translation alone.
+std::vector<double> similarity_aligned_distances(std::span<const float> estimate, std::span<const float> truth);
+
+struct Summary {
+  int64_t n = 0;
+  double mean = 0;
+  double median = 0;
+  double p05 = 0;  // 5 % of the values are below
+  double p95 = 0;  // 5 % of the values are above
+  double min = 0;
+  double max = 0;
+};
+
+// Of finite values; zeros for an empty list. Quantiles interpolate linearly between neighbouring ranks.
+Summary summarize(std::vector<double> values);
+
+}  // namespace livecap

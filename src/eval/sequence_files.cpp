@@ -1,0 +1,142 @@
+#include "eval/sequence_files.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "base/text.h"
+#include "livecap/error.h"
+
+namespace livecap {
+namespace {
+
+using Json = nlohmann::json;
+
+struct Table {
+  std::vector<std::string> columns;
+  std::vector<std::vector<std::string>> rows;
+};
+
+std::vector<std::string> split(const std::string& line) {
+  std::vector<std::string> cells;
+  std::istringstream in(line);
+  for (std::string cell; std::getline(in, cell, ',');) {
+    while (!cell.empty() && (cell.back() == '\r' || cell.back() == ' ')) cell.pop_back();
+    cells.push_back(cell);
+  }
+  if (!line.empty() && line.back() == ',') cells.emplace_back();
+  return cells;
+}
+
+// Plain comma-separated values, the first line names the columns. A last line without a line feed was cut off by a
+// crash and is left out.
+Table read_table(const std::filesystem::path& path) {
+  const std::string bytes = read_file(path);
+  std::istringstream in(bytes.substr(0, bytes.rfind('\n') == std::string::npos ? 0 : bytes.rfind('\n')));
+  Table table;
+  for (std::string line; std::getline(in, line);) {
+    if (table.columns.empty()) {
+      table.columns = split(line);
+      continue;
+    }
+    table.rows.push_back(split(line));
+    if (table.rows.back().size() != table.columns.size()) {
+      throw IoError(path.string() + format(": line %zu has %zu cells, expected %zu", table.rows.size() + 1,
+                                           table.rows.back().size(), table.columns.size()));
+    }
+  }
+  if (table.columns.empty()) throw IoError(path.string() + ": is empty, expected a line of column names");
+  return table;
+}
+
+size_t column(const Table& table, const std::string& name, const std::filesystem::path& path) {
+  const auto found = std::find(table.columns.begin(), table.columns.end(), name);
+  if (found == table.columns.end()) throw IoError(path.string() + ": there is no column \"" + name + "\"");
+  return found - table.columns.begin();
+}
+
+// NaN for what is not a number.
+float to_float(const std::string& cell) {
+  char* end = nullptr;
+  const float value = std::strtof(cell.c_str(), &end);
+  return cell.empty() || *end != '\0' ? std::nanf("") : value;
+}
+
+std::vector<float> read_joint_frame(const Json& frame, size_t n_joints, const std::string& where) {
+  if (frame.is_null()) return {};
+  if (!frame.is_array() || frame.size() != n_joints) {
+    throw IoError(where + format(": expected null or %zu positions", n_joints));
+  }
+  std::vector<float> positions;
+  for (const Json& point : frame) {
+    if (point.is_null()) return {};
+    if (!point.is_array() || point.size() != 3) throw IoError(where + ": expected [x,y,z] per joint");
+    for (const Json& value : point) {
+      if (!value.is_number()) return {};
+      positions.push_back(value.get<float>());
+    }
+  }
+  return positions;
+}
+
+}  // namespace
+
+JointTrack read_joints_json(const std::filesystem::path& path) {
+  const Json json = Json::parse(read_file(path), nullptr, false);
+  if (!json.is_object()) throw IoError(path.string() + ": is not a JSON object");
+  const auto names = json.find("names");
+  const auto frames = json.find("frames");
+  if (names == json.end() || !names->is_array()) throw IoError(path.string() + ": field \"names\" is not a list");
+  if (frames == json.end() || !frames->is_array()) throw IoError(path.string() + ": field \"frames\" is not a list");
+  JointTrack track;
+  for (const Json& name : *names) {
+    if (!name.is_string()) throw IoError(path.string() + ": field \"names\" holds something that is not a text");
+    track.names.push_back(name.get<std::string>());
+  }
+  for (size_t i = 0; i < frames->size(); ++i) {
+    track.frames.push_back(
+        read_joint_frame((*frames)[i], track.names.size(), path.string() + format(": field \"frames\"[%zu]", i)));
+  }
+  return track;
+}
+
+JointTrack read_joints_csv(const std::filesystem::path& path) {
+  const Table table = read_table(path);
+  JointTrack track;
+  std::vector<size_t> columns;  // of x; y and z follow
+  for (size_t c = 0; c + 2 < table.columns.size(); ++c) {
+    const std::string& name = table.columns[c];
+    for (const std::string suffix : {"_x", "_x_m"}) {
+      if (name.size() <= suffix.size() || name.compare(name.size() - suffix.size(), suffix.size(), suffix) != 0)
+        continue;
+      track.names.push_back(name.substr(0, name.size() - suffix.size()));
+      columns.push_back(c);
+    }
+  }
+  if (columns.empty()) throw IoError(path.string() + ": there is no column <joint>_x");
+  for (const std::vector<std::string>& row : table.rows) {
+    std::vector<float> positions;
+    for (size_t c : columns) {
+      for (size_t axis = 0; axis < 3; ++axis) positions.push_back(to_float(row[c + axis]));
+    }
+    const bool known =
+        std::all_of(positions.begin(), positions.end(), [](float value) { return std::isfinite(value); });
+    track.frames.push_back(known ? positions : std::vector<float>());
+  }
+  return track;
+}
+
+std::vector<FrameRow> read_frames_csv(const std::filesystem::path& path) {
+  const Table table = read_table(path);
+  const size_t index = column(table, "index", path);
+  const size_t status = column(table, "status", path);
+  std::vector<FrameRow> rows;
+  for (const std::vector<std::string>& row : table.rows) {
+    rows.push_back({static_cast<int64_t>(std::strtoll(row[index].c_str(), nullptr, 10)), row[status]});
+  }
+  return rows;
+}
+
+}  // namespace livecap

@@ -1,0 +1,32 @@
+// Reading what a comparison needs from a capture folder and a truth folder.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace livecap {
+
+// Joint positions over time, metres, glTF frame.
+struct JointTrack {
+  std::vector<std::string> names;
+  std::vector<std::vector<float>> frames;  // [n_frames] of [3*n_names]; empty where nobody is there
+  bool empty() const { return names.empty(); }
+};
+
+// joints.json of a truth folder: {"names":[...],"frames":[[[x,y,z],...] or null,...]}. Throws IoError naming the field.
+JointTrack read_joints_json(const std::filesystem::path& path);
+
+// joints.csv of a capture folder. Throws IoError naming the column or the line.
+JointTrack read_joints_csv(const std::filesystem::path& path);
+
+struct FrameRow {
+  int64_t index = 0;   // of the input frame
+  std::string status;  // livecap/capture.h's track_status_name
+};
+
+// frames.csv of a capture folder.
+std::vector<FrameRow> read_frames_csv(const std::filesystem::path& path);
+
+}  // namespace livecap

@@ -1,0 +1,30 @@
+// From the library's frame (millimetres, camera axes: x right, y down, z forward) to that of every exported file (glTF:
+// metres, Y up, right-handed). DESIGN section 2.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+namespace livecap {
+
+inline constexpr double kMetresPerMm = 1e-3;
+
+// Half a turn about x: a proper rotation, so that nothing is mirrored.
+inline Eigen::Matrix3d gltf_axes_from_camera() {
+  return Eigen::Vector3d(1, -1, -1).asDiagonal();
+}
+
+inline Eigen::Vector3d gltf_from_camera(const Eigen::Vector3d& camera_mm) {
+  return kMetresPerMm * Eigen::Vector3d(camera_mm.x(), -camera_mm.y(), -camera_mm.z());
+}
+
+// [3n] mm, camera -> [3n] metres, glTF.
+inline std::vector<float> gltf_from_camera(std::span<const float> camera_mm) {
+  std::vector<float> result(camera_mm.size());
+  for (size_t i = 0; i < camera_mm.size(); ++i)
+    result[i] = static_cast<float>((i % 3 == 0 ? 1 : -1) * kMetresPerMm * camera_mm[i]);
+  return result;
+}
+
+}  // namespace livecap

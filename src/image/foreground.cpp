@@ -1,0 +1,180 @@
+#include "image/foreground.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "base/text.h"
+#include "livecap/error.h"
+
+namespace livecap {
+namespace {
+
+constexpr int kHalf = 128;
+// Gate and core are made on a grid this much coarser: their borders are margins, not results.
+constexpr int kCoarse = 4;
+// A piece that touches less than this many pixels is noise whatever the largest one is.
+constexpr int kMinPiecePx = 16;
+
+cv::Mat disc(int radius) {
+  return cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(2 * radius + 1, 2 * radius + 1));
+}
+
+cv::Rect grown(const cv::Rect& box, int margin, const cv::Size& size) {
+  return cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
+         cv::Rect({0, 0}, size);
+}
+
+// Drops pieces smaller than min_part of the largest, then closes holes smaller than max_hole of what is left.
+void clean(cv::Mat& mask, float min_part, float max_hole) {
+  cv::Mat labels, stats, centers;
+  int n = cv::connectedComponentsWithStats(mask, labels, stats, centers, 8, CV_32S);
+  int largest = 0;
+  for (int k = 1; k < n; ++k) largest = std::max(largest, stats.at<int>(k, cv::CC_STAT_AREA));
+  const int smallest = std::max(kMinPiecePx, static_cast<int>(min_part * static_cast<float>(largest)));
+  int area = 0;
+  std::vector<uint8_t> keep(n, 0);
+  for (int k = 1; k < n; ++k) {
+    keep[k] = stats.at<int>(k, cv::CC_STAT_AREA) >= smallest ? 255 : 0;
+    if (keep[k]) area += stats.at<int>(k, cv::CC_STAT_AREA);
+  }
+  for (int y = 0; y < mask.rows; ++y) {
+    for (int x = 0; x < mask.cols; ++x) mask.at<uint8_t>(y, x) = keep[labels.at<int>(y, x)];
+  }
+  cv::Mat background;
+  cv::bitwise_not(mask, background);
+  n = cv::connectedComponentsWithStats(background, labels, stats, centers, 4, CV_32S);
+  std::vector<uint8_t> fill(n, 0);
+  for (int k = 1; k < n; ++k) {
+    const int x = stats.at<int>(k, cv::CC_STAT_LEFT), y = stats.at<int>(k, cv::CC_STAT_TOP);
+    const bool touches_border = x == 0 || y == 0 || x + stats.at<int>(k, cv::CC_STAT_WIDTH) == mask.cols ||
+                                y + stats.at<int>(k, cv::CC_STAT_HEIGHT) == mask.rows;
+    fill[k] =
+        !touches_border && static_cast<float>(stats.at<int>(k, cv::CC_STAT_AREA)) < max_hole * static_cast<float>(area)
+            ? 255
+            : 0;
+  }
+  for (int y = 0; y < mask.rows; ++y) {
+    for (int x = 0; x < mask.cols; ++x) mask.at<uint8_t>(y, x) |= fill[labels.at<int>(y, x)];
+  }
+}
+
+// A pixel that the person covers by less than half still differs from the background. Takes off border pixels whose
+// contrast is less than `share` of the largest within two pixels.
+void trim_border(cv::Mat& mask, const std::vector<uint8_t>& contrast, float share) {
+  cv::Mat inner;
+  cv::erode(mask, inner, cv::getStructuringElement(cv::MORPH_RECT, cv::Size(3, 3)));
+  constexpr int kReach = 2;
+  for (int y = kReach; y < mask.rows - kReach; ++y) {
+    uint8_t* row = mask.ptr<uint8_t>(y);
+    const uint8_t* inner_row = inner.ptr<uint8_t>(y);
+    for (int x = kReach; x < mask.cols - kReach; ++x) {
+      if (!row[x] || inner_row[x]) continue;
+      int largest = 0;
+      for (int v = y - kReach; v <= y + kReach; ++v) {
+        const uint8_t* from = contrast.data() + size_t(v) * mask.cols + x - kReach;
+        largest = std::max<int>(largest, *std::max_element(from, from + 2 * kReach + 1));
+      }
+      if (static_cast<float>(contrast[size_t(y) * mask.cols + x]) < share * static_cast<float>(largest)) row[x] = 0;
+    }
+  }
+}
+
+}  // namespace
+
+void ForegroundOptions::validate() const {
+  background.validate();
+  if (!(gate_margin >= 0 && gate_margin <= 1) || !(core_margin >= 0 && core_margin <= 1))
+    throw ConfigError("foreground: margins must be in 0..1");
+  if (!(core_probability > 0 && core_probability <= 1))
+    throw ConfigError("foreground: core_probability must be in (0, 1]");
+  if (!(smooth_px >= 0 && smooth_px <= 10)) throw ConfigError("foreground: smooth_px must be in 0..10");
+}
+
+ForegroundModel::ForegroundModel(const ForegroundOptions& options)
+    : options_(options), background_(options.background) {
+  options_.validate();
+}
+
+ImageGray ForegroundModel::segment(const ImageRgb& frame, const PersonMask& network_mask) const {
+  const cv::Size size(frame.width, frame.height);
+  if (frame.pixels.size() != size_t(3) * frame.width * frame.height) throw LogicError("foreground: malformed frame");
+  if (has_background() && (background_.width() != frame.width || background_.height() != frame.height))
+    throw ConfigError(format("background plate is %dx%d, the video %dx%d", background_.width(), background_.height(),
+                             frame.width, frame.height));
+  if (!network_mask.empty() && (network_mask.width != frame.width || network_mask.height != frame.height))
+    throw ConfigError(format("network mask is %dx%d, the video %dx%d", network_mask.width, network_mask.height,
+                             frame.width, frame.height));
+  ImageGray result{frame.width, frame.height, std::vector<uint8_t>(size_t(frame.width) * frame.height, 0)};
+  if (network_mask.empty() && !has_background()) return result;
+  cv::Mat out(size, CV_8UC1, result.pixels.data());
+
+  // Where the person may be (gate) and certainly is (core), coarse.
+  cv::Mat probability, gate, core;
+  cv::Rect box({0, 0}, size);
+  int gate_radius = 0;
+  if (!network_mask.empty()) {
+    probability = cv::Mat(size, CV_8UC1, const_cast<uint8_t*>(network_mask.probability.data()));
+    cv::Mat coarse;
+    cv::resize(probability, coarse,
+               cv::Size((size.width + kCoarse - 1) / kCoarse, (size.height + kCoarse - 1) / kCoarse), 0, 0,
+               cv::INTER_AREA);
+    cv::threshold(coarse, gate, kHalf - 1, 255, cv::THRESH_BINARY);
+    cv::Rect person = cv::boundingRect(gate);
+    if (person.empty()) return result;
+    auto radius = [&](float margin) {
+      return std::max(1, static_cast<int>(std::lround(margin * static_cast<float>(person.height))));
+    };
+    gate_radius = radius(options_.gate_margin);
+    cv::threshold(coarse, core, 255 * options_.core_probability, 255, cv::THRESH_BINARY);
+    cv::dilate(gate, gate, disc(gate_radius));
+    cv::erode(core, core, disc(radius(options_.core_margin)));
+    person = cv::Rect(person.x * kCoarse, person.y * kCoarse, person.width * kCoarse, person.height * kCoarse);
+    box = grown(person, (gate_radius + 1) * kCoarse, size);
+  }
+
+  BackgroundDistance distance;
+  cv::Mat score;  // > 128: person
+  if (!has_background()) {
+    cv::GaussianBlur(probability(box), score, cv::Size(0, 0), std::max(0.5f, options_.smooth_px));
+  } else {
+    std::vector<uint8_t> ignore;
+    if (!gate.empty()) {
+      cv::Mat fine;
+      cv::resize(gate, fine, size, 0, 0, cv::INTER_NEAREST);
+      ignore.assign(fine.begin<uint8_t>(), fine.end<uint8_t>());
+    }
+    const FrameChange change = background_.estimate_change(frame, ignore);
+    distance = background_.distance(frame, change, box.x, box.y, box.x + box.width, box.y + box.height);
+    score = cv::Mat(box.size(), CV_8UC1, distance.shadow.data()).clone();
+    if (!probability.empty()) {
+      const cv::Mat network = probability(box);
+      int gain[256];  // in 1/256
+      for (int m = 0; m < 256; ++m) gain[m] = 256 + static_cast<int>(std::max(0, m - kHalf) * 2 * options_.trust);
+      for (int y = 0; y < box.height; ++y) {
+        uint8_t* s = score.ptr<uint8_t>(y);
+        const uint8_t* m = network.ptr<uint8_t>(y);
+        const uint8_t* plain = distance.plain.data() + size_t(y) * box.width;
+        const uint8_t* gate_row = gate.ptr<uint8_t>((box.y + y) / kCoarse);
+        const uint8_t* core_row = core.ptr<uint8_t>((box.y + y) / kCoarse);
+        for (int x = 0; x < box.width; ++x) {
+          const int coarse_x = (box.x + x) / kCoarse;
+          // What the network calls person is no shadow, and needs less of a difference.
+          if (m[x] >= kHalf) s[x] = static_cast<uint8_t>(std::min(255, plain[x] * gain[m[x]] / 256));
+          if (!gate_row[coarse_x]) s[x] = 0;
+          if (core_row[coarse_x]) s[x] = 255;
+        }
+      }
+    }
+    if (options_.smooth_px > 0) cv::GaussianBlur(score, score, cv::Size(0, 0), options_.smooth_px);
+  }
+  cv::Mat mask;
+  cv::threshold(score, mask, kHalf, 255, cv::THRESH_BINARY);
+  if (has_background()) trim_border(mask, distance.contrast, options_.edge_share);
+  clean(mask, options_.min_part, options_.max_hole);
+  mask.copyTo(out(box));
+  return result;
+}
+
+}  // namespace livecap

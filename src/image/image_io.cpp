@@ -1,0 +1,71 @@
+#include "image/image_io.h"
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "base/text.h"
+#include "livecap/error.h"
+
+namespace livecap {
+namespace {
+
+cv::Mat decode(const std::filesystem::path& path, int flags) {
+  if (std::filesystem::is_directory(path)) throw IoError(path.string() + ": is a folder, expected a PNG or JPEG file");
+  const std::string bytes = read_file(path);
+  if (bytes.empty()) throw IoError(path.string() + ": empty file, expected a PNG or JPEG picture");
+  const cv::Mat raw(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+  cv::Mat image;
+  try {
+    image = cv::imdecode(raw, flags);
+  } catch (const cv::Exception& e) {
+    throw IoError(path.string() + ": cannot be decoded: " + e.err);
+  }
+  if (image.empty()) throw IoError(path.string() + ": not a readable PNG or JPEG picture");
+  return image;
+}
+
+void write(const cv::Mat& image, const std::filesystem::path& path) {
+  std::vector<uint8_t> bytes;
+  if (!cv::imencode(".png", image, bytes)) throw IoError(path.string() + ": PNG encoding failed");
+  write_file_atomically(path, std::string(bytes.begin(), bytes.end()));
+}
+
+}  // namespace
+
+ImageRgb read_image_rgb(const std::filesystem::path& path) {
+  const cv::Mat bgr = decode(path, cv::IMREAD_COLOR);
+  ImageRgb image{bgr.cols, bgr.rows, std::vector<uint8_t>(size_t(3) * bgr.cols * bgr.rows)};
+  cv::Mat rgb(bgr.rows, bgr.cols, CV_8UC3, image.pixels.data());
+  cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
+  return image;
+}
+
+ImageGray read_image_gray(const std::filesystem::path& path) {
+  const cv::Mat gray = decode(path, cv::IMREAD_GRAYSCALE);
+  ImageGray image{gray.cols, gray.rows, std::vector<uint8_t>(size_t(gray.cols) * gray.rows)};
+  cv::Mat copy(gray.rows, gray.cols, CV_8UC1, image.pixels.data());
+  gray.copyTo(copy);
+  return image;
+}
+
+void write_png(const ImageRgb& image, const std::filesystem::path& path) {
+  if (image.empty() || image.pixels.size() != size_t(3) * image.width * image.height)
+    throw LogicError(format("write_png: %zu bytes for %dx%d RGB", image.pixels.size(), image.width, image.height));
+  const cv::Mat rgb(image.height, image.width, CV_8UC3, const_cast<uint8_t*>(image.pixels.data()));
+  cv::Mat bgr;
+  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
+  write(bgr, path);
+}
+
+void write_png(const ImageGray& image, const std::filesystem::path& path) {
+  if (image.empty() || image.pixels.size() != size_t(image.width) * image.height)
+    throw LogicError(format("write_png: %zu bytes for %dx%d grey", image.pixels.size(), image.width, image.height));
+  write(cv::Mat(image.height, image.width, CV_8UC1, const_cast<uint8_t*>(image.pixels.data())), path);
+}
+
+void set_image_threads(int n) {
+  cv::setNumThreads(n);
+}
+
+}  // namespace livecap

@@ -1,0 +1,24 @@
+// PNG and JPEG files to and from packed images, and the number of threads of the image operations.
+#pragma once
+
+#include <filesystem>
+
+#include "base/image_rgb.h"
+
+namespace livecap {
+
+// 8-bit; alpha is dropped, grey files become three equal channels. Throws IoError naming the file.
+ImageRgb read_image_rgb(const std::filesystem::path& path);
+
+// 8-bit; colour files are converted to luma. Throws IoError naming the file.
+ImageGray read_image_gray(const std::filesystem::path& path);
+
+// Through a temporary file and a rename. Throws IoError; LogicError when the pixels do not match the size.
+void write_png(const ImageRgb& image, const std::filesystem::path& path);
+void write_png(const ImageGray& image, const std::filesystem::path& path);
+
+// Threads used inside one image operation of this room, process-wide. The pipeline sets 1: its stages already have a
+// thread each, and more would disturb the device that shares the cores.
+void set_image_threads(int n);
+
+}  // namespace livecap

@@ -1,0 +1,26 @@
+// Where the Gauss-Newton solver starts: a prediction from the last two frames, or, for a first frame and after a loss,
+// a pose found from one frame's detections alone (paper, "Skeletal Pose Estimation": "extrapolating the poses of the
+// last two frames in joint angle space based on an explicit Euler step"; "no careful initialization").
+#pragma once
+
+#include <optional>
+
+#include "actor/actor.h"
+#include "livecap/camera.h"
+#include "livecap/detections.h"
+#include "pose/pose_options.h"
+
+namespace livecap {
+
+// The Euler step of `previous` from `before_previous` (nullptr: no motion known, `previous` itself), shortened to the
+// option's bounds and kept inside the joint limits where `previous` was.
+Pose predict_pose(const Skeleton& skeleton, const Pose* before_previous, const Pose& previous,
+                  const PoseOptions& options);
+
+// Root rotation by rigid alignment of the torso to the 3D detections, joint angles by cyclic coordinate descent on the
+// re-boned 3D keypoints, root translation by linear least squares on the 2D detections.
+// nullopt when nobody was detected or fewer than three torso points (pelvis, hips, neck, shoulders) are known.
+std::optional<Pose> initialize_pose(const Actor& actor, const Camera& camera, const Detections& detections,
+                                    const PoseOptions& options);
+
+}  // namespace livecap

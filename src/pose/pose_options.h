@@ -1,0 +1,64 @@
+// Options of the pose stage (paper, "Skeletal Pose Estimation"; weights from section "Results").
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "livecap/detections.h"
+
+namespace livecap {
+
+// Factors of the squared residuals. They only make sense in px, mm and rad. Weight 0 switches a term off.
+struct PoseWeights {
+  double keypoint_2d = 460;  // lambda_2D
+  double keypoint_3d = 28;   // lambda_3D
+  double silhouette = 200;   // lambda_silhouette
+  double temporal = 1.5;     // lambda_temporal
+  double anatomic = 1e6;     // lambda_anatomic
+};
+
+// Sets the weight of a term by its name in solve/term_table.h; false when the pose stage has no such term.
+bool set_weight(PoseWeights& weights, std::string_view term, double value);
+
+// lambda_i of E_2D: 0.326 for the face, 1 for the body.
+std::array<double, kKeypointCount> default_keypoint_2d_weights();
+
+// lambda_i of E_temporal: torso, head, hips 2.5; shoulders 2; knees, elbows 1.5; wrists, hands, ankles, toes 1; face 0.
+std::array<double, kKeypointCount> default_temporal_weights();
+
+struct PoseOptions {
+  PoseWeights weights;
+  std::array<double, kKeypointCount> keypoint_2d_weights = default_keypoint_2d_weights();
+  std::array<double, kKeypointCount> temporal_weights = default_temporal_weights();
+
+  int steps = 6;         // Gauss-Newton steps of a tracked frame
+  int first_steps = 20;  // of the first frame and after a loss
+
+  // 3D detections are re-boned with the template's lengths. false: they already have the actor's size.
+  bool rebone = true;
+
+  int max_contour_vertices = 512;  // more are thinned evenly; the term keeps its total weight
+
+  // Levenberg damping of each unknown, as a share of its own diagonal entry and of the largest diagonal entry among the
+  // unknowns of its unit (rad or mm). Tiny: it only keeps unobserved unknowns (a straight arm's twist) where they are.
+  double damping_own = 1e-6;
+  double damping_largest = 1e-6;
+
+  // A step that turns any joint or the root further is shortened as a whole. Far from the solution Gauss-Newton steps
+  // are meaningless beyond this; a tracked frame never reaches it.
+  double max_step_rad = 0.8;
+
+  // Residual length from which a 2D keypoint or a contour vertex pulls linearly (Huber) instead of quadratically.
+  // 0 = never, as in the paper.
+  double keypoint_2d_huber_px = 0;
+  double silhouette_huber_px = 0;
+
+  // Bounds of the Euler step that predicts a frame, per frame.
+  double max_predicted_turn_rad = 0.5;
+  double max_predicted_move_mm = 250;
+
+  // Throws ConfigError naming the field when a value is negative, not finite, or a count is out of range.
+  void validate() const;
+};
+
+}  // namespace livecap

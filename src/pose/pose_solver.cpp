@@ -1,0 +1,116 @@
+#include "pose/pose_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace livecap {
+namespace {
+
+// See PoseOptions::damping_own: radians and millimetres have their own largest entry each.
+Eigen::VectorXd damping_of(const Eigen::MatrixXd& JtJ, const PoseOptions& options) {
+  const Eigen::Index n = JtJ.rows();
+  const auto is_angle = [n](Eigen::Index i) { return i < 3 || (i >= 6 && i < n - 3); };
+  double largest_angle = 0;
+  double largest_length = 0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    double& largest = is_angle(i) ? largest_angle : largest_length;
+    largest = std::max(largest, JtJ(i, i));
+  }
+  Eigen::VectorXd damping(n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    damping[i] =
+        options.damping_own * JtJ(i, i) + options.damping_largest * (is_angle(i) ? largest_angle : largest_length);
+  return damping;
+}
+
+// Shortens the whole step so that nothing turns further than the bound.
+void limit_turn(Eigen::VectorXd& delta, double max_step_rad) {
+  if (max_step_rad <= 0) return;
+  const double largest = std::max(delta.head<3>().norm(), delta.segment(6, delta.size() - 9).lpNorm<Eigen::Infinity>());
+  if (largest > max_step_rad) delta *= max_step_rad / largest;
+}
+
+bool has_observation(const KeypointTargets& targets) {
+  return std::any_of(targets.begin(), targets.end(),
+                     [](const KeypointTarget& t) { return t.weight_2d > 0 || t.weight_3d > 0; });
+}
+
+}  // namespace
+
+PoseSolver::PoseSolver(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const PoseOptions& options)
+    : actor_(actor), camera_(camera), options_(options), system_(device, actor, camera, options) {}
+
+PoseResult PoseSolver::solve(const PoseInput& input) {
+  const KeypointTargets targets = make_targets(actor_, input.detections, input.previous, options_);
+  system_.set_frame(targets, input.frame, input.contour_vertices, input.displacement_rest);
+  PoseResult result;
+  result.pose = input.initial;
+  if (!has_observation(targets) && system_.n_contour() == 0) {
+    result.status = SolveStatus::kNoObservations;
+    return result;
+  }
+
+  PoseState state{
+      input.initial,
+      best_t_prime(targets, keypoint_positions(actor_, forward_kinematics(actor_.skeleton, input.initial)))};
+  const int n_steps = input.n_steps > 0 ? input.n_steps : options_.steps;
+  for (int step = 0; step < n_steps; ++step) {
+    const PoseNormalEquations equations = system_.assemble(state);
+    result.step_energy.push_back(equations.energy);
+    DenseSolution solution = solve_normal_equations(equations.JtJ, equations.JtF, damping_of(equations.JtJ, options_));
+    if (solution.status != SolveStatus::kOk) {
+      result.status = solution.status;
+      return result;
+    }
+    limit_turn(solution.delta, options_.max_step_rad);
+    state.pose = add_increment(state.pose, solution.delta.head(solution.delta.size() - 3));
+    state.t_prime_mm += solution.delta.tail<3>();
+  }
+  measure(state, targets, result);
+  if (!std::isfinite(result.energy.total())) {
+    result.status = SolveStatus::kNotFinite;
+    return result;
+  }
+  result.pose = state.pose;
+  result.t_prime_mm = state.t_prime_mm;
+  return result;
+}
+
+void PoseSolver::measure(const PoseState& state, const KeypointTargets& targets, PoseResult& result) {
+  const PoseResiduals residuals = system_.residuals(state);
+  const auto energy = [&](int first, int n) {
+    double sum = 0;
+    for (int i = first; i < first + n; ++i) sum += double(residuals.rows[i]) * residuals.rows[i];
+    return sum;
+  };
+  for (int k = 0; k < kKeypointCount; ++k) {
+    const int row = k * LC_POSE_ROWS_PER_KEYPOINT;
+    result.energy.keypoint_2d += energy(row + LC_POSE_ROW_2D, 2);
+    result.energy.keypoint_3d += energy(row + LC_POSE_ROW_3D, 3);
+    result.energy.temporal += energy(row + LC_POSE_ROW_TEMPORAL, 3);
+  }
+  result.energy.anatomic = energy(LC_POSE_POINT_ROWS, system_.n_point_rows() - LC_POSE_POINT_ROWS);
+  result.energy.silhouette = energy(system_.n_point_rows(), system_.n_contour());
+
+  const auto positions = keypoint_positions(actor_, forward_kinematics(actor_.skeleton, state.pose));
+  double error_px = 0;
+  double weight = 0;
+  for (int k = 0; k < kKeypointCount; ++k) {
+    const Eigen::Vector3d& p = positions[k];
+    if (!(targets[k].weight_2d > 0) || !(p.z() > 0)) continue;
+    const Eigen::Vector2d px(camera_.fx * p.x() / p.z() + camera_.cx, camera_.fy * p.y() / p.z() + camera_.cy);
+    error_px += targets[k].weight_2d * (px - targets[k].position_px).norm();
+    weight += targets[k].weight_2d;
+  }
+  result.keypoint_error_px = weight > 0 ? error_px / weight : 0;
+
+  double distance_px = 0;
+  for (int i = 0; i < system_.n_contour(); ++i) {
+    if (std::isnan(residuals.distances_px[i])) continue;
+    ++result.n_contour_visible;
+    distance_px += std::abs(residuals.distances_px[i]);
+  }
+  result.silhouette_error_px = result.n_contour_visible > 0 ? distance_px / result.n_contour_visible : 0;
+}
+
+}  // namespace livecap

@@ -1,0 +1,75 @@
+// Stage I, skeletal pose: a few Gauss-Newton steps on E_2D + E_3D + E_silhouette + E_temporal + E_anatomic (paper,
+// "Skeletal Pose Estimation").
+//
+//   PoseSolver solver(device, actor, camera, options);
+//   Pose start = has_history ? predict_pose(...) : *initialize_pose(...);
+//   PoseResult result = solver.solve({.detections = detections, .initial = start, .previous = &last, ...});
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "pose/initialize.h"
+#include "pose/pose_options.h"
+#include "pose/pose_system.h"
+#include "solve/dense_solver.h"
+
+namespace livecap {
+
+struct PoseInput {
+  const Detections& detections;
+  const Pose& initial;                             // where to start; returned when the solve fails
+  const Pose* previous = nullptr;                  // last frame's result; nullptr: no temporal term
+  const DeviceFrame* frame = nullptr;              // nullptr (nobody segmented): no silhouette term
+  std::span<const int32_t> contour_vertices = {};  // B of the frame, template vertex indices
+  const ocl::Buffer<float>* displacement_rest =
+      nullptr;      // [3n] mm added to the rest pose before skinning; may be nullptr
+  int n_steps = 0;  // 0: PoseOptions::steps
+};
+
+// Weighted, as in the paper's E_pose.
+struct PoseEnergies {
+  double keypoint_2d = 0;
+  double keypoint_3d = 0;
+  double silhouette = 0;
+  double temporal = 0;
+  double anatomic = 0;
+  double total() const { return keypoint_2d + keypoint_3d + silhouette + temporal + anatomic; }
+};
+
+struct PoseResult {
+  Pose pose;  // PoseInput::initial unless status is kOk
+  SolveStatus status = SolveStatus::kOk;
+  PoseEnergies energy;                                   // at `pose`
+  Eigen::Vector3d t_prime_mm = Eigen::Vector3d::Zero();  // camera_from_root of the 3D detections
+  std::vector<double> step_energy;                       // total before each step
+  double keypoint_error_px = 0;                          // mean 2D error, weighted as in E_2D; 0 without detections
+  double silhouette_error_px = 0;                        // mean |distance| of the contour vertices in the picture
+  int n_contour_visible = 0;
+};
+
+class PoseSolver {
+ public:
+  // camera: of undistorted pictures. device and actor must outlive the solver.
+  // Throws ConfigError for bad options, LogicError for an inconsistent actor, OclError.
+  PoseSolver(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const PoseOptions& options);
+
+  // Bit-identical for identical inputs on one device. Throws LogicError for inputs of wrong size.
+  PoseResult solve(const PoseInput& input);
+
+  const PoseOptions& options() const { return options_; }
+
+ private:
+  void measure(const PoseState& state, const KeypointTargets& targets, PoseResult& result);
+
+  const Actor& actor_;
+  Camera camera_;
+  PoseOptions options_;
+  PoseSystem system_;
+};
+
+// Known-answer tests of kernels/pose against double precision on the host.
+std::vector<ocl::SelfTestResult> pose_self_test(ocl::DeviceContext& device);
+
+}  // namespace livecap

@@ -1,0 +1,247 @@
+#include "pose/pose_system.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/text.h"
+#include "geometry/mesh.h"
+#include "livecap/error.h"
+
+namespace livecap {
+namespace {
+
+constexpr const char* kProgram = "pose/pose.cl";
+constexpr int kTile = 8;
+// GPUs sum the rows in this many independent slices, which the host adds in order.
+constexpr int kGpuSlices = 16;
+// The bones of a contour row are packed into bytes.
+constexpr int kMaxBones = 255;
+
+static_assert(LC_POSE_KEYPOINTS == kKeypointCount);
+static_assert(sizeof(PoseLayout) == 16 && sizeof(PoseContour) == 24);
+
+void require(bool ok, const std::string& message) {
+  if (!ok) throw LogicError("pose: " + message);
+}
+
+void check_actor(const Actor& actor) {
+  actor.skeleton.validate();
+  const size_t n = actor.n_vertices();
+  require(actor.skeleton.n_bones() <= kMaxBones,
+          format("actor has %d bones, at most %d", actor.skeleton.n_bones(), kMaxBones));
+  require(actor.skin.bones.size() == 4 * n && actor.skin.weights.size() == 4 * n,
+          format("skin has %zu bones and %zu weights for %zu vertices, 4 each needed", actor.skin.bones.size(),
+                 actor.skin.weights.size(), n));
+  for (int32_t bone : actor.skin.bones)
+    require(bone >= 0 && bone < actor.skeleton.n_bones(), format("skin refers to bone %d", bone));
+  for (const KeypointAnchor& anchor : actor.keypoints)
+    require(anchor.bone < actor.skeleton.n_bones(), format("keypoint anchor refers to bone %d", anchor.bone));
+}
+
+}  // namespace
+
+PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const PoseOptions& options)
+    : skeleton_(actor.skeleton),
+      keypoints_(actor.keypoints),
+      options_(options),
+      width_(camera.width),
+      height_(camera.height),
+      pinhole_{float(camera.fx), float(camera.fy), float(camera.cx), float(camera.cy)},
+      n_vertices_(actor.n_vertices()) {
+  check_actor(actor);
+  camera.validate();
+  options.validate();
+  require(width_ >= 2 && height_ >= 2, format("camera picture is %d x %d", width_, height_));
+  layout_.n_dofs = skeleton_.n_dofs();
+  layout_.n_unknowns = layout_.n_dofs + 9;
+  layout_.n_columns = (layout_.n_unknowns + 1 + kTile - 1) / kTile * kTile;
+  layout_.n_bones = skeleton_.n_bones();
+  n_point_rows_ = LC_POSE_POINT_ROWS + layout_.n_dofs;
+  const int side = layout_.n_columns / kTile;
+  n_tiles_ = side * (side + 1) / 2;
+  n_slices_ = device.is_cpu() ? 1 : kGpuSlices;
+  items_per_tile_ = device.is_cpu() ? 1 : kTile * kTile;
+
+  // Every column but t' and the residual's moves bones: the root's six all of them, a joint those below it.
+  std::vector<float> moves(size_t(layout_.n_bones) * layout_.n_columns, 0.0f);
+  const std::vector<uint64_t> masks = dofs_moving_bones(skeleton_);
+  for (int b = 0; b < layout_.n_bones; ++b) {
+    float* row = &moves[size_t(b) * layout_.n_columns];
+    std::fill(row, row + 6, 1.0f);
+    for (int k = 0; k < layout_.n_dofs; ++k) row[6 + k] = masks[b] >> k & 1 ? 1.0f : 0.0f;
+  }
+  std::vector<float> limits;
+  for (const Dof& dof : skeleton_.dofs) {
+    limits.push_back(float(dof.min_rad));
+    limits.push_back(float(dof.max_rad));
+  }
+  std::vector<int32_t> keypoint_bones;
+  for (const KeypointAnchor& anchor : keypoints_) keypoint_bones.push_back(std::max(anchor.bone, 0));
+
+  const size_t n_contour = options.max_contour_vertices;
+  step_host_.resize(LC_POSE_STEP_SIZE(layout_));
+  gram_host_.resize(size_t(n_slices_) * n_tiles_ * kTile * kTile);
+  step_ = ocl::Buffer<float>(device, step_host_.size());
+  targets_ = ocl::Buffer<float>(device, size_t(LC_POSE_TARGET) * kKeypointCount);
+  keypoint_bones_ = ocl::Buffer<int32_t>(device, keypoint_bones);
+  limits_ = ocl::Buffer<float>(device, limits);
+  moves_ = ocl::Buffer<float>(device, moves);
+  rest_ = ocl::Buffer<float>(device, actor.mesh.positions);
+  rest_normals_ = ocl::Buffer<float>(device, vertex_normals(actor.mesh.positions, actor.mesh.triangles));
+  bones_ = ocl::Buffer<int32_t>(device, actor.skin.bones);
+  weights_ = ocl::Buffer<float>(device, actor.skin.weights);
+  contour_vertices_ = ocl::Buffer<int32_t>(device, n_contour);
+  point_records_ = ocl::Buffer<float>(device, size_t(LC_POSE_RECORD) * n_point_rows_);
+  contour_records_ = ocl::Buffer<float>(device, size_t(LC_POSE_RECORD) * n_contour);
+  point_residuals_ = ocl::Buffer<float>(device, n_point_rows_);
+  contour_residuals_ = ocl::Buffer<float>(device, n_contour);
+  distances_px_ = ocl::Buffer<float>(device, n_contour);
+  J_ = ocl::Buffer<float>(device, (n_point_rows_ + n_contour) * layout_.n_columns);
+  gram_ = ocl::Buffer<float>(device, gram_host_.size());
+  point_records_kernel_ = ocl::Kernel(device, kProgram, "pose_point_records");
+  contour_records_kernel_ = ocl::Kernel(device, kProgram, "pose_contour_records");
+  fill_points_kernel_ = ocl::Kernel(device, kProgram, "pose_fill_point_rows");
+  fill_contour_kernel_ = ocl::Kernel(device, kProgram, "pose_fill_contour_rows");
+  gram_kernel_ = ocl::Kernel(device, kProgram, "pose_gram");
+}
+
+void PoseSystem::set_frame(const KeypointTargets& targets, const DeviceFrame* frame,
+                           std::span<const int32_t> contour_vertices, const ocl::Buffer<float>* displacement_rest) {
+  std::vector<float> values;
+  values.reserve(size_t(LC_POSE_TARGET) * kKeypointCount);
+  for (const KeypointTarget& t : targets) {
+    for (double value :
+         {t.position_px.x(), t.position_px.y(), t.detection_mm.x(), t.detection_mm.y(), t.detection_mm.z(),
+          std::sqrt(t.weight_2d), std::sqrt(t.weight_3d), std::sqrt(t.weight_temporal), t.previous_position_mm.x(),
+          t.previous_position_mm.y(), t.previous_position_mm.z(), 0.0})
+      values.push_back(float(value));
+  }
+  targets_.write(values);
+
+  frame_ = frame;
+  displacement_ = displacement_rest;
+  n_contour_ = 0;
+  contour_weight_ = 0;
+  if (!frame || contour_vertices.empty() || options_.weights.silhouette == 0) return;
+  require(frame->width == width_ && frame->height == height_,
+          format("frame is %d x %d, the camera %d x %d", frame->width, frame->height, width_, height_));
+  require(!displacement_rest || displacement_rest->size() == size_t(3) * n_vertices_,
+          format("displacement has %zu values for %d vertices", displacement_rest ? displacement_rest->size() : 0,
+                 n_vertices_));
+  for (int32_t vertex : contour_vertices)
+    require(vertex >= 0 && vertex < n_vertices_, format("contour vertex %d of %d", vertex, n_vertices_));
+  // Thinned evenly; the kept vertices stand for all of them.
+  const size_t n = std::min(contour_vertices.size(), size_t(options_.max_contour_vertices));
+  std::vector<int32_t> used(n);
+  for (size_t i = 0; i < n; ++i) used[i] = contour_vertices[i * contour_vertices.size() / n];
+  contour_vertices_.write(used);
+  n_contour_ = int(n);
+  contour_weight_ = options_.weights.silhouette * double(contour_vertices.size()) / double(n);
+}
+
+void PoseSystem::upload(const PoseState& state) {
+  // Everything relative to the root's origin; see kernels/pose/layout.h.
+  Pose at_root = state.pose;
+  at_root.root_translation_mm.setZero();
+  const PosedSkeleton posed = forward_kinematics(skeleton_, at_root);
+  const int columns = layout_.n_columns;
+  float* out = step_host_.data();
+  std::fill(out, out + 6 * columns, 0.0f);
+  for (int i = 0; i < 3; ++i) {
+    out[i * columns + i] = 1.0f;            // root rotation: axis e_i through the root's origin
+    out[(3 + i) * columns + 3 + i] = 1.0f;  // root translation: a pure moment
+  }
+  for (int k = 0; k < layout_.n_dofs; ++k) {
+    const Eigen::Vector3d moment = posed.dof_origin_mm[k].cross(posed.dof_axis[k]);
+    for (int i = 0; i < 3; ++i) {
+      out[i * columns + 6 + k] = float(posed.dof_axis[k][i]);
+      out[(3 + i) * columns + 6 + k] = float(moment[i]);
+    }
+  }
+  for (int k = 0; k < kKeypointCount; ++k) {
+    Eigen::Vector3d p = Eigen::Vector3d::Zero();
+    if (keypoints_[k].bone >= 0) p = posed.camera_from_rest[keypoints_[k].bone] * keypoints_[k].rest_position_mm;
+    for (int i = 0; i < 3; ++i) out[LC_POSE_STEP_KEYPOINTS(layout_) + 3 * k + i] = float(p[i]);
+  }
+  for (int i = 0; i < 3; ++i) {
+    out[LC_POSE_STEP_T_PRIME(layout_) + i] = float(state.t_prime_mm[i]);
+    out[LC_POSE_STEP_ROOT(layout_) + i] = float(state.pose.root_translation_mm[i]);
+  }
+  for (int k = 0; k < layout_.n_dofs; ++k) out[LC_POSE_STEP_ANGLES(layout_) + k] = float(state.pose.angles_rad[k]);
+  const std::vector<float> dual_quats = bone_dual_quats(posed);
+  std::copy(dual_quats.begin(), dual_quats.end(), out + LC_POSE_STEP_DUAL_QUATS(layout_));
+  step_.write(step_host_);
+}
+
+void PoseSystem::launch_records() {
+  point_records_kernel_.launch(kKeypointCount + layout_.n_dofs, 0, layout_, pinhole_,
+                               float(options_.keypoint_2d_huber_px), step_, targets_, keypoint_bones_, limits_,
+                               float(std::sqrt(options_.weights.anatomic)), point_records_, point_residuals_);
+  if (n_contour_ == 0) return;
+  const PoseContour contour{n_contour_,
+                            width_,
+                            height_,
+                            displacement_ ? 1 : 0,
+                            float(std::sqrt(contour_weight_)),
+                            float(options_.silhouette_huber_px)};
+  contour_records_kernel_.launch(n_contour_, 64, layout_, pinhole_, contour, step_, contour_vertices_, rest_,
+                                 rest_normals_, displacement_ ? *displacement_ : rest_, bones_, weights_,
+                                 frame_->signed_distance, contour_records_, contour_residuals_, distances_px_);
+}
+
+void PoseSystem::launch_rows() {
+  const size_t blocks = layout_.n_columns / kTile;
+  fill_points_kernel_.launch(ocl::Range{blocks, size_t(n_point_rows_), blocks, 1}, layout_, n_point_rows_, step_,
+                             moves_, point_records_, point_residuals_, J_);
+  fill_contour_kernel_.launch(ocl::Range{blocks, size_t(n_contour_), blocks, 1}, layout_, n_contour_, n_point_rows_,
+                              step_, moves_, contour_records_, contour_residuals_, J_);
+}
+
+PoseNormalEquations PoseSystem::assemble(const PoseState& state) {
+  upload(state);
+  launch_records();
+  launch_rows();
+  const int n_items = n_tiles_ * n_slices_ * items_per_tile_;
+  gram_kernel_.launch(n_items, items_per_tile_, n_items, n_rows(), layout_.n_columns, n_tiles_, n_slices_, J_, gram_);
+  gram_.read(gram_host_);
+
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(layout_.n_columns, layout_.n_columns);
+  const float* tile = gram_host_.data();
+  for (int slice = 0; slice < n_slices_; ++slice) {
+    for (int a = 0; a < layout_.n_columns; a += kTile) {
+      for (int b = a; b < layout_.n_columns; b += kTile, tile += kTile * kTile) {
+        for (int i = 0; i < kTile; ++i)
+          for (int j = 0; j < kTile; ++j) gram(a + i, b + j) += tile[i * kTile + j];
+      }
+    }
+  }
+  const int n = layout_.n_unknowns;
+  PoseNormalEquations equations;
+  equations.JtJ = gram.topLeftCorner(n, n).selfadjointView<Eigen::Upper>();
+  equations.JtF = gram.col(n).head(n);
+  equations.energy = gram(n, n);
+  return equations;
+}
+
+PoseResiduals PoseSystem::residuals(const PoseState& state) {
+  upload(state);
+  launch_records();
+  PoseResiduals result;
+  result.rows.resize(n_rows());
+  result.distances_px.resize(n_contour_);
+  point_residuals_.read(std::span(result.rows).first(n_point_rows_));
+  contour_residuals_.read(std::span(result.rows).subspan(n_point_rows_));
+  distances_px_.read(result.distances_px);
+  return result;
+}
+
+Eigen::MatrixXf PoseSystem::jacobian(const PoseState& state) {
+  upload(state);
+  launch_records();
+  launch_rows();
+  Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> J(n_rows(), layout_.n_columns);
+  J_.read(std::span(J.data(), J.size()));
+  return J.leftCols(layout_.n_unknowns);
+}
+
+}  // namespace livecap

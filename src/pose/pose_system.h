@@ -1,0 +1,112 @@
+// The pose stage's residuals F and Jacobian J on the device, and their normal equations (paper, "Data Parallel GPU
+// Optimization", "Pose Estimation"): per step one small upload, the row kernels of kernels/pose, one blocking read.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "actor/actor.h"
+#include "image/device_frame.h"
+#include "livecap/camera.h"
+#include "ocl/buffer.h"
+#include "ocl/kernel.h"
+#include "pose/layout.h"
+#include "pose/pose_options.h"
+#include "pose/targets.h"
+
+namespace livecap {
+
+// Unknowns in this order everywhere: [root rotation vector 3 | t 3 | joint angles n_dofs | t' 3].
+struct PoseState {
+  Pose pose;
+  Eigen::Vector3d t_prime_mm = Eigen::Vector3d::Zero();
+};
+
+struct PoseNormalEquations {
+  Eigen::MatrixXd JtJ;  // [n_unknowns, n_unknowns]
+  Eigen::VectorXd JtF;  // [n_unknowns]
+  double energy = 0;    // F^T F
+};
+
+// All residuals, weighted: 8 per keypoint (2D 2, 3D 3, temporal 3), n_dofs joint limits, one per contour vertex.
+struct PoseResiduals {
+  std::vector<float> rows;          // [n_rows]
+  std::vector<float> distances_px;  // [n_contour] signed; NaN for a vertex that is not inside the image
+};
+
+class PoseSystem {
+ public:
+  // Keeps no reference to its arguments. Throws LogicError when the actor's arrays do not fit together.
+  PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const PoseOptions& options);
+
+  // Constants of the next frame. frame, displacement_rest: nullptr, or alive until the last assemble of this frame.
+  // Throws LogicError for a contour vertex out of range or a frame of another size than the camera's.
+  void set_frame(const KeypointTargets& targets, const DeviceFrame* frame, std::span<const int32_t> contour_vertices,
+                 const ocl::Buffer<float>* displacement_rest);
+
+  PoseNormalEquations assemble(const PoseState& state);
+  PoseResiduals residuals(const PoseState& state);
+  // J as the device filled it, [n_rows, n_unknowns].
+  Eigen::MatrixXf jacobian(const PoseState& state);
+
+  int n_unknowns() const { return layout_.n_unknowns; }
+  int n_rows() const { return n_point_rows_ + n_contour_; }
+  int n_point_rows() const { return n_point_rows_; }
+  int n_contour() const { return n_contour_; }
+  // Weight of one contour row: lambda_silhouette times contour vertices per used vertex.
+  double contour_weight() const { return contour_weight_; }
+
+ private:
+  struct DevicePinhole {
+    float fx, fy, cx, cy;
+  };
+
+  void upload(const PoseState& state);
+  void launch_records();
+  void launch_rows();
+
+  Skeleton skeleton_;
+  std::array<KeypointAnchor, kKeypointCount> keypoints_;
+  PoseOptions options_;
+  int width_ = 0;
+  int height_ = 0;
+  DevicePinhole pinhole_{};
+  PoseLayout layout_{};
+  int n_vertices_ = 0;
+  int n_point_rows_ = 0;
+  int n_contour_ = 0;
+  double contour_weight_ = 0;
+  int n_tiles_ = 0;
+  int n_slices_ = 1;
+  int items_per_tile_ = 1;
+  const DeviceFrame* frame_ = nullptr;
+  const ocl::Buffer<float>* displacement_ = nullptr;
+  std::vector<float> step_host_;
+  std::vector<float> gram_host_;
+
+  ocl::Buffer<float> step_;
+  ocl::Buffer<float> targets_;
+  ocl::Buffer<int32_t> keypoint_bones_;
+  ocl::Buffer<float> limits_;
+  ocl::Buffer<float> moves_;
+  ocl::Buffer<float> rest_;          // [3*n_vertices]
+  ocl::Buffer<float> rest_normals_;  // [3*n_vertices]
+  ocl::Buffer<int32_t> bones_;       // [4*n_vertices]
+  ocl::Buffer<float> weights_;       // [4*n_vertices]
+  ocl::Buffer<int32_t> contour_vertices_;
+  ocl::Buffer<float> point_records_;
+  ocl::Buffer<float> contour_records_;
+  ocl::Buffer<float> point_residuals_;
+  ocl::Buffer<float> contour_residuals_;
+  ocl::Buffer<float> distances_px_;
+  ocl::Buffer<float> J_;
+  ocl::Buffer<float> gram_;
+  ocl::Kernel point_records_kernel_;
+  ocl::Kernel contour_records_kernel_;
+  ocl::Kernel fill_points_kernel_;
+  ocl::Kernel fill_contour_kernel_;
+  ocl::Kernel gram_kernel_;
+};
+
+}  // namespace livecap

@@ -1,0 +1,58 @@
+#include "pose/targets.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pose/rebone.h"
+
+namespace livecap {
+
+std::array<Eigen::Vector3d, kKeypointCount> keypoint_positions(const Actor& actor, const PosedSkeleton& posed) {
+  std::array<Eigen::Vector3d, kKeypointCount> positions;
+  for (int k = 0; k < kKeypointCount; ++k) {
+    const KeypointAnchor& anchor = actor.keypoints[k];
+    positions[k] = Eigen::Vector3d::Zero();
+    if (anchor.bone >= 0) positions[k] = posed.camera_from_rest[anchor.bone] * anchor.rest_position_mm;
+  }
+  return positions;
+}
+
+KeypointTargets make_targets(const Actor& actor, const Detections& detections, const Pose* previous,
+                             const PoseOptions& options) {
+  KeypointTargets targets;
+  const Keypoints3d points = options.rebone ? rebone(actor, detections) : keypoints_3d(actor, detections);
+  std::array<Eigen::Vector3d, kKeypointCount> previous_positions;
+  if (previous) previous_positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, *previous));
+  for (int k = 0; k < kKeypointCount; ++k) {
+    if (actor.keypoints[k].bone < 0) continue;
+    KeypointTarget& target = targets[k];
+    const KeypointDetection& detection = detections.keypoints[k];
+    if (detections.person && std::isfinite(detection.x_px) && std::isfinite(detection.y_px) &&
+        std::isfinite(detection.confidence)) {
+      target.position_px = {detection.x_px, detection.y_px};
+      target.weight_2d =
+          options.weights.keypoint_2d * options.keypoint_2d_weights[k] * std::clamp<double>(detection.confidence, 0, 1);
+    }
+    if (k >= kBodyKeypointCount) continue;
+    target.detection_mm = points[k].position_mm;
+    target.weight_3d = options.weights.keypoint_3d * points[k].confidence;
+    if (previous) {
+      target.previous_position_mm = previous_positions[k];
+      target.weight_temporal = options.weights.temporal * options.temporal_weights[k];
+    }
+  }
+  return targets;
+}
+
+Eigen::Vector3d best_t_prime(const KeypointTargets& targets,
+                             const std::array<Eigen::Vector3d, kKeypointCount>& positions) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double total = 0;
+  for (int k = 0; k < kKeypointCount; ++k) {
+    sum += targets[k].weight_3d * (positions[k] - targets[k].detection_mm);
+    total += targets[k].weight_3d;
+  }
+  return total > 0 ? Eigen::Vector3d(sum / total) : Eigen::Vector3d::Zero();
+}
+
+}  // namespace livecap

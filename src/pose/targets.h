@@ -1,0 +1,38 @@
+// What one frame asks of the skeleton's keypoints: the constants of E_2D, E_3D and E_temporal, confidence and lambda_i
+// multiplied in.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "actor/actor.h"
+#include "geometry/skeleton.h"
+#include "livecap/detections.h"
+#include "pose/pose_options.h"
+
+namespace livecap {
+
+struct KeypointTarget {
+  Eigen::Vector2d position_px = Eigen::Vector2d::Zero();           // P_2D
+  Eigen::Vector3d detection_mm = Eigen::Vector3d::Zero();          // P_3D, root-centred
+  Eigen::Vector3d previous_position_mm = Eigen::Vector3d::Zero();  // of the previous frame, camera frame
+  double weight_2d = 0;                                            // factors of the squared residuals; 0 = no such row
+  double weight_3d = 0;
+  double weight_temporal = 0;
+};
+
+using KeypointTargets = std::array<KeypointTarget, kKeypointCount>;
+
+// Camera-frame positions of the actor's keypoints [mm]; zero for one without anchor.
+std::array<Eigen::Vector3d, kKeypointCount> keypoint_positions(const Actor& actor, const PosedSkeleton& posed);
+
+// previous: the last frame's pose, or nullptr (no temporal term). Detections that are not finite count as unknown; so
+// do all when detections.person is false. E_3D and E_temporal have the 19 body keypoints, E_2D the face as well.
+KeypointTargets make_targets(const Actor& actor, const Detections& detections, const Pose* previous,
+                             const PoseOptions& options);
+
+// t' that minimises E_3D for given keypoint positions: the weighted mean of p - P_3D.
+Eigen::Vector3d best_t_prime(const KeypointTargets& targets,
+                             const std::array<Eigen::Vector3d, kKeypointCount>& positions);
+
+}  // namespace livecap

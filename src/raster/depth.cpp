@@ -1,0 +1,82 @@
+#include "raster/depth.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/text.h"
+#include "livecap/error.h"
+
+namespace livecap {
+namespace {
+
+constexpr char kFile[] = "raster/depth.cl";
+constexpr int kMaxBands = 32;
+constexpr size_t kLocal = 64;
+
+// Every edge is run through once in each direction: a ray then meets as many front as back faces.
+bool is_closed(const Mesh& mesh) {
+  std::vector<std::pair<int32_t, int32_t>> edges, reversed;
+  for (int t = 0; t < mesh.n_triangles(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const int32_t a = mesh.triangles[3 * t + k];
+      const int32_t b = mesh.triangles[3 * t + (k + 1) % 3];
+      edges.emplace_back(a, b);
+      reversed.emplace_back(b, a);
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  std::sort(reversed.begin(), reversed.end());
+  return edges == reversed;
+}
+
+}  // namespace
+
+DepthRasterizer::DepthRasterizer(ocl::DeviceContext& device, const Mesh& mesh, int width, int height)
+    : width_(width),
+      height_(height),
+      n_vertices_(mesh.n_vertices()),
+      n_triangles_(mesh.n_triangles()),
+      is_cpu_(device.is_cpu()) {
+  if (width <= 0 || height <= 0)
+    throw ConfigError(format("rasteriser: image size %dx%d is not positive", width, height));
+  for (int32_t index : mesh.triangles) {
+    if (index < 0 || index >= n_vertices_)
+      throw LogicError(format("rasteriser: triangle corner %d outside 0..%d", index, n_vertices_ - 1));
+  }
+  cull_ = is_closed(mesh);
+  n_bands_ = std::clamp(static_cast<int>(device.info().compute_units), 1, std::min(kMaxBands, height));
+  triangles_ = ocl::Buffer<int32_t>(device, mesh.triangles);
+  projected_ = ocl::Buffer<float>(device, size_t(4) * n_vertices_);
+  depth_ = ocl::Buffer<float>(device, size_t(width) * height);
+  ids_ = ocl::Buffer<int32_t>(device, size_t(width) * height);
+  project_ = ocl::Kernel(device, kFile, "project_vertices");
+  if (is_cpu_) {
+    bands_ = ocl::Kernel(device, kFile, "raster_bands");
+  } else {
+    clear_ = ocl::Kernel(device, kFile, "raster_clear");
+    nearest_ = ocl::Kernel(device, kFile, "raster_nearest");
+    id_ = ocl::Kernel(device, kFile, "raster_ids");
+  }
+}
+
+void DepthRasterizer::render(const ocl::Buffer<float>& positions_camera, const Camera& camera) {
+  if (positions_camera.size() != size_t(3) * n_vertices_)
+    throw LogicError(format("rasteriser: %zu coordinates for %d vertices", positions_camera.size(), n_vertices_));
+  project_.launch(n_vertices_, kLocal, n_vertices_, pinhole_arg(camera), positions_camera, projected_);
+  if (is_cpu_) {
+    bands_.launch(n_bands_, 1, n_triangles_, width_, height_, n_bands_, cull_, projected_, triangles_, depth_, ids_);
+    return;
+  }
+  clear_.launch(depth_.size(), kLocal, static_cast<int>(depth_.size()), depth_, ids_);
+  nearest_.launch(n_triangles_, kLocal, n_triangles_, width_, height_, cull_, projected_, triangles_, depth_);
+  id_.launch(n_triangles_, kLocal, n_triangles_, width_, height_, cull_, projected_, triangles_, depth_, ids_);
+}
+
+ImageGray DepthRasterizer::read_mask() const {
+  const std::vector<int32_t> ids = ids_.read_all();
+  ImageGray mask{width_, height_, std::vector<uint8_t>(ids.size())};
+  std::transform(ids.begin(), ids.end(), mask.pixels.begin(), [](int32_t id) { return id < 0 ? 0 : 255; });
+  return mask;
+}
+
+}  // namespace livecap

@@ -1,0 +1,70 @@
+// Depth and triangle ids of a mesh as the camera sees it, on the solver's device. Everything else of this room (visible
+// vertices, contour, part mask) is read off these buffers.
+#pragma once
+
+#include <vector>
+
+#include "base/image_rgb.h"
+#include "geometry/mesh.h"
+#include "livecap/camera.h"
+#include "ocl/buffer.h"
+#include "ocl/kernel.h"
+
+namespace livecap {
+
+// Pinhole of kernels/shared/camera.h as the device reads it. Distortion is ignored: images are undistorted.
+struct PinholeArg {
+  float fx, fy, cx, cy;  // px
+};
+inline PinholeArg pinhole_arg(const Camera& camera) {
+  return {static_cast<float>(camera.fx), static_cast<float>(camera.fy), static_cast<float>(camera.cx),
+          static_cast<float>(camera.cy)};
+}
+
+// Both faces of a triangle count; on a closed mesh the far ones are left out, which covers the same pixels. Pixel
+// centres are at integers, a pixel is covered when its centre lies in the triangle or on its edge. A triangle with a
+// corner nearer than 100 mm, behind the camera, not finite or more than 1e6 px away is left out. Results repeat bit for
+// bit.
+class DepthRasterizer {
+ public:
+  // Keeps no reference to the mesh. width, height: of every picture rendered, positive (ConfigError).
+  DepthRasterizer(ocl::DeviceContext& device, const Mesh& mesh, int width, int height);
+
+  // positions_camera: [3*n_vertices] mm, camera frame. Enqueued in order, nothing blocks. Throws LogicError for a
+  // buffer of another size; the camera's own size is not looked at.
+  void render(const ocl::Buffer<float>& positions_camera, const Camera& camera);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  int n_vertices() const { return n_vertices_; }
+  int n_triangles() const { return n_triangles_; }
+  const ocl::Buffer<float>& depth() const { return depth_; }         // [w*h] mm, INFINITY = empty
+  const ocl::Buffer<int32_t>& triangle_ids() const { return ids_; }  // [w*h], -1 = empty
+  const ocl::Buffer<float>& projected() const {
+    return projected_;
+  }  // [4*n_vertices] u, v (px), 1/z (0 = not projected), z (mm)
+  const ocl::Buffer<int32_t>& triangles() const { return triangles_; }  // [3*n_triangles]
+
+  // 255 where the mesh covers the pixel. Blocking.
+  ImageGray read_mask() const;
+
+ private:
+  int width_;
+  int height_;
+  int n_vertices_;
+  int n_triangles_;
+  int n_bands_;
+  int cull_;  // 1 when the mesh is closed
+  bool is_cpu_;
+  ocl::Buffer<int32_t> triangles_;
+  ocl::Buffer<float> projected_;
+  ocl::Buffer<float> depth_;
+  ocl::Buffer<int32_t> ids_;
+  ocl::Kernel project_;
+  ocl::Kernel bands_;    // CPU
+  ocl::Kernel clear_;    // GPU
+  ocl::Kernel nearest_;  // GPU
+  ocl::Kernel id_;       // GPU
+};
+
+}  // namespace livecap

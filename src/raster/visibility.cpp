@@ -1,0 +1,94 @@
+#include "raster/visibility.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "base/text.h"
+#include "livecap/error.h"
+
+namespace livecap {
+namespace {
+
+constexpr char kFile[] = "raster/visibility.cl";
+constexpr size_t kLocal = 64;
+
+// Vertices of edges that belong to one triangle only.
+std::vector<int32_t> open_edge_vertices(const Mesh& mesh) {
+  std::map<std::pair<int32_t, int32_t>, int> uses;
+  for (int t = 0; t < mesh.n_triangles(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const int32_t a = mesh.triangles[3 * t + k];
+      const int32_t b = mesh.triangles[3 * t + (k + 1) % 3];
+      ++uses[std::minmax(a, b)];
+    }
+  }
+  std::vector<int32_t> open(mesh.n_vertices(), 0);
+  for (const auto& [edge, count] : uses) {
+    if (count == 1) open[edge.first] = open[edge.second] = 1;
+  }
+  return open;
+}
+
+}  // namespace
+
+void VisibilityOptions::validate() const {
+  if (!(depth_tolerance_mm >= 0) || !(contour_tolerance_mm >= 0))
+    throw ConfigError("visibility: depth tolerances must not be negative");
+  if (contour_radius_px < 1 || contour_radius_px > 16)
+    throw ConfigError(format("visibility: contour radius of %d px, must be 1..16", contour_radius_px));
+}
+
+SurfaceVisibility::SurfaceVisibility(ocl::DeviceContext& device, const Mesh& mesh, const VisibilityOptions& options)
+    : options_(options), n_vertices_(mesh.n_vertices()), n_triangles_(mesh.n_triangles()) {
+  options_.validate();
+  std::vector<int32_t> offsets(n_vertices_ + 1, 0);
+  for (int32_t index : mesh.triangles) ++offsets[index + 1];
+  for (int i = 0; i < n_vertices_; ++i) offsets[i + 1] += offsets[i];
+  std::vector<int32_t> next(offsets.begin(), offsets.end() - 1);
+  std::vector<int32_t> fans(mesh.triangles.size());
+  for (size_t k = 0; k < mesh.triangles.size(); ++k) fans[next[mesh.triangles[k]]++] = static_cast<int32_t>(k / 3);
+  fan_offsets_ = ocl::Buffer<int32_t>(device, offsets);
+  fan_triangles_ = ocl::Buffer<int32_t>(device, fans);
+  on_open_edge_ = ocl::Buffer<int32_t>(device, open_edge_vertices(mesh));
+  facing_ = ocl::Buffer<int32_t>(device, n_triangles_);
+  visible_ = ocl::Buffer<int32_t>(device, n_vertices_);
+  contour_ = ocl::Buffer<int32_t>(device, n_vertices_);
+  visible_kernel_ = ocl::Kernel(device, kFile, "visible_vertices");
+  facing_kernel_ = ocl::Kernel(device, kFile, "triangle_facing");
+  contour_kernel_ = ocl::Kernel(device, kFile, "contour_vertices");
+}
+
+void SurfaceVisibility::require(const DepthRasterizer& raster) const {
+  if (raster.n_vertices() != n_vertices_ || raster.n_triangles() != n_triangles_)
+    throw LogicError("visibility: the rasteriser draws another mesh");
+}
+
+void SurfaceVisibility::find_visible(const ocl::Buffer<float>& positions_camera, const ocl::Buffer<float>& normals,
+                                     const DepthRasterizer& raster) {
+  require(raster);
+  if (positions_camera.size() != size_t(3) * n_vertices_ || normals.size() != positions_camera.size())
+    throw LogicError(format("visibility: %zu coordinates and %zu normals for %d vertices", positions_camera.size(),
+                            normals.size(), n_vertices_));
+  visible_kernel_.launch(n_vertices_, kLocal, n_vertices_, raster.width(), raster.height(), options_.depth_tolerance_mm,
+                         positions_camera, normals, raster.projected(), raster.depth(), visible_);
+}
+
+void SurfaceVisibility::find_contour(const DepthRasterizer& raster) {
+  require(raster);
+  facing_kernel_.launch(n_triangles_, kLocal, n_triangles_, raster.projected(), raster.triangles(), facing_);
+  contour_kernel_.launch(n_vertices_, kLocal, n_vertices_, raster.width(), raster.height(), options_.contour_radius_px,
+                         options_.contour_tolerance_mm, raster.projected(), fan_offsets_, fan_triangles_, on_open_edge_,
+                         facing_, raster.depth(), contour_);
+}
+
+std::vector<int32_t> SurfaceVisibility::read_contour() const {
+  const std::vector<int32_t> flags = contour_.read_all();
+  std::vector<int32_t> indices;
+  for (size_t i = 0; i < flags.size(); ++i) {
+    if (flags[i]) indices.push_back(static_cast<int32_t>(i));
+  }
+  return indices;
+}
+
+}  // namespace livecap

@@ -1,0 +1,62 @@
+#include "solve/dense_solver.h"
+
+#include <Eigen/QR>
+
+namespace livecap {
+namespace {
+
+// Pivots below this share of the largest count as zero, in the system scaled to unit diagonal.
+constexpr double kRankThreshold = 1e-12;
+
+}  // namespace
+
+std::string_view solve_status_name(SolveStatus status) {
+  switch (status) {
+    case SolveStatus::kOk:
+      return "ok";
+    case SolveStatus::kNoObservations:
+      return "no observations";
+    case SolveStatus::kRankDeficient:
+      return "rank deficient";
+    case SolveStatus::kNotFinite:
+      return "not finite";
+  }
+  return "unknown";
+}
+
+DenseSolution solve_normal_equations(const Eigen::MatrixXd& A, const Eigen::VectorXd& g,
+                                     const Eigen::VectorXd& damping) {
+  const Eigen::Index n = g.size();
+  DenseSolution solution;
+  solution.delta = Eigen::VectorXd::Zero(n);
+  if (!A.allFinite() || !g.allFinite() || !damping.allFinite()) {
+    solution.status = SolveStatus::kNotFinite;
+    return solution;
+  }
+  Eigen::MatrixXd scaled = A;
+  scaled.diagonal() += damping;
+  // Millimetres and radians differ by orders of magnitude: with a unit diagonal one rank threshold fits both.
+  Eigen::VectorXd scale(n);
+  for (Eigen::Index i = 0; i < n; ++i) scale[i] = scaled(i, i) > 0 ? 1 / std::sqrt(scaled(i, i)) : 0;
+  scaled = scale.asDiagonal() * scaled * scale.asDiagonal();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (scale[i] == 0) scaled(i, i) = 1;
+  }
+
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(n, n);
+  qr.setThreshold(kRankThreshold);
+  qr.compute(scaled);
+  if (qr.rank() < n) {
+    solution.status = SolveStatus::kRankDeficient;
+    return solution;
+  }
+  const Eigen::VectorXd delta = scale.asDiagonal() * qr.solve(-(scale.asDiagonal() * g));
+  if (!delta.allFinite()) {
+    solution.status = SolveStatus::kNotFinite;
+    return solution;
+  }
+  solution.delta = delta;
+  return solution;
+}
+
+}  // namespace livecap

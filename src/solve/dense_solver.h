@@ -1,0 +1,32 @@
+// The small dense normal equations of the pose stage on the host: J^T J delta = -J^T F by a QR decomposition
+// (paper, "Data Parallel GPU Optimization", "Pose Estimation").
+#pragma once
+
+#include <Eigen/Core>
+#include <string_view>
+
+namespace livecap {
+
+// What came of a solve. Anything but kOk means that the prediction was kept.
+enum class SolveStatus {
+  kOk,
+  kNoObservations,  // nothing in the frame constrains the unknowns
+  kRankDeficient,   // the damped system still has no unique solution
+  kNotFinite,       // NaN or infinity in the system or in the solution
+};
+
+// "ok", "no observations", "rank deficient", "not finite".
+std::string_view solve_status_name(SolveStatus status);
+
+struct DenseSolution {
+  SolveStatus status = SolveStatus::kOk;
+  Eigen::VectorXd delta;  // [n] zero unless status is kOk
+};
+
+// Solves (A + diag(damping)) delta = -g with column-pivoting Householder QR on the system scaled to unit diagonal.
+// An unknown without a diagonal entry (no residual depends on it and no damping) gets delta 0.
+// A [n,n] symmetric, g [n] = J^T F, damping [n] >= 0.
+DenseSolution solve_normal_equations(const Eigen::MatrixXd& A, const Eigen::VectorXd& g,
+                                     const Eigen::VectorXd& damping);
+
+}  // namespace livecap

@@ -1,0 +1,272 @@
+// Known-answer tests of stage II's kernels: answers worked out by hand on three vertices and flat images.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "surface/sell.h"
+#include "surface/surface_solver.h"
+
+namespace livecap {
+namespace {
+
+constexpr double kTolerance = 1e-4;  // relative to the largest answer; the answers are short float sums
+
+struct Pinhole {
+  float fx, fy, cx, cy;
+};
+
+using Floats = std::vector<float>;
+
+class Bench {
+ public:
+  explicit Bench(ocl::DeviceContext& device) : device_(device) {
+    Mesh triangle;
+    triangle.positions = {0, 0, 1000, 100, 0, 1000, 0, 100, 1000};
+    triangle.triangles = {0, 1, 2};
+    graph_ = make_sell_graph(triangle);
+    rows_ = graph_.n_rows;
+    stride_ = graph_.stride;
+    const bool cpu = device.is_cpu();
+    lane_items_ = cpu ? rows_ / kSlice : rows_;
+    sum_items_ = cpu ? 1 : std::min<size_t>(256, device.info().max_work_group_size);
+    vertices_ = triangle.positions;
+  }
+
+  std::vector<ocl::SelfTestResult> run() {
+    packing();
+    colors();
+    silhouette();
+    system();
+    scalars();
+    vectors();
+    snapping();
+    return results_;
+  }
+
+ private:
+  ocl::Kernel kernel(const char* file, const char* name) { return {device_, std::string("surface/") + file, name}; }
+  // Planes of one constant each.
+  Floats constant(const Floats& values) const {
+    Floats out(values.size() * stride_, 0.0f);
+    for (size_t a = 0; a < values.size(); ++a) std::fill_n(out.begin() + a * stride_, rows_, values[a]);
+    return out;
+  }
+  // [width] values of one mesh vertex.
+  Floats at(const ocl::Buffer<float>& planes, int vertex, int width) const {
+    const Floats values = planes.read_all();
+    Floats out;
+    for (int a = 0; a < width; ++a) out.push_back(values[size_t(a) * stride_ + graph_.row[vertex]]);
+    return out;
+  }
+  void expect(const std::string& name, const Floats& found, const Floats& expected) {
+    double largest = 1, worst = 0;
+    bool ok = found.size() == expected.size();
+    for (size_t k = 0; ok && k < found.size(); ++k) {
+      largest = std::max(largest, std::abs(double(expected[k])));
+      worst = std::max(worst, std::abs(double(found[k]) - expected[k]));
+      ok = std::isfinite(found[k]);
+    }
+    ok = ok && worst <= kTolerance * largest;
+    std::string detail;
+    if (!ok) {
+      detail = "expected";
+      for (const float x : expected) detail += " " + std::to_string(x);
+      detail += ", found";
+      for (const float x : found) detail += " " + std::to_string(x);
+    }
+    results_.push_back({"surface/" + name, ok, detail});
+  }
+
+  void packing() {
+    const ocl::Buffer<float> packed(device_, vertices_);
+    const ocl::Buffer<int32_t> order(device_, graph_.order);
+    ocl::Buffer<float> planes(device_, constant({7, 7, 7}));
+    kernel("pack.cl", "pack_planes").launch(rows_, 64, graph_.n, rows_, stride_, order, packed, planes);
+    expect("pack_planes", at(planes, 1, 3), {100, 0, 1000});
+    ocl::Buffer<float> out(device_, 9);
+    ocl::Kernel unpack = kernel("pack.cl", "unpack_planes");
+    const ocl::Buffer<float> start(device_, Floats(9, 5.0f));
+    unpack.launch(graph_.n, 64, graph_.n, stride_, order, ocl::Buffer<float>(device_, Floats(4, 0.0f)), planes, start,
+                  out);
+    expect("unpack_planes", out.read_all(), vertices_);
+    unpack.launch(graph_.n, 64, graph_.n, stride_, order, ocl::Buffer<float>(device_, Floats{0, 0, 0, 1}), planes,
+                  start, out);
+    expect("unpack_planes (failed)", out.read_all(), Floats(9, 5.0f));
+  }
+
+  void colors() {
+    // Red rises by 4 of 255 per column, green is flat, blue falls by 2 per row; kernel 9. A tap more than the 8 columns
+    // of half the picture away from the border sees no clamping.
+    std::vector<uint8_t> image;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) image.insert(image.end(), {uint8_t(4 * x), 51, uint8_t(200 - 2 * y)});
+    const ocl::Buffer<uint8_t> rgb(device_, image);
+    const float inv_sigma2 = 1.0f / (1.7f * 1.7f);
+    ocl::Buffer<float> out(device_, 9);
+    kernel("photo_system.cl", "sample_colors")
+        .launch(1, 1, 1, kWidth, kHeight, 4, inv_sigma2, rgb, ocl::Buffer<float>(device_, Floats{16, 16}), out);
+    const Floats sample = out.read_all();
+    expect("sample_colors", {sample[0], sample[1], sample[2], sample[4], sample[6], sample[7]},
+           {64 / 255.0f, 0.2f, 168 / 255.0f, 0, 0, 0});
+
+    // All three vertices seen; green alone differs from the template by 0.1 and has no gradient.
+    const float inv = 1 / 255.0f;
+    ocl::Buffer<float> blocks(device_, constant(Floats(6, 7))), rhs(device_, constant({7, 7, 7})),
+        energy(device_, constant({7}));
+    kernel("photo_system.cl", "photo_system")
+        .launch(rows_, device_.is_cpu() ? 1 : 64, graph_.n, rows_, stride_, kWidth, kHeight, 4, inv_sigma2, 100.0f,
+                0.5f, Pinhole{100, 100, 16, 16}, ocl::Buffer<int32_t>(device_, graph_.order),
+                ocl::Buffer<int32_t>(device_, std::vector<int32_t>{1, 0, 0}), rgb,
+                ocl::Buffer<float>(device_, constant({64 * inv, 0.1f, 168 * inv})),
+                ocl::Buffer<float>(device_, graph_.planes(vertices_, 3)), blocks, rhs, energy);
+    // At an integer position |du| of the ramp equals sum d^2 w / (sigma^2 sum w) times its slope.
+    const Floats block = at(blocks, 0, 6);
+    const float xx = 100 * sample[3] * sample[3] * 0.01f, yy = 100 * sample[8] * sample[8] * 0.01f;
+    expect("photo_system",
+           {at(energy, 0, 1)[0], at(energy, 1, 1)[0], 1e4f * block[0], 1e4f * block[3], at(rhs, 0, 1)[0]},
+           {1.0f, 0, 1e4f * xx, 1e4f * yy, 0});
+  }
+
+  void silhouette() {
+    ocl::Buffer<float> blocks(device_, constant(Floats(6, 0))), rhs(device_, constant({0, 0, 0})),
+        energy(device_, constant({7}));
+    // d = x - 19: vertex 1 projects to x = 26 (100 px focal at 1 m, 100 mm), 7 px outside.
+    Floats distance;
+    for (int k = 0; k < kWidth * kHeight; ++k) distance.push_back(float(k % kWidth) - 19);
+    kernel("silhouette_system.cl", "silhouette_system")
+        .launch(rows_, 64, graph_.n, rows_, stride_, kWidth, kHeight, 10.0f, 0, Pinhole{100, 100, 16, 16},
+                ocl::Buffer<int32_t>(device_, graph_.order),
+                ocl::Buffer<int32_t>(device_, std::vector<int32_t>{0, 1, 0}), ocl::Buffer<float>(device_, vertices_),
+                ocl::Buffer<float>(device_, distance), ocl::Buffer<uint8_t>(device_, 1),
+                ocl::Buffer<int32_t>(device_, 3), ocl::Buffer<float>(device_, graph_.planes(vertices_, 3)), blocks, rhs,
+                energy);
+    Floats found = at(rhs, 1, 3);
+    found.push_back(at(energy, 1, 1)[0]);
+    found.push_back(at(energy, 0, 1)[0]);
+    found.push_back(at(blocks, 1, 1)[0]);
+    // J = (0.1, 0, -0.01) px per mm; rhs = -10 * 7 * J.
+    expect("silhouette_system", found, {-7, 0, 0.7f, 490, 0, 0.1f});
+  }
+
+  // Triangle with right angle at vertex 0, s = 2 so c = 2 for each edge; edges 0-1 and 0-2 are 1 mm too long; V^S of
+  // vertex 0 is 1 mm nearer; everything moved by 2 mm on each axis since the last frame.
+  void system() {
+    Floats skinned = vertices_, previous = vertices_;
+    skinned[2] -= 1;
+    for (float& x : previous) x -= 2;
+    const auto planes = [&](const Floats& v) { return ocl::Buffer<float>(device_, graph_.planes(v, 3)); };
+    const auto zero = [&](int count) { return ocl::Buffer<float>(device_, constant(Floats(count, 0))); };
+    const ocl::Buffer<int32_t> offsets(device_, graph_.slice_offsets), neighbors(device_, graph_.neighbors);
+    const ocl::Buffer<float> weights(device_, graph_.per_entry([](int, int) { return 2.0; }));
+    const ocl::Buffer<float> lengths(device_,
+                                     graph_.per_entry([](int i, int j) { return i && j ? std::sqrt(20000.0) : 99.0; }));
+    ocl::Buffer<float> blocks = zero(6), rhs = zero(3), inverse = zero(6), z = zero(3), p = zero(3), step = zero(3);
+    ocl::Buffer<float> products = zero(1), energies = zero(4), edges(device_, 3 * size_t(graph_.n_entries));
+    kernel("regularizer_system.cl", "regularizer_system")
+        .launch(lane_items_, lane_local(), rows_, stride_, 10.0f, 30.0f, 0.25f, 0.0f, 0.5f, offsets, neighbors, weights,
+                lengths, planes(vertices_), planes(skinned), planes(previous), planes(previous), blocks, rhs, edges,
+                inverse, z, p, step, products, energies);
+    Floats found = at(rhs, 0, 3);
+    for (const float x : at(blocks, 0, 6)) found.push_back(x);
+    // Energies at vertex 0: half of 2 edges * 20 * 1, half of 2 * 60 * 1, 0.25 * 12, none.
+    for (const float x : at(energies, 0, 4)) found.push_back(x);
+    expect("regularizer_system", found, {59.5f, 59.5f, -40.5f, 100.75f, 0, 0, 100.75f, 0, 40.75f, 20, 60, 3, 0});
+
+    Floats direction(9, 0.0f);
+    direction[3] = 1;  // x of vertex 1
+    direction[2] = 1;  // z of vertex 0
+    ocl::Buffer<float> image = zero(3);
+    kernel("pcg.cl", "apply_system")
+        .launch(lane_items_, lane_local(), rows_, stride_, 10.0f, offsets, neighbors, weights, edges, blocks,
+                planes(direction), image, products);
+    found = at(image, 0, 3);
+    for (const float x : at(image, 2, 3)) found.push_back(x);
+    // Edge 1-2 lies along (1, -1, 0)/sqrt 2: row 2 gets -20 - 60/2 along x and +60/2 along y from it.
+    expect("apply_system", found, {-80, 0, 40.75f, -50, 30, -20});
+  }
+
+  void scalars() {
+    constexpr int kCount = 160;  // more than a pass of the unrolled sum, not a multiple of it
+    Floats values(kCount);
+    for (int k = 0; k < kCount; ++k) values[k] = float(k % 5);
+    const ocl::Buffer<float> products(device_, values);  // sum 320
+    ocl::Buffer<float> scalars(device_, Floats{9, 9, 9, 1});
+    kernel("pcg.cl", "start_scalars").launch(sum_items_, sum_items_, kCount, 1, products, scalars);
+    expect("start_scalars", scalars.read_all(), {320, 0, 0, 0});
+    scalars.write(Floats{80, 0, 0, 0});
+    kernel("pcg.cl", "alpha_scalar").launch(sum_items_, sum_items_, kCount, products, scalars);
+    expect("alpha_scalar", scalars.read_all(), {80, 0.25f, 0, 0});
+    kernel("pcg.cl", "beta_scalar").launch(sum_items_, sum_items_, kCount, products, scalars);
+    expect("beta_scalar", scalars.read_all(), {320, 0.25f, 4, 0});
+    ocl::Buffer<float> totals(device_, 4);
+    totals.fill(0.0f);
+    kernel("pcg.cl", "sum_energies").launch(sum_items_, sum_items_, 80, 80, 2, products, totals);
+    expect("sum_energies", totals.read_all(), {160, 160, 0, 0});
+  }
+
+  void vectors() {
+    const auto planes = [&](const Floats& values) { return ocl::Buffer<float>(device_, constant(values)); };
+    const ocl::Buffer<float> scalars(device_, Floats{0, 2, 3, 0});
+    ocl::Buffer<float> step = planes({0, 1, 0}), r = planes({3, 3, 3}), z = planes({0, 0, 0}), products = planes({0});
+    ocl::Buffer<float> p = planes({1, 2, 3});
+    kernel("pcg.cl", "advance")
+        .launch(lane_items_, lane_local(), rows_, stride_, scalars, planes({0.5f, 0, 0, 0.5f, 0, 0.5f}), p,
+                planes({1, 1, 1}), step, r, z, products);
+    Floats found = at(step, 0, 3);
+    for (const float x : at(z, 1, 3)) found.push_back(x);
+    found.push_back(at(products, 2, 1)[0]);
+    expect("advance", found, {2, 5, 6, 0.5f, 0.5f, 0.5f, 1.5f});
+    kernel("pcg.cl", "turn_direction").launch(lane_items_, lane_local(), rows_, stride_, scalars, z, p);
+    expect("turn_direction", at(p, 0, 3), {3.5f, 6.5f, 9.5f});
+    ocl::Buffer<float> v = planes({10, 20, 30});
+    kernel("pcg.cl", "move_vertices").launch(lane_items_, lane_local(), rows_, stride_, 2.5f, planes({3, 4, 0}), v);
+    expect("move_vertices", at(v, 2, 3), {11.5f, 22, 30});
+  }
+
+  void snapping() {
+    // d = x - 24: vertex 1 stands at 26, so it moves by -2 px = -20 mm; vertex 2 is rigid, vertex 0 follows.
+    Floats distance;
+    for (int k = 0; k < kWidth * kHeight; ++k) distance.push_back(float(k % kWidth) - 24);
+    const ocl::Buffer<int32_t> order(device_, graph_.order);
+    ocl::Buffer<float> moves(device_, constant({7, 7})), rings(device_, constant({7})), vertices(device_, vertices_);
+    kernel("snap_targets.cl", "snap_targets")
+        .launch(rows_, 64, graph_.n, rows_, stride_, kWidth, kHeight, 3.0f, 15.0f, 0, Pinhole{100, 100, 16, 16}, order,
+                ocl::Buffer<float>(device_, graph_.planes({2, 2, 50}, 1)),
+                ocl::Buffer<int32_t>(device_, std::vector<int32_t>{0, 1, 1}), ocl::Buffer<float>(device_, vertices_),
+                ocl::Buffer<float>(device_, distance), ocl::Buffer<uint8_t>(device_, 1),
+                ocl::Buffer<int32_t>(device_, 3), vertices, moves, rings);
+    expect("snap_targets",
+           {at(moves, 1, 2)[0], at(moves, 1, 2)[1], at(rings, 0, 1)[0], at(rings, 1, 1)[0], at(rings, 2, 1)[0]},
+           {-20, 0, 1000, 0, 2000});
+    const ocl::Buffer<int32_t> offsets(device_, graph_.slice_offsets), neighbors(device_, graph_.neighbors);
+    kernel("snap_warp.cl", "snap_spread")
+        .launch(lane_items_, lane_local(), rows_, stride_, 1.0f, 0.75f, offsets, neighbors, rings, moves);
+    expect("snap_spread", {at(moves, 0, 2)[0], at(rings, 0, 1)[0], at(moves, 2, 2)[0], at(rings, 2, 1)[0]},
+           {-15, 1, 0, 2000});
+    ocl::Buffer<float> after(device_, moves.read_all());
+    kernel("snap_warp.cl", "snap_relax")
+        .launch(lane_items_, lane_local(), rows_, stride_, 1.0f, offsets, neighbors, rings, moves, after);
+    expect("snap_relax", {at(after, 0, 2)[0], at(after, 1, 2)[0], at(after, 2, 2)[0]}, {-10, -20, 0});
+    kernel("snap_targets.cl", "snap_apply")
+        .launch(graph_.n, 64, graph_.n, stride_, 1.0f, order, rings, after, vertices);
+    expect("snap_apply", vertices.read_all(), {-10, 0, 1000, 80, 0, 1000, 0, 100, 1000});
+  }
+
+  size_t lane_local() const { return device_.is_cpu() ? 1 : 64; }
+
+  static constexpr int kWidth = 32, kHeight = 32;
+  ocl::DeviceContext& device_;
+  SellGraph graph_;
+  int rows_ = 0, stride_ = 0;
+  size_t lane_items_ = 0, sum_items_ = 0;
+  Floats vertices_;
+  std::vector<ocl::SelfTestResult> results_;
+};
+
+}  // namespace
+
+std::vector<ocl::SelfTestResult> surface_self_test(ocl::DeviceContext& device) {
+  return Bench(device).run();
+}
+
+}  // namespace livecap

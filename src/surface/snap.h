@@ -1,0 +1,62 @@
+// Vertex snapping after the non-rigid stage (paper, "Vertex Snapping"): contour vertices of soft material walk to the
+// zero of the distance image, at constant depth; neighbours within a band of edge rings follow by a Laplacian warp.
+#pragma once
+
+#include "actor/actor.h"
+#include "livecap/camera.h"
+#include "ocl/kernel.h"
+#include "surface/sell.h"
+#include "surface/surface_input.h"
+
+namespace livecap {
+
+struct SnapOptions {
+  float max_rigidity = 3.0f;  // only vertices of at most this rigidity move (paper, Table 1: clothes and scarfs)
+  float max_move_px = 15.0f;  // a contour vertex farther from the silhouette stays
+  int n_rings = 5;            // width of the warped band in edges, 0: contour vertices only
+  int relaxations = 8;        // Jacobi sweeps of the warp
+
+  // Throws ConfigError naming the field.
+  void validate() const;
+};
+
+// Camera frame, mesh vertex order; buffers of the snapper's DeviceContext.
+struct SnapInput {
+  const DeviceFrame& frame;
+  const ocl::Buffer<int>& contour_flag;              // [n] the contour after the solve
+  const ocl::Buffer<float>& normals;                 // [3n] outward
+  const ocl::Buffer<uint8_t>* part_image = nullptr;  // as in SurfaceInput
+  const ocl::Buffer<int>* vertex_part = nullptr;
+};
+
+class Snapper {
+ public:
+  // camera: undistorted. Keeps a reference to the device only. Throws ConfigError as SurfaceSolver.
+  Snapper(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const SnapOptions& options = {});
+
+  // Moves vertices [3n] in place; only x and y, only in the band. Enqueues, does not block. Throws LogicError for
+  // buffers of a wrong size.
+  void snap(const SnapInput& input, ocl::Buffer<float>& vertices);
+
+  // Blocking, for tests: 0 = snapped, k = k edges away and in the band, more than n_rings = not moved. [n] mesh order.
+  std::vector<float> rings() const;
+
+ private:
+  struct Pinhole {
+    float fx, fy, cx, cy;
+  };
+  SnapOptions options_;
+  SellGraph graph_;
+  Pinhole camera_;
+  int width_;
+  int height_;
+  size_t lane_items_, lane_local_;
+  ocl::Buffer<int32_t> order_, slice_offsets_, neighbors_;
+  ocl::Buffer<float> rigidity_;         // [stride] rows
+  ocl::Buffer<float> rings_;            // [stride]
+  ocl::Buffer<float> moves_, relaxed_;  // 2 planes, mm
+  ocl::Buffer<uint8_t> no_parts_;
+  ocl::Kernel targets_, spread_, relax_, apply_;
+};
+
+}  // namespace livecap

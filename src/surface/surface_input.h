@@ -1,0 +1,62 @@
+// What stage II gets: one prepared frame and the buffers that skinning and rasterisation left on the device.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "image/device_frame.h"
+#include "ocl/buffer.h"
+
+namespace livecap {
+
+// Camera frame, mm, mesh vertex order. All buffers belong to the solver's DeviceContext and outlive the call.
+struct SurfaceInput {
+  const DeviceFrame& frame;                             // of the camera's size
+  const ocl::Buffer<float>& skinned;                    // [3n] V^S
+  const ocl::Buffer<float>& start;                      // [3n] V^S + d^S, the warped displacement added
+  const ocl::Buffer<float>* previous = nullptr;         // [3n] V^{t-1}; null: no E_velocity, no E_acceleration
+  const ocl::Buffer<float>* before_previous = nullptr;  // [3n] V^{t-2}; null: no E_acceleration
+  const ocl::Buffer<int>& visible;                      // [n] not 0: takes part in E_photo
+  const ocl::Buffer<int>& contour_flag;                 // [n] not 0: takes part in E_silhouette
+  const ocl::Buffer<float>& normals;                    // [3n] outward, of start
+  const ocl::Buffer<uint8_t>* part_image = nullptr;     // [w*h] dilated body-part mask, 0 = none; null: no masking
+  const ocl::Buffer<int>* vertex_part = nullptr;        // [n] value of each vertex's part in part_image
+};
+
+struct SurfaceOptions {
+  float w_photo = 1e4f;         // colours in [0,1]; a weight of 0 switches its term off
+  float w_silhouette = 600.0f;  // px
+  float w_smooth = 10.0f;       // mm, as the following
+  float w_edge = 30.0f;
+  float w_velocity = 0.25f;
+  float w_acceleration = 0.1f;
+  std::vector<int> gaussian_kernels = {15, 9, 3};  // odd, 1..15; one Gauss-Newton step each
+  int pcg_iterations = 4;
+  // sigma_c: photometric residuals longer than this (Euclidean, RGB in [0,1]) are zero. The paper gives no value: 0.2
+  // is well above shading and noise and below the distance of most garments from each other.
+  float color_threshold = 0.2f;
+  float damping = 1e-3f;          // added to the diagonal of J^T J; the weakest regulariser is 0.1
+  float max_step_mm = 50.0f;      // no vertex moves farther in one Gauss-Newton step
+  bool evaluate_energies = true;  // of the result; costs about one more linearisation
+
+  // Throws ConfigError naming the field.
+  void validate() const;
+};
+
+struct SurfaceEnergies {
+  double photo = 0;
+  double silhouette = 0;  // sum of w r^2 over contour vertices with b_i != 0
+  double smooth = 0;
+  double edge = 0;
+  double velocity = 0;
+  double acceleration = 0;
+  double total() const { return photo + silhouette + smooth + edge + velocity + acceleration; }
+};
+
+enum class SurfaceStatus {
+  kOk,
+  kNonFinite,  // a step was not finite: the start is given back
+};
+
+}  // namespace livecap

@@ -1,0 +1,25 @@
+#include "surface/surface_solver.h"
+
+namespace livecap {
+
+SurfaceSolver::SurfaceSolver(ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
+                             const SurfaceOptions& options)
+    : options_(options), system_(device, actor, camera, options), vertices_(device, 3 * size_t(actor.n_vertices())) {}
+
+SurfaceResult SurfaceSolver::solve(const SurfaceInput& input) {
+  system_.begin(input);
+  for (const int kernel : options_.gaussian_kernels) {
+    system_.linearize(input, kernel);
+    system_.iterate_pcg(options_.pcg_iterations);
+    system_.move();
+  }
+  if (options_.evaluate_energies) system_.linearize(input, options_.gaussian_kernels.back());
+  system_.finish(input, vertices_);
+  SurfaceResult result;
+  result.vertices = &vertices_;
+  result.status = system_.status();
+  if (options_.evaluate_energies && result.status == SurfaceStatus::kOk) result.energies = system_.energies();
+  return result;
+}
+
+}  // namespace livecap

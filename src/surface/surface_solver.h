@@ -1,0 +1,37 @@
+// Stage II: the non-rigid surface of one frame (paper, "Non-rigid Surface Registration"). Three Gauss-Newton steps, one
+// per Gaussian level, four preconditioned conjugate gradient iterations each, all on the device.
+#pragma once
+
+#include <vector>
+
+#include "surface/surface_system.h"
+
+namespace livecap {
+
+struct SurfaceResult {
+  const ocl::Buffer<float>* vertices = nullptr;  // [3n] mm, camera frame; the solver's own, valid until its next solve
+  SurfaceEnergies energies;                      // of the vertices, photometric at the last Gaussian level; zero if
+                                                 // options.evaluate_energies is false or the status is not kOk
+  SurfaceStatus status = SurfaceStatus::kOk;
+};
+
+class SurfaceSolver {
+ public:
+  // camera: undistorted. Keeps a reference to the device only. Throws ConfigError for options, actor or camera that do
+  // not fit each other, OclError when the kernels do not build.
+  SurfaceSolver(ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
+                const SurfaceOptions& options = {});
+
+  // Enqueues everything, then blocks once to read status and energies. Throws LogicError for buffers of a wrong size.
+  SurfaceResult solve(const SurfaceInput& input);
+
+ private:
+  SurfaceOptions options_;
+  SurfaceSystem system_;
+  ocl::Buffer<float> vertices_;  // [3n]
+};
+
+// Known-answer tests of every kernel of this room.
+std::vector<ocl::SelfTestResult> surface_self_test(ocl::DeviceContext& device);
+
+}  // namespace livecap

@@ -1,0 +1,84 @@
+// The Gauss-Newton system of stage II on the device (paper, "Non-rigid Surface Registration" and "Data Parallel GPU
+// Optimization"): linearise E_non-rigid at the current vertices, solve (J^T J + damping) step = -J^T F by
+// preconditioned conjugate gradients, move. SurfaceSolver runs the three; tests look at each.
+#pragma once
+
+#include <vector>
+
+#include "actor/actor.h"
+#include "livecap/camera.h"
+#include "ocl/kernel.h"
+#include "surface/sell.h"
+#include "surface/surface_input.h"
+
+namespace livecap {
+
+// sigma of a Gaussian kernel of this odd size, px (OpenCV's rule).
+double gaussian_sigma(int kernel_size);
+
+class SurfaceSystem {
+ public:
+  // camera: undistorted. Keeps no reference to the actor. Throws ConfigError for inconsistent inputs.
+  SurfaceSystem(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const SurfaceOptions& options);
+
+  // Takes the start vertices and the terms' constants of this frame. Throws LogicError for buffers of a wrong size.
+  void begin(const SurfaceInput& input);
+  // Builds the system at the current vertices, photometric term at this Gaussian kernel size. Clears the failure of the
+  // solve when it is the first of a frame.
+  void linearize(const SurfaceInput& input, int gaussian_kernel);
+  void iterate_pcg(int iterations);
+  // vertices += step, each by at most max_step_mm.
+  void move();
+  // out [3n]: the vertices, or input.start when anything was not finite since begin().
+  void finish(const SurfaceInput& input, ocl::Buffer<float>& out);
+
+  // Blocking reads.
+  SurfaceStatus status() const;
+  SurfaceEnergies energies();  // at the vertices of the last linearize()
+
+  // Blocking, for tests; all in mesh order.
+  std::vector<float> right_hand_side() const;                       // [3n] -J^T F, valid before iterate_pcg
+  std::vector<float> step() const;                                  // [3n] mm
+  std::vector<float> diagonal_blocks() const;                       // [6n] xx xy xz yy yz zz
+  std::vector<float> product(const std::vector<float>& direction);  // (J^T J + damping) direction; breaks a running PCG
+
+  const SellGraph& graph() const { return graph_; }
+
+ private:
+  struct Pinhole {
+    float fx, fy, cx, cy;
+  };
+  void apply();
+  std::vector<float> from_planes(const ocl::Buffer<float>& planes, int width) const;
+
+  ocl::DeviceContext* device_;
+  SurfaceOptions options_;
+  SellGraph graph_;
+  Pinhole camera_;
+  int width_;
+  int height_;
+  bool first_ = true;  // the next linearize() is the first of its frame
+  float w_velocity_ = 0;
+  float w_acceleration_ = 0;
+  size_t lane_items_, lane_local_, row_local_, sum_items_;
+
+  // Constants.
+  ocl::Buffer<int32_t> order_, slice_offsets_, neighbors_;
+  ocl::Buffer<float> edge_weights_, rest_lengths_;  // [n_entries]
+  ocl::Buffer<float> colors_;                       // 3 planes
+  ocl::Buffer<uint8_t> no_parts_;
+  // State, planes of graph_.stride floats.
+  ocl::Buffer<float> v_, skinned_, previous_, before_;                                    // 3 planes, mm
+  ocl::Buffer<float> blocks_, inverse_;                                                   // 6 planes
+  ocl::Buffer<float> residual_, preconditioned_, direction_, image_of_direction_, step_;  // 3 planes
+  ocl::Buffer<float> edges_;                                                              // [3*n_entries]
+  ocl::Buffer<float> products_;                                                           // 1 plane
+  ocl::Buffer<float> data_energies_[2], regularizer_energies_;                            // 1, 1, 4 planes
+  ocl::Buffer<float> scalars_;                                                            // [4]
+  ocl::Buffer<float> totals_;                                                             // [4]
+
+  ocl::Kernel pack_, unpack_, photo_, silhouette_, regularizer_;
+  ocl::Kernel start_scalars_, alpha_, beta_, sum_energies_, apply_, advance_, turn_, move_;
+};
+
+}  // namespace livecap

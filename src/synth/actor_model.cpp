@@ -1,0 +1,85 @@
+#include "synth/actor_model.h"
+
+#include "base/text.h"
+#include "livecap/error.h"
+#include "synth/paint.h"
+#include "synth/synth.h"
+
+namespace livecap {
+
+const std::vector<std::string>& builtin_actor_names() {
+  static const std::vector<std::string> names = {"skirt", "trousers"};
+  return names;
+}
+
+std::string make_builtin_actor_glb(const std::string& name, double height_mm, int target_vertices) {
+  return synth::actor_glb(synth::build_actor(name, height_mm, target_vertices));
+}
+
+namespace synth {
+
+namespace {
+
+constexpr int kTextureSize = 1024;
+constexpr double kGridStep = 13;  // mm
+
+// Charts are kept apart by these groups: head, top, arms, bottom, legs, shoes.
+constexpr int kGroupOfPart[kPartCount] = {0, 0, 0, 1, 2, 2, 3, 4, 5};
+const std::vector<double> kGroupDensity = {2.4, 1.0, 1.0, 1.0, 0.8, 1.0};
+
+int nearest_vertex(const Surface& surface, const Vec3& p) {
+  int best = 0;
+  for (size_t i = 1; i < surface.vertices.size(); ++i)
+    if ((surface.vertices[i] - p).squaredNorm() < (surface.vertices[best] - p).squaredNorm())
+      best = static_cast<int>(i);
+  return best;
+}
+
+}  // namespace
+
+ActorModel build_actor(const std::string& name, double height_mm, int target_vertices) {
+  const BodyShape shape(outfit_from_name(name));
+  if (!(height_mm >= 500 && height_mm <= 3000))
+    throw ConfigError(format("actor height is %g mm; it must be within 500..3000", height_mm));
+  if (target_vertices < 1500 || target_vertices > 20000)
+    throw ConfigError(format("target_vertices is %d; it must be within 1500..20000", target_vertices));
+
+  const DistanceField field = [&](const Vec3& p) { return shape.distance(p); };
+  const double density = std::sqrt(5000.0 / target_vertices);
+  const Surface fine =
+      extract_surface(field, {-850, -30, -330}, {850, 1740, 330}, std::min(kGridStep * density, 1.15 * kGridStep));
+  ActorModel actor;
+  actor.name = name;
+  actor.surface = decimate_surface(fine, target_vertices, 48 * density, field);
+
+  const auto& vertices = actor.surface.vertices;
+  for (const Vec3& p : vertices) {
+    actor.parts.push_back(shape.part(p));
+    actor.labels.push_back(static_cast<uint8_t>(shape.label(actor.parts.back(), p)));
+  }
+  actor.weights = make_skin_weights(shape, actor.surface, actor.parts);
+
+  std::vector<int> group;
+  for (const auto& t : actor.surface.triangles)
+    group.push_back(kGroupOfPart[shape.part((vertices[t[0]] + vertices[t[1]] + vertices[t[2]]) / 3)]);
+  actor.atlas = make_atlas(actor.surface, group, kGroupDensity, kTextureSize);
+  actor.texture = bake_texture(actor.surface, actor.atlas, kTextureSize,
+                               [&](const Vec3& p, int) { return paint(shape, shape.part(p), p); });
+
+  const FaceFeatures features = face_features(shape);
+  actor.left_eye = nearest_vertex(actor.surface, features.left_eye);
+  actor.right_eye = nearest_vertex(actor.surface, features.right_eye);
+  actor.nose = nearest_vertex(actor.surface, features.nose);
+  actor.chin = nearest_vertex(actor.surface, features.chin);
+
+  double top = 0, bottom = 0;
+  for (const Vec3& p : vertices) top = std::max(top, p.y()), bottom = std::min(bottom, p.y());
+  actor.scale = height_mm / (top - bottom);
+  for (Vec3& p : actor.surface.vertices) p = actor.scale * (p - Vec3(0, bottom, 0));
+  for (int bone = 0; bone < kBoneCount; ++bone)
+    actor.joints[bone] = actor.scale * (shape.joints()[bone] - Vec3(0, bottom, 0));
+  return actor;
+}
+
+}  // namespace synth
+}  // namespace livecap

@@ -1,0 +1,34 @@
+// A built-in actor, complete: surface, skin, labels, texture, markers.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/image_rgb.h"
+#include "synth/atlas.h"
+#include "synth/body_shape.h"
+#include "synth/rig.h"
+
+namespace livecap::synth {
+
+struct ActorModel {
+  std::string name;
+  double scale = 1;                     // size relative to the shape's 1700 mm
+  Surface surface;                      // welded, mm, actor frame, sole at y = 0
+  std::array<Vec3, kBoneCount> joints;  // mm
+  std::vector<Influences> weights;
+  std::vector<Part> parts;
+  std::vector<uint8_t> labels;  // LIP ids
+  Atlas atlas;
+  ImageRgb texture;
+  int left_eye = 0, right_eye = 0, nose = 0, chin = 0;  // welded vertices; chin is the middle of the mouth
+};
+
+// Throws ConfigError as make_builtin_actor_glb does.
+ActorModel build_actor(const std::string& name, double height_mm, int target_vertices);
+
+std::string actor_glb(const ActorModel& actor);
+
+}  // namespace livecap::synth

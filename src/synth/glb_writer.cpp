@@ -1,0 +1,209 @@
+// actor_glb of actor_model.h: the actor as a glTF 2.0 binary (DESIGN 3.1).
+#include <tiny_gltf.h>
+
+#include <cstring>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <sstream>
+
+#include "livecap/error.h"
+#include "synth/actor_model.h"
+
+namespace livecap::synth {
+
+namespace {
+
+class Builder {
+ public:
+  tinygltf::Model model;
+
+  int add_view(const void* data, size_t bytes, int target) {
+    auto& buffer = model.buffers.front().data;
+    buffer.resize((buffer.size() + 3) / 4 * 4);
+    tinygltf::BufferView view;
+    view.buffer = 0;
+    view.byteOffset = buffer.size();
+    view.byteLength = bytes;
+    view.target = target;
+    buffer.resize(buffer.size() + bytes);
+    std::memcpy(buffer.data() + view.byteOffset, data, bytes);
+    model.bufferViews.push_back(view);
+    return static_cast<int>(model.bufferViews.size()) - 1;
+  }
+
+  template <typename T>
+  int add_accessor(const std::vector<T>& data, int component, int type, int components,
+                   int target = TINYGLTF_TARGET_ARRAY_BUFFER) {
+    tinygltf::Accessor accessor;
+    accessor.bufferView = add_view(data.data(), data.size() * sizeof(T), target);
+    accessor.componentType = component;
+    accessor.type = type;
+    accessor.count = data.size() / components;
+    model.accessors.push_back(accessor);
+    return static_cast<int>(model.accessors.size()) - 1;
+  }
+};
+
+std::vector<unsigned char> encode_png(const ImageRgb& image) {
+  const cv::Mat rgb(image.height, image.width, CV_8UC3, const_cast<uint8_t*>(image.pixels.data()));
+  cv::Mat bgr;
+  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
+  std::vector<unsigned char> png;
+  if (!cv::imencode(".png", bgr, png)) throw LogicError("the texture cannot be encoded as PNG");
+  return png;
+}
+
+std::vector<Vec3> smooth_normals(const Surface& surface) {
+  std::vector<Vec3> normals(surface.vertices.size(), Vec3::Zero());
+  for (const auto& t : surface.triangles) {
+    const Vec3& a = surface.vertices[t[0]];
+    const Vec3 n = (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a);
+    for (int i = 0; i < 3; ++i) normals[t[i]] += n;
+  }
+  for (Vec3& n : normals) n.normalize();
+  return normals;
+}
+
+void add_bones(const ActorModel& actor, Builder& builder) {
+  tinygltf::Skin skin;
+  skin.name = "rig";
+  std::vector<float> inverse_bind;
+  for (int bone = 0; bone < kBoneCount; ++bone) {
+    const int parent = kBones[bone].parent;
+    const Vec3 offset = (actor.joints[bone] - (parent >= 0 ? actor.joints[parent] : Vec3(Vec3::Zero()))) / 1000;
+    tinygltf::Node node;
+    node.name = kBones[bone].name;
+    node.translation = {offset.x(), offset.y(), offset.z()};
+    for (int child = bone + 1; child < kBoneCount; ++child)
+      if (kBones[child].parent == bone) node.children.push_back(child);
+    builder.model.nodes.push_back(node);
+    skin.joints.push_back(bone);
+    const Vec3 at = actor.joints[bone] / 1000;
+    const float matrix[16] = {1,
+                              0,
+                              0,
+                              0,
+                              0,
+                              1,
+                              0,
+                              0,
+                              0,
+                              0,
+                              1,
+                              0,
+                              static_cast<float>(-at.x()),
+                              static_cast<float>(-at.y()),
+                              static_cast<float>(-at.z()),
+                              1};
+    inverse_bind.insert(inverse_bind.end(), matrix, matrix + 16);
+  }
+  skin.skeleton = 0;
+  skin.inverseBindMatrices =
+      builder.add_accessor(inverse_bind, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_MAT4, 16, 0);
+  builder.model.skins.push_back(skin);
+}
+
+int add_material(const ActorModel& actor, Builder& builder) {
+  const auto png = encode_png(actor.texture);
+  tinygltf::Image image;
+  image.name = "texture";
+  image.mimeType = "image/png";
+  image.bufferView = builder.add_view(png.data(), png.size(), 0);
+  builder.model.images.push_back(image);
+  tinygltf::Sampler sampler;
+  sampler.magFilter = TINYGLTF_TEXTURE_FILTER_LINEAR;
+  sampler.minFilter = TINYGLTF_TEXTURE_FILTER_LINEAR;
+  builder.model.samplers.push_back(sampler);
+  tinygltf::Texture texture;
+  texture.sampler = 0;
+  texture.source = 0;
+  builder.model.textures.push_back(texture);
+  tinygltf::Material material;
+  material.name = "actor";
+  material.pbrMetallicRoughness.baseColorTexture.index = 0;
+  material.pbrMetallicRoughness.metallicFactor = 0;
+  material.pbrMetallicRoughness.roughnessFactor = 0.9;
+  builder.model.materials.push_back(material);
+  return 0;
+}
+
+tinygltf::Primitive add_geometry(const ActorModel& actor, Builder& builder) {
+  std::vector<float> positions, normals, uvs, weights, labels;
+  std::vector<uint16_t> joints;
+  std::vector<uint32_t> indices;
+  const auto vertex_normals = smooth_normals(actor.surface);
+  std::vector<double> low(3, std::numeric_limits<double>::max()), high(3, std::numeric_limits<double>::lowest());
+  for (size_t i = 0; i < actor.atlas.vertex.size(); ++i) {
+    const int vertex = actor.atlas.vertex[i];
+    for (int k = 0; k < 3; ++k) {
+      positions.push_back(static_cast<float>(actor.surface.vertices[vertex][k] / 1000));
+      normals.push_back(static_cast<float>(vertex_normals[vertex][k]));
+      low[k] = std::min<double>(low[k], positions.back());
+      high[k] = std::max<double>(high[k], positions.back());
+    }
+    for (int k = 0; k < 2; ++k) uvs.push_back(static_cast<float>(actor.atlas.uvs[i][k]));
+    for (const auto& [bone, weight] : actor.weights[vertex]) {
+      joints.push_back(static_cast<uint16_t>(bone));
+      weights.push_back(static_cast<float>(weight));
+    }
+    labels.push_back(actor.labels[vertex]);
+  }
+  for (const auto& t : actor.atlas.triangles)
+    for (int k = 0; k < 3; ++k) indices.push_back(static_cast<uint32_t>(t[k]));
+
+  constexpr int kFloat = TINYGLTF_COMPONENT_TYPE_FLOAT;
+  tinygltf::Primitive primitive;
+  primitive.mode = TINYGLTF_MODE_TRIANGLES;
+  primitive.attributes["POSITION"] = builder.add_accessor(positions, kFloat, TINYGLTF_TYPE_VEC3, 3);
+  builder.model.accessors.back().minValues = low;
+  builder.model.accessors.back().maxValues = high;
+  primitive.attributes["NORMAL"] = builder.add_accessor(normals, kFloat, TINYGLTF_TYPE_VEC3, 3);
+  primitive.attributes["TEXCOORD_0"] = builder.add_accessor(uvs, kFloat, TINYGLTF_TYPE_VEC2, 2);
+  primitive.attributes["JOINTS_0"] =
+      builder.add_accessor(joints, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TYPE_VEC4, 4);
+  primitive.attributes["WEIGHTS_0"] = builder.add_accessor(weights, kFloat, TINYGLTF_TYPE_VEC4, 4);
+  primitive.attributes["_LABEL"] = builder.add_accessor(labels, kFloat, TINYGLTF_TYPE_SCALAR, 1);
+  primitive.indices = builder.add_accessor(indices, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, 1,
+                                           TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+  return primitive;
+}
+
+}  // namespace
+
+std::string actor_glb(const ActorModel& actor) {
+  Builder builder;
+  tinygltf::Model& model = builder.model;
+  model.asset.version = "2.0";
+  model.asset.generator = "LiveCap-CL";
+  model.buffers.emplace_back();
+  tinygltf::Mesh mesh;
+  mesh.name = "actor";
+  mesh.primitives.push_back(add_geometry(actor, builder));
+  mesh.primitives.back().material = add_material(actor, builder);
+  tinygltf::Value::Object markers{{"left_eye", tinygltf::Value(actor.left_eye)},
+                                  {"right_eye", tinygltf::Value(actor.right_eye)},
+                                  {"nose", tinygltf::Value(actor.nose)},
+                                  {"chin", tinygltf::Value(actor.chin)}};
+  tinygltf::Value::Object livecap{{"markers", tinygltf::Value(markers)}};
+  mesh.extras = tinygltf::Value(tinygltf::Value::Object{{"livecap", tinygltf::Value(livecap)}});
+  model.meshes.push_back(mesh);
+  add_bones(actor, builder);
+  tinygltf::Node body;
+  body.name = actor.name;
+  body.mesh = 0;
+  body.skin = 0;
+  model.nodes.push_back(body);
+  tinygltf::Scene scene;
+  scene.name = "Scene";
+  scene.nodes = {0, static_cast<int>(model.nodes.size()) - 1};
+  model.scenes.push_back(scene);
+  model.defaultScene = 0;
+
+  std::ostringstream out;
+  tinygltf::TinyGLTF writer;
+  if (!writer.WriteGltfSceneToStream(&model, out, false, true)) throw LogicError("the actor cannot be written as GLB");
+  return std::move(out).str();
+}
+
+}  // namespace livecap::synth

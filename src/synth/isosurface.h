@@ -1,0 +1,27 @@
+// The zero surface of a signed distance as a closed triangle mesh, by marching tetrahedra (no ambiguous cases, so the
+// result is always a manifold), thinned by quadric edge collapses.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace livecap::synth {
+
+struct Surface {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<Eigen::Vector3i> triangles;  // counter-clockwise seen from outside
+};
+
+using DistanceField = std::function<double(const Eigen::Vector3d&)>;
+
+// The field must be positive on the border of the box low..high and must not grow faster than twice the distance.
+Surface extract_surface(const DistanceField& distance, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+                        double step);
+
+// Quadric decimation to about target_vertices with edges no longer than max_edge, then edge flips and tangential
+// relaxation that even the triangles out, each vertex put back on the zero of `distance`. Keeps the surface closed.
+Surface decimate_surface(const Surface& fine, int target_vertices, double max_edge, const DistanceField& distance);
+
+}  // namespace livecap::synth

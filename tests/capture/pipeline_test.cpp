@@ -1,0 +1,106 @@
+#include "capture/pipeline.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "livecap/error.h"
+
+namespace livecap {
+namespace {
+
+// Stages that count to n_frames and write down what was published.
+struct Recorder {
+  int n_frames = 0;
+  int next = 0;
+  std::vector<int64_t> published;
+  std::vector<int64_t> dropped;
+
+  PipelineStages stages() {
+    PipelineStages s;
+    s.read = [this](WorkItem& item) {
+      if (next >= n_frames) return false;
+      item.report.index = next++;
+      return true;
+    };
+    s.detect = [](WorkItem& item) { item.detections.frame_index = item.report.index; };
+    s.solve = [](WorkItem& item) { item.report.score = static_cast<double>(item.detections.frame_index); };
+    s.publish = [this](WorkItem& item) {
+      EXPECT_EQ(item.report.score, static_cast<double>(item.report.index));
+      for (const auto& report : item.dropped_before) {
+        EXPECT_EQ(report.status, TrackStatus::kDropped);
+        dropped.push_back(report.index);
+      }
+      published.push_back(item.report.index);
+      return true;
+    };
+    return s;
+  }
+};
+
+TEST(Pipeline, EveryFrameOnceInOrder) {
+  for (int n : {0, 1, 2, 50}) {
+    Recorder sequential{n}, pipelined{n};
+    run_sequential(sequential.stages());
+    run_pipelined(pipelined.stages(), false);
+    EXPECT_EQ(sequential.published, pipelined.published);
+    EXPECT_EQ(pipelined.published.size(), static_cast<size_t>(n));
+    EXPECT_TRUE(pipelined.dropped.empty());
+  }
+}
+
+TEST(Pipeline, NewestWinsAndDropsAreCounted) {
+  Recorder recorder{40};
+  PipelineStages stages = recorder.stages();
+  stages.detect = [](WorkItem& item) {
+    item.detections.frame_index = item.report.index;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  };
+  run_pipelined(stages, true);
+  EXPECT_EQ(recorder.published.size() + recorder.dropped.size(), 40u);
+  EXPECT_FALSE(recorder.dropped.empty());
+  EXPECT_EQ(recorder.published.back(), 39);
+}
+
+TEST(Pipeline, AnErrorInAnyStageEndsTheRunWithItsMessage) {
+  for (int failing = 0; failing < 4; ++failing) {
+    Recorder recorder{1000};
+    PipelineStages stages = recorder.stages();
+    auto fail_at_ten = [](WorkItem& item) {
+      if (item.report.index == 10) throw IoError("frame ten");
+    };
+    if (failing == 0) {
+      stages.read = [&, read = stages.read](WorkItem& item) {
+        const bool more = read(item);
+        fail_at_ten(item);
+        return more;
+      };
+    }
+    if (failing == 1) stages.detect = fail_at_ten;
+    if (failing == 2) stages.solve = fail_at_ten;
+    if (failing == 3) {
+      stages.publish = [&](WorkItem& item) {
+        fail_at_ten(item);
+        return true;
+      };
+    } else {
+      stages.publish = [](WorkItem&) { return true; };
+    }
+    EXPECT_THROW(run_pipelined(stages, false), IoError) << failing;
+  }
+}
+
+TEST(Pipeline, PublishCanStopEarly) {
+  Recorder recorder{1000};
+  PipelineStages stages = recorder.stages();
+  stages.publish = [&](WorkItem& item) {
+    recorder.published.push_back(item.report.index);
+    return item.report.index < 5;
+  };
+  run_pipelined(stages, false);
+  EXPECT_EQ(recorder.published.size(), 6u);
+}
+
+}  // namespace
+}  // namespace livecap

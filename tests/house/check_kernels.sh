@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# Every kernel file compiles alone as OpenCL C 1.2 without a warning, for both device kinds, whatever the driver says.
+set -euo pipefail
+cd "$1"
+clang=$(command -v clang-14 || command -v clang || true)
+[[ -n $clang ]] || { echo "skipped: no clang (package clang)"; exit 77; }
+
+lint() {
+  local options=(-x cl -cl-std=CL1.2 -fsyntax-only -Xclang -finclude-default-header -Xclang -fdeclare-opencl-builtins
+    -target spir64 -Wall -Wextra -Werror -Wno-unused-function -D LC_DEVICE=1 -I kernels)
+  local cpu
+  for cpu in 0 1; do
+    "$clang" "${options[@]}" -D LC_CPU=$cpu "$1" || { echo "$1: does not compile with LC_CPU=$cpu"; return 1; }
+  done
+}
+export -f lint
+export clang
+files=$(find kernels -name '*.cl' | sort)
+[[ -n $files ]] || { echo "no kernels found"; exit 1; }
+echo "$files" | xargs -P "$(nproc)" -I{} bash -c 'lint {}'

@@ -1,0 +1,177 @@
+#include "raster/depth.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <limits>
+
+#include "livecap/error.h"
+#include "scenes.h"
+#include "support/tolerances.h"
+
+namespace livecap {
+namespace {
+
+constexpr double kEmpty = std::numeric_limits<double>::infinity();
+
+struct Hit {
+  double depth = kEmpty;
+  bool near_edge = false;  // a triangle's edge passes so close to the ray that rounding decides
+};
+
+// Independent of projection and edge functions: solves origin + s * ray = a + u (b - a) + v (c - a) in double.
+Hit cast_ray(const Mesh& mesh, const Camera& camera, int x, int y) {
+  const Eigen::Vector3d ray((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1);
+  Hit hit;
+  for (int t = 0; t < mesh.n_triangles(); ++t) {
+    Eigen::Vector3d p[3];
+    bool near = false;
+    for (int k = 0; k < 3; ++k) {
+      p[k] = Eigen::Map<const Eigen::Vector3f>(mesh.positions.data() + 3 * mesh.triangles[3 * t + k]).cast<double>();
+      near |= !(p[k].z() > 100);
+    }
+    if (near) continue;
+    Eigen::Matrix3d system;
+    system << ray, p[0] - p[1], p[0] - p[2];
+    const Eigen::Vector3d solution = system.partialPivLu().solve(p[0]);
+    const double u = solution[1], v = solution[2];
+    const double inside = std::min({u, v, 1 - u - v});
+    if (std::abs(inside) < test::kRasterEdge) hit.near_edge = true;
+    if (inside >= 0) hit.depth = std::min(hit.depth, solution[0]);
+  }
+  return hit;
+}
+
+void expect_like_rays(ocl::DeviceContext& device, const Mesh& mesh, const Camera& camera) {
+  DepthRasterizer raster(device, mesh, camera.width, camera.height);
+  raster.render(ocl::Buffer<float>(device, mesh.positions), camera);
+  const std::vector<float> depth = raster.depth().read_all();
+  const std::vector<int32_t> ids = raster.triangle_ids().read_all();
+  int covered = 0, doubtful = 0;
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const size_t p = size_t(y) * camera.width + x;
+      ASSERT_EQ(std::isinf(depth[p]), ids[p] < 0);
+      const Hit hit = cast_ray(mesh, camera, x, y);
+      if (hit.near_edge) {
+        ++doubtful;
+        continue;
+      }
+      if (hit.depth == kEmpty) {
+        ASSERT_TRUE(std::isinf(depth[p])) << x << "," << y;
+      } else {
+        ++covered;
+        ASSERT_NEAR(depth[p], hit.depth, test::kRasterDepthRelative * hit.depth) << x << "," << y;
+      }
+    }
+  }
+  EXPECT_GT(covered, 0);
+  EXPECT_LT(doubtful, camera.width * camera.height / 20);
+}
+
+TEST(Depth, RandomTrianglesMatchRays) {
+  test::on_every_body([](ocl::DeviceContext& device) {
+    for (int width : {7, 63, 65})
+      expect_like_rays(device, test::random_triangles(40, width), test::small_camera(width, 49));
+  });
+}
+
+TEST(Depth, SphereMatchesRaysAndHasNoHoles) {
+  test::on_every_body([](ocl::DeviceContext& device) {
+    const Mesh mesh = test::sphere({30, -20, 1500}, 500, 20, 33);
+    const Camera camera = test::small_camera(97, 101);
+    expect_like_rays(device, mesh, camera);
+    DepthRasterizer raster(device, mesh, camera.width, camera.height);
+    raster.render(ocl::Buffer<float>(device, mesh.positions), camera);
+    const ImageGray mask = raster.read_mask();
+    // Along every row a convex body covers one run of pixels.
+    for (int y = 0; y < mask.height; ++y) {
+      int starts = 0;
+      for (int x = 0; x < mask.width; ++x) {
+        const bool on = mask.pixels[size_t(y) * mask.width + x];
+        starts += on && (x == 0 || !mask.pixels[size_t(y) * mask.width + x - 1]);
+      }
+      EXPECT_LE(starts, 1) << "row " << y;
+    }
+  });
+}
+
+TEST(Depth, ClosedMeshesCoverTheSameWithoutTheirFarFaces) {
+  test::on_every_body([](ocl::DeviceContext& device) {
+    const Mesh closed = test::sphere({0, 0, 1500}, 500, 12, 17);
+    Mesh open = closed;  // one extra triangle with an open edge, too small to cover a pixel
+    const float speck[] = {4000, 0, 1500, 4000.01f, 0, 1500, 4000, 0.01f, 1500};
+    for (int k = 0; k < 3; ++k) open.triangles.push_back(open.n_vertices() + k);
+    open.positions.insert(open.positions.end(), speck, speck + 9);
+    const Camera camera = test::small_camera(90, 80);
+    DepthRasterizer one(device, closed, 90, 80), both(device, open, 90, 80);
+    one.render(ocl::Buffer<float>(device, closed.positions), camera);
+    both.render(ocl::Buffer<float>(device, open.positions), camera);
+    EXPECT_EQ(one.read_mask().pixels, both.read_mask().pixels);
+    EXPECT_EQ(one.depth().read_all(), both.depth().read_all());
+  });
+}
+
+TEST(Depth, HugeAndOffScreenTriangles) {
+  test::on_every_body([](ocl::DeviceContext& device) {
+    Mesh mesh = test::random_triangles(3, 5);
+    for (float& p : mesh.positions) p *= 3;                                  // partly outside the picture
+    for (int k = 0; k < 3; ++k) mesh.positions[3 * k + 2] = 900 + 10.f * k;  // one across all of it
+    mesh.positions[0] = -90000, mesh.positions[1] = -80000;
+    mesh.positions[3] = 90000, mesh.positions[4] = -70000;
+    mesh.positions[6] = 100, mesh.positions[7] = 95000;
+    expect_like_rays(device, mesh, test::small_camera(64, 40));
+  });
+}
+
+TEST(Depth, NearBehindAndNotFiniteTrianglesAreLeftOut) {
+  test::on_every_body([](ocl::DeviceContext& device) {
+    const Camera camera = test::small_camera(40, 30);
+    for (float bad : {99.f, -500.f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+      Mesh mesh;
+      test::add_plane(mesh, -500, -500, 1000, 800, 1);
+      mesh.positions[2] = bad;  // corner of the first triangle only
+      DepthRasterizer raster(device, mesh, 40, 30);
+      raster.render(ocl::Buffer<float>(device, mesh.positions), camera);
+      for (int32_t id : raster.triangle_ids().read_all()) EXPECT_NE(id, 0);
+    }
+  });
+}
+
+TEST(Depth, EqualDepthGoesToTheLowerIdAndRepeats) {
+  test::on_every_body([](ocl::DeviceContext& device) {
+    Mesh mesh;
+    test::add_plane(mesh, -500, -500, 1000, 900, 3);
+    const size_t once = mesh.triangles.size();
+    mesh.triangles.insert(mesh.triangles.end(), mesh.triangles.begin(), mesh.triangles.begin() + once);
+    const Camera camera = test::small_camera(65, 63);
+    DepthRasterizer raster(device, mesh, 65, 63);
+    const ocl::Buffer<float> positions(device, mesh.positions);
+    raster.render(positions, camera);
+    const auto ids = raster.triangle_ids().read_all();
+    const auto depth = raster.depth().read_all();
+    for (int32_t id : ids) EXPECT_LT(id, static_cast<int>(once / 3));
+    raster.render(positions, camera);
+    EXPECT_EQ(ids, raster.triangle_ids().read_all());
+    EXPECT_EQ(depth, raster.depth().read_all());
+  });
+}
+
+TEST(Depth, EmptyAndSingleTriangleMeshes) {
+  test::on_every_body([](ocl::DeviceContext& device) {
+    const Camera camera = test::small_camera(17, 9);
+    for (int n : {0, 1}) {
+      const Mesh mesh = test::random_triangles(n, 1);
+      DepthRasterizer raster(device, mesh, 17, 9);
+      raster.render(ocl::Buffer<float>(device, mesh.positions), camera);
+      for (int32_t id : raster.triangle_ids().read_all()) EXPECT_LT(id, n);
+    }
+    EXPECT_THROW(DepthRasterizer(device, Mesh{}, 0, 9), ConfigError);
+    Mesh broken = test::random_triangles(1, 1);
+    broken.triangles[1] = 3;
+    EXPECT_THROW(DepthRasterizer(device, broken, 17, 9), LogicError);
+  });
+}
+
+}  // namespace
+}  // namespace livecap

@@ -1,0 +1,39 @@
+// livecap actor: looks at actor files.
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "actor/actor.h"
+#include "actor/inspect.h"
+#include "command.h"
+
+namespace livecap::tools {
+namespace {
+
+struct Options {
+  std::string file;
+  double height_m = 0;
+};
+
+int inspect(const Options& options) {
+  const Actor actor = load_actor(options.file, options.height_m * 1000);
+  std::fputs(inspect_actor(actor).c_str(), stdout);
+  return kExitOk;
+}
+
+}  // namespace
+
+void add_actor_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("actor", "look at an actor file");
+  command->require_subcommand(1);
+  CLI::App* inspect_command =
+      command->add_subcommand("inspect", "print what was found in an actor.glb, what was defaulted, what is wrong");
+  inspect_command->fallthrough();
+  inspect_command->add_option("file", options->file, "actor.glb")->required();
+  inspect_command->add_option("--height", options->height_m, "scale it to this height, metres")
+      ->check(CLI::PositiveNumber);
+  inspect_command->callback([options, &action] { action = [options] { return inspect(*options); }; });
+}
+
+}  // namespace livecap::tools

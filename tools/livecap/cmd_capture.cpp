@@ -1,0 +1,102 @@
+// livecap capture: a thin client of the public API in include/livecap/capture.h.
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "command.h"
+#include "livecap/capture.h"
+#include "livecap/error.h"
+#include "progress.h"
+
+namespace livecap::tools {
+namespace {
+
+struct Options {
+  CaptureOptions capture;
+  double height_m = 0;
+  bool no_surface = false;
+  std::string pace = "fast";
+  std::string bvh_unit = "cm";
+};
+
+void print_summary(const CaptureReport& report) {
+  std::printf("frames      %lld, tracked %lld, damaged %lld, dropped %lld\n", static_cast<long long>(report.frames),
+              static_cast<long long>(report.tracked), static_cast<long long>(report.damaged),
+              static_cast<long long>(report.dropped));
+  std::printf("speed       %.1f fps, latency %.0f ms (median)\n", report.fps, report.latency_ms);
+  std::printf("silhouette  %.3f IoU with the segmented picture (mean over tracked frames)\n", report.mean_iou);
+  std::printf("stages     ");
+  for (int i = 0; i < kStageCount; ++i) {
+    std::printf(" %s %.1f", stage_name(static_cast<CaptureStage>(i)), report.stage_median_ms[i]);
+  }
+  std::printf(" ms (medians)\n");
+  for (const std::string* path : {&report.glb, &report.pc2, &report.bvh, &report.overlay, &report.report}) {
+    if (!path->empty()) std::printf("wrote       %s\n", path->c_str());
+  }
+}
+
+int run(const Options& options) {
+  CaptureOptions capture = options.capture;
+  capture.height_mm = options.height_m * 1000;
+  capture.surface = !options.no_surface;
+  capture.realtime = options.pace == "realtime";
+  capture.bvh_unit_m = options.bvh_unit == "m" ? 1 : options.bvh_unit == "mm" ? 0.001 : 0.01;
+
+  catch_interrupt();
+  Progress progress("capture");
+  int64_t done = 0;
+  const CaptureReport report = run_capture(capture, [&](const FrameReport& frame, int64_t n_frames) {
+    char state[64];
+    std::snprintf(state, sizeof(state), "%s IoU %.2f", track_status_name(frame.status), frame.iou);
+    progress.update(++done, n_frames, state);
+    return !interrupted();
+  });
+  progress.finish();
+  print_summary(report);
+  for (const std::string& warning : report.warnings) std::printf("warning     %s\n", warning.c_str());
+  if (interrupted()) throw Error("interrupted after " + std::to_string(done) + " frames");
+  return kExitOk;
+}
+
+}  // namespace
+
+void add_capture_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CaptureOptions& capture = options->capture;
+  CLI::App* command = app.add_subcommand("capture", "capture a person in a video: pose and deforming surface");
+
+  command->add_option("--video", capture.video, "video file, folder of images, or webcam:N")->required();
+  CLI::Option* camera = command->add_option("--camera", capture.camera, "camera.json");
+  command->add_option("--fov", capture.fov_deg, "instead of --camera: field of view of the longer side, degrees")
+      ->excludes(camera);
+  CLI::Option* background = command->add_option("--background", capture.background, "picture of the empty scene");
+  command->add_option("--background-frames", capture.background_frames, "the first N frames of the video are empty")
+      ->excludes(background);
+  command->add_option("--actor", capture.actor, "actor.glb or builtin:NAME")->required();
+  command->add_option("--height", options->height_m, "scale the actor to this height, metres")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--out", capture.out, "folder to write")->required();
+  command->add_flag("--overlay", capture.overlay, "also write overlay.mp4");
+
+  command->add_option("--model", capture.model, "lite, full, heavy or a .tflite file")->capture_default_str();
+  command->add_option("--detections", capture.detections, "detections.jsonl to use instead of the network");
+  command->add_flag("--no-surface", options->no_surface, "stage I only: the skinned pose");
+  command->add_option("--without", capture.without, "energy terms and components to switch off, comma-separated")
+      ->delimiter(',');
+  command->add_flag("--smooth", capture.smooth, "filter the result with [0.15, 0.7, 0.15] over time");
+
+  command->add_flag("--sequential", capture.sequential, "one thread; the result is the same");
+  command->add_option("--pace", options->pace, "fast: every frame; realtime: as a camera would deliver them")
+      ->check(CLI::IsMember({"fast", "realtime"}))
+      ->capture_default_str();
+  command->add_option("--cnn-device", capture.cnn_device, "device of the network, see `livecap devices`");
+  command->add_option("--solver-device", capture.solver_device, "device of the solvers");
+  command->add_option("--first", capture.first, "first frame of the video to process")->check(CLI::NonNegativeNumber);
+  command->add_option("--frames", capture.frames, "process at most this many")->check(CLI::PositiveNumber);
+  command->add_option("--bvh-unit", options->bvh_unit, "unit of motion.bvh")
+      ->check(CLI::IsMember({"mm", "cm", "m"}))
+      ->capture_default_str();
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace livecap::tools

@@ -1,0 +1,99 @@
+// livecap devices: what OpenCL offers, which two devices a capture would take, and a known-answer test of every kernel
+// on every device.
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "actor/skinner.h"
+#include "base/log.h"
+#include "base/text.h"
+#include "command.h"
+#include "livecap/error.h"
+#include "ocl/context.h"
+#include "ocl/device.h"
+#include "solve/term_check.h"
+
+namespace livecap::tools {
+namespace {
+
+struct DevicesOptions {
+  bool no_test = false;
+};
+
+using SelfTest = std::function<std::vector<ocl::SelfTestResult>(ocl::DeviceContext&)>;
+
+// Every room that has kernels.
+const std::vector<std::pair<const char*, SelfTest>>& self_tests() {
+  static const std::vector<std::pair<const char*, SelfTest>> tests = {
+      {"actor", skinner_self_test},
+      {"solve", solve_self_test},
+  };
+  return tests;
+}
+
+void print_device(int index, const ocl::DeviceInfo& device) {
+  std::printf("[%d] %s\n", index, device.label().c_str());
+  std::printf("    type            %s\n", device.is_gpu ? "GPU" : device.is_cpu ? "CPU" : "other");
+  std::printf("    driver          %s (%s)\n", device.driver_version.c_str(), device.platform_version.c_str());
+  std::printf("    compute units   %u\n", device.compute_units);
+  std::printf("    global memory   %llu MiB\n", static_cast<unsigned long long>(device.global_memory_bytes >> 20));
+  std::printf("    local memory    %llu KiB\n", static_cast<unsigned long long>(device.local_memory_bytes >> 10));
+  std::printf("    work-group      %zu\n", device.max_work_group_size);
+}
+
+// Number of kernels that failed.
+int run_self_tests(const ocl::DeviceInfo& info) {
+  int failed = 0;
+  std::unique_ptr<ocl::DeviceContext> device;
+  try {
+    device = std::make_unique<ocl::DeviceContext>(info);
+  } catch (const Error& error) {
+    std::printf("    FAILED  context: %s\n", error.what());
+    return 1;
+  }
+  for (const auto& [room, test] : self_tests()) {
+    try {
+      for (const ocl::SelfTestResult& result : test(*device)) {
+        std::printf("    %-7s %s/%s%s%s\n", result.ok ? "ok" : "FAILED", room, result.kernel.c_str(),
+                    result.detail.empty() ? "" : ": ", result.detail.c_str());
+        failed += !result.ok;
+      }
+    } catch (const std::exception& error) {
+      std::printf("    FAILED  %s: %s\n", room, error.what());
+      ++failed;
+    }
+    std::fflush(stdout);
+  }
+  return failed;
+}
+
+int run(const DevicesOptions& options) {
+  const std::vector<ocl::DeviceInfo> devices = ocl::list_devices();
+  if (devices.empty()) {
+    throw OclError("no OpenCL device found; install a driver, for example the package pocl-opencl-icd for any CPU");
+  }
+  int failed = 0;
+  int index = 0;
+  for (const ocl::DeviceInfo& device : devices) {
+    print_device(index++, device);
+    if (!options.no_test) failed += run_self_tests(device);
+  }
+  const ocl::DevicePair pair = ocl::select_device_pair("", "");
+  std::printf("default: network on %s, solver on %s\n", pair.cnn.label().c_str(), pair.solver.label().c_str());
+  if (failed == 0) return kExitOk;
+  log_error(format("%d self-test(s) failed", failed));
+  return kExitRunFailed;
+}
+
+}  // namespace
+
+void add_devices_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<DevicesOptions>();
+  CLI::App* command = app.add_subcommand("devices", "list OpenCL devices and test every kernel on each");
+  command->add_flag("--no-test", options->no_test, "only list");
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace livecap::tools

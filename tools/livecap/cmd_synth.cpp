@@ -1,0 +1,82 @@
+// livecap synth: makes a sequence with ground truth from a built-in actor.
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "base/text.h"
+#include "command.h"
+#include "livecap/error.h"
+#include "progress.h"
+#include "synth/synth.h"
+
+namespace livecap::tools {
+namespace {
+
+struct Options {
+  SynthOptions synth;
+  std::string actor = "builtin:skirt";
+  double height_m = kBuiltinHeightMm / 1000;
+  double distance_m = 3.6;
+  bool no_cloth = false;
+  std::string out;
+};
+
+int run(const Options& options) {
+  SynthOptions synth = options.synth;
+  const std::string prefix = "builtin:";
+  if (options.actor.rfind(prefix, 0) != 0) {
+    std::string names;
+    for (const std::string& name : builtin_actor_names()) names += (names.empty() ? "" : " or ") + prefix + name;
+    throw ConfigError("--actor " + options.actor + ": expected " + names);
+  }
+  synth.actor = options.actor.substr(prefix.size());
+  synth.height_mm = options.height_m * 1000;
+  synth.distance_mm = options.distance_m * 1000;
+  synth.cloth = !options.no_cloth;
+
+  catch_interrupt();
+  Progress progress("synth");
+  const SynthReport report = write_sequence(synth, options.out, [&](int frame, int n_frames) {
+    progress.update(frame, n_frames);
+    return !interrupted();
+  });
+  progress.finish();
+  if (interrupted()) throw Error("interrupted; " + options.out + " holds a part of the sequence");
+
+  std::printf("%s: %d frames, %d vertices, cloth %.0f mm from the skin on average (95 %%: %.0f mm), %.0f ms a frame\n",
+              options.out.c_str(), report.n_frames, report.n_vertices, report.cloth_mean_mm, report.cloth_p95_mm,
+              report.render_ms_per_frame);
+  return kExitOk;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+}  // namespace
+
+void add_synth_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  SynthOptions& synth = options->synth;
+  CLI::App* command = app.add_subcommand("synth", "make a sequence with ground truth from a built-in actor");
+  command->add_option("--actor", options->actor, "builtin:NAME, NAME one of " + joined(builtin_actor_names()))
+      ->capture_default_str();
+  command->add_option("--height", options->height_m, "height of the actor, metres")->capture_default_str();
+  command->add_option("--motion", synth.motions, "one or more of " + joined(motion_names()))->delimiter(',');
+  command->add_option("--out", options->out, "folder to write")->required();
+  command->add_option("--frames", synth.n_frames, "frames of the video; 0: until the motions end");
+  command->add_option("--empty-frames", synth.empty_frames, "frames with nobody at the start")->capture_default_str();
+  command->add_option("--width", synth.width, "px")->capture_default_str();
+  command->add_option("--picture-height", synth.height, "px")->capture_default_str();
+  command->add_option("--fps", synth.fps)->capture_default_str();
+  command->add_option("--fov", synth.fov_deg, "field of view of the longer side, degrees")->capture_default_str();
+  command->add_option("--distance", options->distance_m, "camera to actor, metres")->capture_default_str();
+  command->add_option("--noise", synth.noise, "sensor noise, 8-bit levels")->capture_default_str();
+  command->add_option("--seed", synth.seed, "of noise and room")->capture_default_str();
+  command->add_flag("--no-cloth", options->no_cloth, "skinning only, no cloth simulation");
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace livecap::tools

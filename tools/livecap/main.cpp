@@ -1,0 +1,110 @@
+// The command line: livecap SUBCOMMAND OPTIONS. Reads options, runs one subcommand, turns every failure into one line
+// on standard error and a documented exit code.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include "base/log.h"
+#include "command.h"
+#include "config_file.h"
+#include "livecap/error.h"
+#include "ocl/device.h"
+
+namespace livecap::tools {
+namespace {
+
+constexpr const char* kFooter =
+    "Exit codes: 0 ok, 1 the run failed (no OpenCL device, a failed OpenCL call or self-test), 2 bad usage or bad "
+    "input.\n`livecap SUBCOMMAND --help` lists the options of a subcommand.";
+
+// Errors are one line: what follows the first line (a build log, a list of devices) is folded, or printed with -v.
+void print_error(const std::string& message) {
+  const size_t end = message.find('\n');
+  if (end == std::string::npos || log_level() >= LogLevel::kInfo) return log_error(message);
+  log_error(message.substr(0, end) + " (more with -v)");
+}
+
+int usage_error(const CLI::App& app, const CLI::ParseError& error, const char* first_argument) {
+  std::string message = error.what();
+  std::string command = "livecap";
+  for (const CLI::App* chosen : app.get_subcommands()) command += " " + chosen->get_name();
+  if (app.get_subcommands().empty() && first_argument && first_argument[0] != '-') {
+    message = std::string("no subcommand ") + first_argument;
+  } else if (error.get_name() == "ConfigError") {  // CLI11 names the key only, after "INI was not able to parse "
+    message = app.get_config_ptr()->as<std::string>() + ": no option " + message.substr(message.rfind(' ') + 1);
+  } else if (error.get_name() == "FileError") {
+    message = "--config " + message;
+  }
+  for (char& c : message) {
+    if (static_cast<unsigned char>(c) < ' ') c = ' ';
+  }
+  log_error(message + " (see `" + command + " --help`)");
+  return kExitBadInput;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("LiveCap-CL: real-time human performance capture from one colour camera, in OpenCL.", "livecap");
+  app.footer(kFooter);
+  app.set_version_flag("--version", std::string("livecap ") + LIVECAP_VERSION);
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(34);
+
+  int verbosity = 0;
+  bool quiet = false;
+  CLI::Option* verbose_flag = app.add_flag("-v,--verbose", verbosity, "say more; twice: everything");
+  app.add_flag("-q,--quiet", quiet, "errors only, no progress")->excludes(verbose_flag);
+  add_config_option(app);
+
+  Action action;
+  add_devices_command(app, action);
+  add_actor_command(app, action);
+#ifdef LIVECAP_WITH_SYNTH
+  add_synth_command(app, action);
+#endif
+#ifdef LIVECAP_WITH_DETECT
+  add_detect_command(app, action);
+#endif
+#ifdef LIVECAP_WITH_CAPTURE
+  add_capture_command(app, action);
+#endif
+#ifdef LIVECAP_WITH_EVAL
+  add_eval_command(app, action);
+#endif
+  for (CLI::App* command : app.get_subcommands({})) command->fallthrough();  // -v, -q, --config after the subcommand
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    return usage_error(app, error, argc > 1 ? argv[1] : nullptr);
+  }
+  if (quiet) set_log_level(LogLevel::kError);
+  if (verbosity > 0) set_log_level(verbosity > 1 ? LogLevel::kDebug : LogLevel::kInfo);
+
+  ocl::prepare_platforms();
+  return action();
+}
+
+}  // namespace
+}  // namespace livecap::tools
+
+int main(int argc, char** argv) {
+  using namespace livecap;
+  try {
+    return tools::run(argc, argv);
+  } catch (const ConfigError& error) {
+    tools::print_error(error.what());
+    return tools::kExitBadInput;
+  } catch (const IoError& error) {
+    tools::print_error(error.what());
+    return tools::kExitBadInput;
+  } catch (const std::bad_alloc&) {
+    tools::print_error("out of memory");
+  } catch (const std::exception& error) {
+    tools::print_error(error.what());
+  } catch (...) {
+    tools::print_error("unknown exception");
+  }
+  return tools::kExitRunFailed;
+}

@@ -219,8 +219,7 @@ class Bench {
     kernel("pcg.cl", "turn_direction").launch(lane_items_, lane_local(), rows_, stride_, scalars, z, p);
     expect("turn_direction", at(p, 0, 3), {3.5f, 6.5f, 9.5f});
     ocl::Buffer<float> v = planes({10, 20, 30});
-    kernel("pcg.cl", "move_vertices")
-        .launch(lane_items_, lane_local(), rows_, stride_, 2.5f, scalars, planes({3, 4, 0}), v);
+    kernel("pcg.cl", "move_vertices").launch(lane_items_, lane_local(), rows_, stride_, 2.5f, planes({3, 4, 0}), v);
     expect("move_vertices", at(v, 2, 3), {11.5f, 22, 30});
   }
 

@@ -7,11 +7,7 @@
 #include "capture/report_json.h"
 #include "export/export_frame.h"
 #include "livecap/error.h"
-#if __has_include("raster/overlay.h")
 #include "raster/overlay.h"
-#else
-namespace livecap { static ImageRgb render_overlay(const Actor&, const std::vector<float>&, const Camera&, const ImageRgb& i) { return i; } }
-#endif
 #include "surface/smooth_trajectory.h"
 
 namespace livecap {

@@ -2,6 +2,7 @@
 #include <memory>
 #include <optional>
 
+#include "actor/keypoint_offsets.h"
 #include "base/log.h"
 #include "base/text.h"
 #include "capture/capture_output.h"
@@ -115,7 +116,8 @@ CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& 
   FrameReader reader(options);
   const std::string glb = actor_bytes(options);
   const bool builtin = options.actor.rfind(kBuiltin, 0) == 0;
-  const Actor actor = load_actor_bytes(glb, options.actor, builtin ? 0 : options.height_mm);
+  Actor actor = load_actor_bytes(glb, options.actor, builtin ? 0 : options.height_mm);
+  use_mediapipe_anchors(actor);
   const std::vector<ImageRgb> plates = reader.empty_plates();
   CaptureOutput output(options, actor, glb, reader.camera(), reader.info().fps);
 

@@ -22,6 +22,13 @@ inline constexpr double kDoubleExact = 1e-9;
 inline constexpr double kLayerRelative = 2e-5;
 // A whole network (up to 300 layers, recorded mask and heatmaps rounded to half precision), |a - b| / |b|.
 inline constexpr double kNetworkRelative = 1e-3;
+// Values computed by hand to seven digits.
+inline constexpr double kHandComputed = 1e-6;
+// Pixels are bytes: half a step of rounding on either side.
+inline constexpr double kByteRounding = 1.0;
+// Landmarks of a network run whose outputs agree to kNetworkRelative (1e-3 of coordinates up to 256 px and 900 mm); seen 1e-3.
+inline constexpr double kLandmarkPx = 0.05;
+inline constexpr double kLandmarkMm = 0.5;
 
 // Float rasteriser against a double ray caster: perspective-correct depth from three edge values of a float each.
 inline constexpr double kRasterDepthRelative = 1e-4;
@@ -38,16 +45,7 @@ inline constexpr double kRigidFaceMm = 0.5;
 // Stage II in float against double, relative norm: projections at some 300 px carry 3e-5 px of rounding, which a random
 // image turns into 1e-5 of colour per tap.
 inline constexpr double kSurfaceSystem = 2e-5;
-// Eight decimals of a degree and of a unit along a chain of a metre and a half, in metres.
-inline constexpr double kBvhMetres = 2e-7;
-// Seven significant digits of a few metres.
-inline constexpr double kCsvMetres = 2e-6;
-// Morph targets stop when what they leave out is below 0.02 mm; int16 shapes and float weights add about as much.
-inline constexpr double kMorphMeanMm = 0.05;
-// The writer's own account of its error against what a viewer computes from the float32 file some metres away.
-inline constexpr double kGlbReportMm = 5e-3;
-// 64 shapes for 150 frames of dancing with a skirt on a rigid body (nearly all motion is residual), in mm.
-inline constexpr double kClothMeanMm = 0.7;
+// A weighted mean of at most 256 8-bit values in float.
 inline constexpr double kBlurredColor = 1e-6;
 inline constexpr double kBlurredGradientStep = 1e-5;
 // Converged Jacobi sweeps on moves of some 25 mm added to positions of 300 mm in float, mm.
@@ -88,5 +86,15 @@ inline constexpr double kRecoveredMm = 1.0;
 inline constexpr double kInitializedMm = 80;
 // Energy of the paper's few steps over that of a trusted solver run to convergence.
 inline constexpr double kEnergyRatio = 1.01;
+// Eight decimals of a degree and of a unit along a chain of a metre and a half, in metres.
+inline constexpr double kBvhMetres = 2e-7;
+// Seven significant digits of a few metres.
+inline constexpr double kCsvMetres = 2e-6;
+// Morph targets stop when what they leave out is below 0.02 mm; int16 shapes and float weights add about as much.
+inline constexpr double kMorphMeanMm = 0.05;
+// The writer's own account of its error against what a viewer computes from the float32 file some metres away.
+inline constexpr double kGlbReportMm = 5e-3;
+// 64 shapes for 150 frames of dancing with a skirt on a rigid body (nearly all motion is residual), in mm.
+inline constexpr double kClothMeanMm = 0.7;
 
 }  // namespace livecap::test

@@ -15,8 +15,8 @@ namespace {
 using test::Scene;
 
 // All terms on: a sphere of 642 vertices (not a multiple of 16), every second kind of vertex flagged, noise everywhere.
-Scene busy_scene(int subdivisions = 3) {
-  Scene s = test::make_scene(test::icosphere(subdivisions, 300, {40, -30, 2000}), 320, 240, 500);
+Scene busy_scene(const Mesh& mesh = test::icosphere(3, 300, {40, -30, 2000})) {
+  Scene s = test::make_scene(mesh, 320, 240, 500);
   std::mt19937 random(7);
   std::uniform_real_distribution<float> uniform(0, 1);
   for (uint8_t& p : s.image.pixels) p = uint8_t(random() % 256);
@@ -56,8 +56,10 @@ std::vector<double> doubles(const std::vector<float>& v) {
 
 TEST(SurfaceSystem, GradientProductAndEnergiesEqualAnAssembledJacobian) {
   test::on_every_body([](ocl::DeviceContext& device) {
-    for (const int subdivisions : {1, 3}) {
-      const Scene s = busy_scene(subdivisions);
+    // The grid's 1024 vertices would make planes of 4096 bytes.
+    for (const Mesh& mesh : {test::icosphere(1, 300, {40, -30, 2000}), test::icosphere(3, 300, {40, -30, 2000}),
+                             test::grid(32, 32, 15, 2000)}) {
+      const Scene s = busy_scene(mesh);
       const test::DeviceScene d(device, s);
       const SurfaceOptions o = smooth_options();
       SurfaceSystem system(device, s.actor, s.camera, o);
@@ -199,7 +201,7 @@ TEST(SurfaceSystem, ColorsAtIntegerPositionsAreOpenCvGaussianBlur) {
 
 TEST(SurfaceSystem, ColorsAreContinuousBetweenPixels) {
   test::on_every_body([](ocl::DeviceContext& device) {
-    Scene s = busy_scene(1);
+    Scene s = busy_scene(test::icosphere(1, 300, {40, -30, 2000}));
     const ocl::Buffer<uint8_t> rgb(device, s.image.pixels);
     std::vector<float> positions;
     for (int k = 0; k < 400; ++k)
@@ -251,7 +253,7 @@ TEST(SurfaceSystem, ALateFailureGivesTheStartBack) {
 
 TEST(SurfaceSystem, OptionsAndSizesAreChecked) {
   test::on_every_body([](ocl::DeviceContext& device) {
-    Scene s = busy_scene(1);
+    Scene s = busy_scene(test::icosphere(1, 300, {40, -30, 2000}));
     SurfaceOptions o;
     o.gaussian_kernels = {4};
     EXPECT_THROW(SurfaceSystem(device, s.actor, s.camera, o), ConfigError);

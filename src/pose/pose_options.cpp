@@ -23,6 +23,12 @@ std::array<double, kKeypointCount> default_keypoint_2d_weights() {
   return weights;
 }
 
+std::array<double, kKeypointCount> default_keypoint_3d_weights() {
+  std::array<double, kKeypointCount> weights;
+  weights.fill(1);
+  return weights;
+}
+
 std::array<double, kKeypointCount> default_temporal_weights() {
   std::array<double, kKeypointCount> weights;
   weights.fill(0.0);

@@ -26,8 +26,12 @@ std::array<double, kKeypointCount> default_keypoint_2d_weights();
 // lambda_i of E_temporal: torso, head, hips 2.5; shoulders 2; knees, elbows 1.5; wrists, hands, ankles, toes 1; face 0.
 std::array<double, kKeypointCount> default_temporal_weights();
 
+// lambda_i of E_3D, which the paper does not have (all 1).
+std::array<double, kKeypointCount> default_keypoint_3d_weights();
+
 struct PoseOptions {
   PoseWeights weights;
+  std::array<double, kKeypointCount> keypoint_3d_weights = default_keypoint_3d_weights();
   std::array<double, kKeypointCount> keypoint_2d_weights = default_keypoint_2d_weights();
   std::array<double, kKeypointCount> temporal_weights = default_temporal_weights();
 

@@ -35,7 +35,7 @@ KeypointTargets make_targets(const Actor& actor, const Detections& detections, c
     }
     if (k >= kBodyKeypointCount) continue;
     target.detection_mm = points[k].position_mm;
-    target.weight_3d = options.weights.keypoint_3d * points[k].confidence;
+    target.weight_3d = options.weights.keypoint_3d * options.keypoint_3d_weights[k] * points[k].confidence;
     if (previous) {
       target.previous_position_mm = previous_positions[k];
       target.weight_temporal = options.weights.temporal * options.temporal_weights[k];

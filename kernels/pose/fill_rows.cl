@@ -4,7 +4,9 @@
 #include "pose/layout.h"
 
 // The eight columns of a work-item.
-inline int8 column_ids(int block) { return 8 * block + (int8)(0, 1, 2, 3, 4, 5, 6, 7); }
+inline int8 column_ids(int block) {
+  return 8 * block + (int8)(0, 1, 2, 3, 4, 5, 6, 7);
+}
 
 // Wrench w (6 floats) turned about eight columns. step: layout.h, offset to the first of them.
 inline float8 turned(global const float* restrict w, global const float* restrict step, int n_columns) {

@@ -15,7 +15,7 @@ float input_value(int y, int x, int c) {
 
 constexpr int kHeight = 6;
 constexpr int kWidth = 13;
-constexpr int kChannels = 19;
+constexpr int kChannels = 24;
 
 Graph one_op(Attributes attributes, Shape weights, Shape output) {
   Graph graph;
@@ -104,6 +104,9 @@ std::vector<ocl::SelfTestResult> nn_self_test(ocl::DeviceContext& device) {
                             [&](int y, int x, int) { return channel_sum(y, x, 0); }));
   results.push_back(test_op(device, "nn/conv_window",
                             one_op(Conv2d{same(1)}, {21, 3, 3, kChannels}, {1, kHeight, kWidth, 21}),
+                            [&](int y, int x, int) { return channel_sum(y, x, 1); }));
+  results.push_back(test_op(device, device.is_cpu() ? "nn/conv_narrow" : "nn/conv_window (1 channel)",
+                            one_op(Conv2d{same(1)}, {1, 3, 3, kChannels}, {1, kHeight, kWidth, 1}),
                             [&](int y, int x, int) { return channel_sum(y, x, 1); }));
   results.push_back(test_op(device, "nn/depthwise_3x3", one_op(DepthwiseConv2d{same(1)}, {1, 3, 3, kChannels}, image),
                             [&](int y, int x, int c) { return 0.5 + window_sum(y, x, c, 1); }));

@@ -80,6 +80,9 @@ TEST(Foreground, FindsThePersonDespiteShadowOthersAndGain) {
     for (float gain : {1.0f, 0.9f, 1.12f}) {
       const ImageGray mask = model.segment(scene(true, gain, 99), vague_mask());
       EXPECT_GT(iou(mask, in_person), test::kForegroundIou) << plates << " plates, gain " << gain;
+      for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) EXPECT_FALSE(in_other(x, y) && mask.pixels[y * kWidth + x]) << x << "," << y;
+      }
     }
   }
 }

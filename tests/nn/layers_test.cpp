@@ -6,6 +6,7 @@
 
 #include "livecap/error.h"
 #include "nn/executor.h"
+#include "nn/kernel_bodies.h"
 #include "nn/optimize.h"
 #include "nn/random_graph.h"
 #include "nn/reference.h"
@@ -41,7 +42,7 @@ void expect_device_agrees(nn::Graph graph, const std::string& what) {
   std::mt19937 rng(7);
   const auto input = test::random_values(nn::element_count(graph.tensors[graph.inputs[0]].shape), rng, -2, 2);
   const auto expected = nn::reference_run(graph, input)[graph.outputs[0]];
-  test::on_every_device([&](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([&](ocl::DeviceContext& device) {
     for (bool fused : {false, true}) {
       nn::Executor net(device, graph, {0}, fused);
       std::vector<float> output(nn::element_count(net.output_shape(0)));
@@ -73,6 +74,7 @@ TEST(Layers, Convolutions) {
       {17, 29, 8, 1, 3, 3, window(1, 1, 1, 1, 1, 1), Activation::kNone},
       {11, 23, 5, 19, 3, 5, window(1, 2, 2, 4, 2, 4), Activation::kRelu},
       {2, 2, 40, 195, 2, 2, window(1, 1, 0, 0, 0, 0), Activation::kNone},
+      {7, 19, 16, 3, 3, 5, window(2, 1, 1, 2, 1, 2), Activation::kRelu},
       {40, 9, 260, 150, 1, 1, window(1, 1, 0, 0, 0, 0), Activation::kNone},
   };
   for (const Case& c : cases) {
@@ -177,7 +179,7 @@ TEST(Layers, WrongSizesAreRefused) {
 }
 
 TEST(Layers, SelfTestPasses) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const auto results = nn::nn_self_test(device);
     EXPECT_GE(results.size(), 10u);
     for (const auto& result : results) EXPECT_TRUE(result.ok) << result.kernel << ": " << result.detail;

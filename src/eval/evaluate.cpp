@@ -98,6 +98,21 @@ T report_option(const nlohmann::json& report, const char* name, T fallback) {
   }
 }
 
+// The file, or for a capture that was given a field of view only: that, at the size of the true masks.
+Camera load_camera_of(const EvalOptions& options, const nlohmann::json& report) {
+  const std::string file = options.camera.empty() ? report_option<std::string>(report, "camera", "") : options.camera;
+  if (!file.empty()) return load_camera(file);
+  const double fov_deg = report_option<double>(report, "fov_deg", 0);
+  const fs::path masks = options.truth / "masks";
+  if (fov_deg > 0 && fs::is_directory(masks)) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(masks)) {
+      const ImageGray mask = read_image_gray(entry.path());
+      return camera_from_fov(mask.width, mask.height, fov_deg);
+    }
+  }
+  throw IoError((options.capture / "report.json").string() + ": field \"options.camera\" is missing; give --camera");
+}
+
 Captured load_captured(const EvalOptions& options) {
   const fs::path report_path = options.capture / "report.json";
   const nlohmann::json report = nlohmann::json::parse(read_file(report_path), nullptr, false);
@@ -106,13 +121,10 @@ Captured load_captured(const EvalOptions& options) {
   const std::string actor_name =
       options.actor.empty() ? report_option<std::string>(report, "actor", "") : options.actor;
   if (actor_name.empty()) throw IoError(report_path.string() + ": field \"options.actor\" is missing; give --actor");
-  const std::string camera_name =
-      options.camera.empty() ? report_option<std::string>(report, "camera", "") : options.camera;
-  if (camera_name.empty()) throw IoError(report_path.string() + ": field \"options.camera\" is missing; give --camera");
-
   const Actor actor = load_actor_named(actor_name, report_option<double>(report, "height_mm", 0));
   Captured captured{read_frames_csv(options.capture / "frames.csv"), Pc2Reader(options.capture / "vertices.pc2"),
-                    read_joints_csv(options.capture / "joints.csv"), actor.mesh.triangles, load_camera(camera_name)};
+                    read_joints_csv(options.capture / "joints.csv"), actor.mesh.triangles,
+                    load_camera_of(options, report)};
   if (captured.vertices.n_points() != actor.n_vertices()) {
     throw IoError((options.capture / "vertices.pc2").string() + format(": has %d points, the actor %s has %d",
                                                                        captured.vertices.n_points(), actor_name.c_str(),

@@ -3,6 +3,7 @@
 set -euo pipefail
 cd "$1"
 bad=0
+# shellcheck disable=SC2016
 while IFS=: read -r document entry; do
   file=${entry%%:*}
   symbol=

@@ -11,8 +11,11 @@
 #include "base/text.h"
 #include "command.h"
 #include "livecap/error.h"
+#include "nn/executor.h"
 #include "ocl/context.h"
 #include "ocl/device.h"
+#include "pose/pose_solver.h"
+#include "raster/self_test.h"
 #include "solve/term_check.h"
 #include "surface/surface_solver.h"
 
@@ -28,9 +31,8 @@ using SelfTest = std::function<std::vector<ocl::SelfTestResult>(ocl::DeviceConte
 // Every room that has kernels.
 const std::vector<std::pair<const char*, SelfTest>>& self_tests() {
   static const std::vector<std::pair<const char*, SelfTest>> tests = {
-      {"actor", skinner_self_test},
-      {"solve", solve_self_test},
-      {"surface", surface_self_test},
+      {"actor", skinner_self_test}, {"raster", raster_self_test}, {"nn", nn::nn_self_test},
+      {"solve", solve_self_test},   {"pose", pose_self_test},     {"surface", surface_self_test},
   };
   return tests;
 }
@@ -58,8 +60,9 @@ int run_self_tests(const ocl::DeviceInfo& info) {
   for (const auto& [room, test] : self_tests()) {
     try {
       for (const ocl::SelfTestResult& result : test(*device)) {
-        std::printf("    %-7s %s/%s%s%s\n", result.ok ? "ok" : "FAILED", room, result.kernel.c_str(),
-                    result.detail.empty() ? "" : ": ", result.detail.c_str());
+        const bool named = result.kernel.find('/') != std::string::npos;
+        std::printf("    %-7s %s%s%s%s%s\n", result.ok ? "ok" : "FAILED", named ? "" : room, named ? "" : "/",
+                    result.kernel.c_str(), result.detail.empty() ? "" : ": ", result.detail.c_str());
         failed += !result.ok;
       }
     } catch (const std::exception& error) {

@@ -61,9 +61,7 @@ int run(int argc, char** argv) {
   add_actor_command(app, action);
   add_synth_command(app, action);
   add_detect_command(app, action);
-#ifdef LIVECAP_WITH_CAPTURE
   add_capture_command(app, action);
-#endif
   add_eval_command(app, action);
   for (CLI::App* command : app.get_subcommands({})) command->fallthrough();  // -v, -q, --config after the subcommand
 

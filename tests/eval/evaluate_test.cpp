@@ -1,0 +1,154 @@
+// A whole comparison on folders made by hand: a capture that equals the truth, one that is shifted, one that lost
+// frames.
+#include "eval/evaluate.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <limits>
+
+#include "actor/actor.h"
+#include "base/text.h"
+#include "eval/mask_raster.h"
+#include "export/pc2.h"
+#include "image/image_io.h"
+#include "livecap/camera.h"
+#include "livecap/error.h"
+#include "support/tolerances.h"
+#include "synth/synth.h"
+
+namespace livecap {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFrames = 4;  // the first without a person
+const std::vector<float> kJoints = {0, 0, -3, 0.2f, 0.5f, -3.1f, -0.2f, 0.5f, -2.9f, 0.3f, 0.1f, -3.2f};
+
+class Evaluate : public testing::Test {
+ protected:
+  // The built-in actor three metres in front of the camera as truth.
+  static void SetUpTestSuite() {
+    folder_ = fs::temp_directory_path() / format("livecap_evaluate_%d", static_cast<int>(::getpid()));
+    fs::create_directories(folder_ / "truth/masks");
+    write_file_atomically(folder_ / "actor.glb", make_builtin_actor_glb("trousers", kBuiltinHeightMm, 1500));
+    actor_ = load_actor(folder_ / "actor.glb");
+    camera_ = camera_from_fov(90, 160, 45);
+    save_camera(camera_, folder_ / "camera.json");
+    for (int i = 0; i < actor_.n_vertices(); ++i) {
+      const float* rest = &actor_.mesh.positions[3 * i];
+      truth_.insert(truth_.end(), {rest[0] / 1000, rest[1] / 1000 - 0.9f, rest[2] / 1000 - 3});
+    }
+    std::vector<float> camera_mm = truth_;
+    for (size_t i = 0; i < camera_mm.size(); ++i) camera_mm[i] *= i % 3 == 0 ? 1000 : -1000;
+    ImageGray mask = render_silhouette(camera_mm, actor_.mesh.triangles, camera_);
+    ImageGray empty = mask;
+    empty.pixels.assign(empty.pixels.size(), 0);
+
+    Pc2Writer pc2(folder_ / "truth/vertices.pc2", actor_.n_vertices());
+    std::string joints = R"({"names":["Hips","LeftArm","RightArm","LeftHand"],"frames":[null)";
+    for (int frame = 0; frame < kFrames; ++frame) {
+      pc2.append(frame == 0 ? std::vector<float>(truth_.size(), NAN) : truth_);
+      write_png(frame == 0 ? empty : mask, folder_ / "truth/masks" / format("%06d.png", frame));
+      if (frame > 0) joints += ",[[0,0,-3],[0.2,0.5,-3.1],[-0.2,0.5,-2.9],[0.3,0.1,-3.2]]";
+    }
+    write_file_atomically(folder_ / "truth/joints.json", joints + "]}");
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder_); }
+
+  // A capture whose frame k has the truth's vertices and joints moved by shift_m[k] along x; NaN: no result.
+  static EvalReport compare(const std::vector<float>& shift_m, const std::vector<std::string>& status) {
+    const fs::path out = folder_ / "capture";
+    fs::create_directories(out);
+    Pc2Writer pc2(out / "vertices.pc2", actor_.n_vertices());
+    std::string frames = "index,pts_ms,status\n";
+    std::string joints = "index,pts_ms,tracked";
+    for (const char* name : {"joint_root", "joint_left_shoulder", "joint_right_shoulder", "keypoint_left_wrist"}) {
+      for (const char* axis : {"_x", "_y", "_z"}) joints += std::string(",") + name + axis;
+    }
+    joints += "\n";
+    for (int k = 0; k < kFrames; ++k) {
+      std::vector<float> vertices = truth_;
+      for (size_t i = 0; i < vertices.size(); i += 3) vertices[i] += shift_m[k];
+      if (std::isnan(shift_m[k])) vertices.assign(vertices.size(), NAN);
+      pc2.append(vertices);
+      frames += format("%d,0,%s\n", k, status[k].c_str());
+      joints += format("%d,0,1", k);
+      for (size_t i = 0; i < kJoints.size(); ++i) {
+        joints += std::isnan(shift_m[k]) ? "," : format(",%.9g", kJoints[i] + (i % 3 == 0 ? shift_m[k] : 0));
+      }
+      joints += "\n";
+    }
+    write_file_atomically(out / "frames.csv", frames);
+    write_file_atomically(out / "joints.csv", joints);
+    write_file_atomically(out / "report.json", R"({"options":{"actor":")" + (folder_ / "actor.glb").string() +
+                                                   R"(","camera":")" + (folder_ / "camera.json").string() +
+                                                   R"(","height_mm":0}})");
+    return evaluate({out, folder_ / "truth", "", ""});
+  }
+
+  static inline fs::path folder_;
+  static inline Actor actor_;
+  static inline Camera camera_;
+  static inline std::vector<float> truth_;  // glTF frame, m
+};
+
+TEST_F(Evaluate, TheTruthItselfIsPerfect) {
+  const EvalReport report = compare({0, 0, 0, 0}, {"nobody", "initialized", "ok", "ok"});
+  EXPECT_EQ(report.n_frames, 4);
+  EXPECT_EQ(report.n_person, 3);
+  EXPECT_EQ(report.n_tracked, 3);
+  EXPECT_EQ(report.n_lost, 0);
+  EXPECT_EQ(report.n_invented, 0);
+  EXPECT_EQ(report.iou.n, 3);
+  EXPECT_EQ(report.iou.min, 1);
+  EXPECT_EQ(report.vertex_mm.n, 3 * actor_.n_vertices());
+  EXPECT_EQ(report.vertex_mm.max, 0);
+  EXPECT_EQ(report.joint_mm.n, 3 * 4);
+  EXPECT_LT(report.joint_aligned_mm.max, test::kMillimetreFloat);
+}
+
+TEST_F(Evaluate, AShiftIsMeasuredAndAlignedAway) {
+  const EvalReport report = compare({0, 0.1f, 0.1f, 0.1f}, {"nobody", "ok", "ok", "ok"});
+  EXPECT_NEAR(report.vertex_mm.mean, 100, test::kMillimetreFloat);
+  EXPECT_LT(report.vertex_aligned_mm.max, test::kMillimetreFloat);
+  EXPECT_NEAR(report.joint_mm.mean, 100, test::kMillimetreFloat);
+  EXPECT_LT(report.joint_aligned_mm.max, test::kMillimetreFloat);
+  EXPECT_LT(report.iou.max, 0.9);
+  EXPECT_GT(report.iou.min, 0.2);
+}
+
+TEST_F(Evaluate, LostFramesCount) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const EvalReport report = compare({0, nan, 0.1f, 0}, {"ok", "lost", "lost", "ok"});
+  EXPECT_EQ(report.n_person, 3);
+  EXPECT_EQ(report.n_tracked, 1);
+  EXPECT_EQ(report.n_lost, 2);
+  EXPECT_EQ(report.n_without_result, 1);
+  EXPECT_EQ(report.n_invented, 1);  // frame 0 has nobody
+  EXPECT_EQ(report.iou.n, 3);
+  EXPECT_EQ(report.iou.min, 0);  // nothing to show counts as nothing right
+  EXPECT_EQ(report.vertex_mm.n, 2 * actor_.n_vertices());
+  EXPECT_NEAR(report.vertex_mm.mean, 50, test::kMillimetreFloat);  // the held frame counts
+}
+
+TEST_F(Evaluate, RefusesAnotherActor) {
+  compare({0, 0, 0, 0}, {"ok", "ok", "ok", "ok"});
+  try {
+    evaluate({folder_ / "capture", folder_ / "truth", "builtin:skirt", ""});
+    FAIL() << "a mesh of another size was accepted";
+  } catch (const IoError& error) {
+    EXPECT_NE(std::string(error.what()).find("vertices.pc2"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(Evaluate, JsonHoldsEveryFrame) {
+  const std::string json = eval_report_json(compare({0, 0, 0, 0}, {"nobody", "ok", "ok", "ok"}));
+  EXPECT_NE(json.find("\"joint_similarity_aligned_mm\""), std::string::npos);
+  EXPECT_NE(json.find("\"index\": 3"), std::string::npos);
+  EXPECT_EQ(json.find("nan"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace livecap

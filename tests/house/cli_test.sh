@@ -1,0 +1,149 @@
+#!/usr/bin/env bash
+# cli_test.sh LIVECAP SOURCE_DIR: what the program does with bad usage and bad input. Each case: the exit code, exactly
+# one line of error, and what that line must name. No case may crash or leave a file that looks complete.
+set -uo pipefail
+livecap=$1
+source=$2
+dir=$(mktemp -d)
+trap 'chmod -R u+w "$dir"; rm -rf "$dir"' EXIT
+cd "$dir" || exit 1
+failures=0
+cases=0
+
+# expect CODE PATTERN ARGS...: the program ends with CODE and one line "error: ..." matching every word of PATTERN.
+expect() {
+  local code=$1 pattern=$2 got lines
+  shift 2
+  cases=$((cases + 1))
+  timeout 120 "$livecap" "$@" >out.txt 2>err.txt
+  got=$?
+  lines=$(grep -c '^error: ' err.txt)
+  local others
+  # libpng reports on its own before our line, and cannot be told not to.
+  others=$(grep -cvE '^(error: |warning: |capture |synth |detect |libpng error: )' err.txt)
+  local word missing=
+  for word in $pattern; do
+    grep '^error: ' err.txt | grep -qF -- "$word" || missing+=" $word"
+  done
+  if [[ $got -ne $code || $lines -ne 1 || $others -ne 0 || -n $missing ]]; then
+    echo "FAILED: livecap $*"
+    echo "  exit code $got, expected $code; $lines error lines, $others other lines; not named:${missing:- nothing}"
+    sed 's/^/  | /' err.txt | head -5
+    failures=$((failures + 1))
+  fi
+}
+
+# A short good sequence to break.
+"$livecap" -q synth --actor builtin:trousers --motion raise --frames 6 --empty-frames 2 --out seq >/dev/null || exit 1
+capture() {  # capture with one option replaced: capture NAME VALUE prints the arguments
+  local -A option=([--video]=seq/video.mp4 [--camera]=seq/camera.json [--background]=seq/background.png
+    [--actor]=seq/actor.glb [--model]=lite [--out]=result)
+  [[ $# -eq 0 ]] || option[$1]=$2
+  local name
+  for name in "${!option[@]}"; do [[ -z ${option[$name]} ]] || printf '%s\n%s\n' "$name" "${option[$name]}"; done
+}
+expect_capture() {  # CODE PATTERN NAME VALUE [MORE...]
+  local code=$1 pattern=$2 args
+  mapfile -t args < <(capture "$3" "$4")
+  shift 4
+  expect "$code" "$pattern" capture "${args[@]}" "$@"
+  if [[ -e result/report.json || -e result/capture.glb ]]; then
+    echo "FAILED: $pattern: a complete-looking result was left"
+    failures=$((failures + 1))
+  fi
+  chmod -R u+w result 2>/dev/null
+  rm -rf result
+}
+
+# Usage.
+expect 2 'subcommand'
+expect 2 'nonsense' nonsense
+expect 2 '--video' capture
+expect 2 '--no-such-option' devices --no-such-option
+expect 2 '--frames' capture --frames three
+expect_capture 2 '--without nonsense' --camera seq/camera.json --without nonsense
+expect_capture 2 '--fov --camera' --camera seq/camera.json --fov 60
+expect_capture 2 '--height' --camera seq/camera.json --height 9
+expect_capture 2 '--camera' --camera ''
+expect 2 'nobody skirt' synth --actor builtin:nobody --out s
+expect 2 'nonsense' synth --motion nonsense --out s
+expect 2 'none.toml' devices --config none.toml
+echo 'nonsense = 1' >bad.toml
+expect 2 'bad.toml nonsense' devices --config bad.toml
+
+# Broken files of every kind: missing, empty, cut off, garbage.
+head -c 4000 /dev/zero | tr '\0' 'x' >garbage
+: >empty
+for kind in video actor model camera background; do
+  case $kind in
+    video) good=seq/video.mp4 ;;
+    actor) good=seq/actor.glb ;;
+    model) good=$source/models/pose_landmark_lite.tflite ;;
+    camera) good=seq/camera.json ;;
+    background) good=seq/background.png ;;
+  esac
+  suffix=${good##*.}
+  cp garbage "garbage.$suffix"
+  cp empty "empty.$suffix"
+  size=$(stat -c %s "$good")
+  head -c $((size * 2 / 3)) "$good" >"cut.$suffix"
+  for name in "none.$suffix" "empty.$suffix" "garbage.$suffix" "cut.$suffix"; do
+    [[ $name == cut.mp4 ]] && continue  # has frames: below
+    expect_capture 2 "$name" "--$kind" "$name"
+  done
+done
+expect_capture 2 'none.jsonl' --background seq/background.png --detections none.jsonl
+expect_capture 2 'garbage' --background seq/background.png --detections garbage
+
+# A video that ends early is captured as far as it goes, with a warning and one row per frame; without its index it is none.
+cases=$((cases + 1))
+mapfile -t args < <(capture --video cut.mp4)
+if ! "$livecap" capture "${args[@]}" >out.txt 2>err.txt || ! grep -q 'warning: cut.mp4' err.txt ||
+  [[ $(grep -c . result/frames.csv) -lt 3 || $(grep -c . result/frames.csv) -gt 7 ]]; then
+  echo "FAILED: a video that ends early"
+  sed 's/^/  | /' err.txt | head -5
+  failures=$((failures + 1))
+fi
+rm -rf result
+head -c 300 seq/video.mp4 >stub.mp4
+expect_capture 2 'stub.mp4' --video stub.mp4
+
+# Files that are fine but not for this.
+sed 's/"width": *540/"width": 640/' seq/camera.json >wide.json
+expect_capture 2 'wide.json width 640 540' --camera wide.json
+sed 's/"fx": *[0-9.]*/"fx": -1/' seq/camera.json >negative.json
+expect_capture 2 'negative.json fx' --camera negative.json
+sed 's/"fx": *[0-9.]*/"fx": "long"/' seq/camera.json >text.json
+expect_capture 2 'text.json fx' --camera text.json
+# An actor whose bones nobody knows: the names are overwritten at the same length, so that the container stays whole.
+sed -E 's/"name":"Left/"name":"Zzza/g; s/"name":"Right/"name":"Zzzzb/g; s/"Hips"/"Zzzc"/; s/"Neck"/"Zzzd"/' seq/actor.glb >boneless.glb
+[[ $(stat -c %s boneless.glb) -eq $(stat -c %s seq/actor.glb) ]] || { echo "the test's own GLB is broken"; exit 1; }
+expect_capture 2 'boneless.glb' --actor boneless.glb
+expect 2 'boneless.glb' actor inspect boneless.glb
+
+# Output that cannot be written.
+touch file
+expect_capture 2 'file' --out file/below
+expect 2 'file' synth --actor builtin:trousers --frames 3 --out file/below
+if [[ $(id -u) -ne 0 ]]; then
+  mkdir locked && chmod a-w locked
+  expect_capture 2 'locked' --out locked/below
+fi
+
+# Devices.
+expect_capture 1 'nonsense' --out result --solver-device nonsense
+expect_capture 1 'nonsense' --out result --cnn-device nonsense
+export OCL_ICD_VENDORS=/nonexistent
+expect 1 'OpenCL device' devices
+expect_capture 1 'OpenCL' --out result
+unset OCL_ICD_VENDORS
+
+# eval.
+expect 2 'none' eval --capture none --truth seq/truth
+mkdir -p half && echo '{}' >half/report.json
+expect 2 'half/report.json actor' eval --capture half --truth seq/truth
+echo 'not json' >half/report.json
+expect 2 'half/report.json JSON' eval --capture half --truth seq/truth
+
+echo "$cases cases, $failures failures"
+[[ $failures -eq 0 ]]

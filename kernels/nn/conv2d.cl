@@ -120,6 +120,33 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_window(NnOp op, 
   if (n_pixels > 7) nn_store_panel(op, arena, at + 7 * stride, a7, n);
 }
 
+// A window convolution to a few channels (a mask): a panel would be nearly empty, so the input channels are the vector.
+// in_channels is a multiple of 8; weights are [cout][kh][kw][cin]. One work-item = one row. count = rows.
+kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_narrow(NnOp op, global const float* restrict weights,
+                                                                       global float* arena) {
+  const int y = get_global_id(0);
+  if (y >= op.count) return;
+  const int channels = op.in_channels;
+  for (int n = 0; n < op.out_channels; ++n) {
+    for (int x = 0; x < op.out_width; ++x) {
+      float8 sum = (float8)(0.0f);
+      global const float* restrict w = weights + op.weight_offset + n * op.kernel_h * op.kernel_w * channels;
+      for (int ky = 0; ky < op.kernel_h; ++ky) {
+        const int in_y = y * op.stride_h - op.pad_top + ky * op.dilation_h;
+        for (int kx = 0; kx < op.kernel_w; ++kx, w += channels) {
+          const int in_x = x * op.stride_w - op.pad_left + kx * op.dilation_w;
+          if (in_y < 0 || in_y >= op.in_height || in_x < 0 || in_x >= op.in_width) continue;
+          global const float* p = arena + op.in_offset + (in_y * op.in_width + in_x) * channels;
+          for (int k = 0; k < channels; k += 8) sum = mad(vload8(0, p + k), vload8(0, w + k), sum);
+        }
+      }
+      const float4 half_sum = sum.lo + sum.hi;
+      const float2 quarter = half_sum.lo + half_sum.hi;
+      nn_store(op, arena, (y * op.out_width + x) * op.out_channels + n, weights[op.bias_offset + n] + quarter.x + quarter.y);
+    }
+  }
+}
+
 #else
 
 #define NN_LANES 4         // work-items of one panel

@@ -177,11 +177,11 @@ kernel void turn_direction(int n_rows, int stride, global const float* restrict 
   }
 }
 
-// v += step, each vertex by at most max_move mm; nothing after a failure.
-kernel void move_vertices(int n_rows, int stride, float max_move, global const float* restrict scalars,
-                          global const float* restrict step, global float* restrict v) {
+// v += step, each vertex by at most max_move mm.
+kernel void move_vertices(int n_rows, int stride, float max_move, global const float* restrict step,
+                          global float* restrict v) {
   int row = FIRST_ROW;
-  if (row >= n_rows || scalars[3] != 0.0f) return;
+  if (row >= n_rows) return;
   Vec3 d = vec3(LOAD(step, row), LOAD(step, row + stride), LOAD(step, row + 2 * stride));
   REAL length = norm3(d);
   REAL scale = length > max_move ? max_move / length : 1.0f;

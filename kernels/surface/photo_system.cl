@@ -33,11 +33,13 @@ static inline void tap_weight(Taps d, float radius, float inv_sigma2, Taps* weig
 }
 
 #if LC_CPU
-static inline float sum16(float16 v) {
-  float8 a = v.lo + v.hi;
-  float4 b = a.lo + a.hi;
-  float2 c = b.lo + b.hi;
-  return c.x + c.y;
+// Sums over the 16 lanes of four vectors at once.
+static inline float4 sum16x4(float16 a, float16 b, float16 c, float16 d) {
+  float8 e = a.lo + a.hi, f = b.lo + b.hi, g = c.lo + c.hi, h = d.lo + d.hi;
+  float8 p = (float8)(e.lo + e.hi, f.lo + f.hi);
+  float8 q = (float8)(g.lo + g.hi, h.lo + h.hi);
+  float8 t = (float8)(p.even, q.even) + (float8)(p.odd, q.odd);
+  return t.even + t.odd;
 }
 
 // Lanes are the taps of one image row; colours stay interleaved until the last step.
@@ -90,17 +92,19 @@ static ColorSample sample_color(global const uchar* restrict rgb, int width, int
 #define GREEN(a, b, c) (float16)(a.s147a, a.sd, b.s0369, b.scf, c.s258b, c.se)
 #define BLUE(a, b, c) (float16)(a.s258b, a.se, b.s147a, b.sd, c.s0369, c.scf)
   float16 red = RED(va, vb, vc), green = GREEN(va, vb, vc), blue = BLUE(va, vb, vc);
-  float inv_x = 1.0f / sum16(wx);
-  float inv_y = 1.0f / sum16(wy);
-  float scale = inv_x * inv_y * (1.0f / 255.0f);
+  float4 norms = sum16x4(wx, wy, dwx, dwy);
+  float4 value = sum16x4(wx * red, wx * green, wx * blue, 0.0f);
+  float4 du = sum16x4(dwx * red, dwx * green, dwx * blue, 0.0f);
+  float4 dv = sum16x4(wx * RED(da, db, dc), wx * GREEN(da, db, dc), wx * BLUE(da, db, dc), 0.0f);
+  float4 inv = 1.0f / norms;
+  float scale = inv.x * inv.y * (1.0f / 255.0f);
+  value *= scale;
+  du = du * scale - value * (inv.x * norms.z);
+  dv = dv * scale - value * (inv.y * norms.w);
   ColorSample out;
-  out.value = vec3(scale * sum16(wx * red), scale * sum16(wx * green), scale * sum16(wx * blue));
-  out.du = vec3(scale * sum16(dwx * red), scale * sum16(dwx * green), scale * sum16(dwx * blue));
-  out.dv = vec3(scale * sum16(wx * RED(da, db, dc)), scale * sum16(wx * GREEN(da, db, dc)),
-                scale * sum16(wx * BLUE(da, db, dc)));
-  // Derivative of the normalisation.
-  out.du = sub3(out.du, scale3(out.value, inv_x * sum16(dwx)));
-  out.dv = sub3(out.dv, scale3(out.value, inv_y * sum16(dwy)));
+  out.value = vec3(value.x, value.y, value.z);
+  out.du = vec3(du.x, du.y, du.z);
+  out.dv = vec3(dv.x, dv.y, dv.z);
   return out;
 }
 #else

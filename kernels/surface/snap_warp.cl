@@ -6,34 +6,38 @@
 #define RING_FREE 1000.0f
 
 // Vertices not reached yet that have a neighbour of ring - 1 become `ring`; their move is the mean of those neighbours'
-// times `fall`. In place: a launch writes only `ring` where it found RING_FREE, and reads moves only where it finds
-// ring - 1, so its order does not matter.
+// times `fall`. All others are copied.
 kernel void snap_spread(int n_rows, int stride, float ring, float fall, global const int* restrict slice_offsets,
-                        global const int* restrict neighbors, global float* rings, global float* moves) {
+                        global const int* restrict neighbors, global const float* restrict rings,
+                        global const float* restrict moves, global float* restrict rings_after,
+                        global float* restrict moves_after) {
   int row = FIRST_ROW;
   if (row >= n_rows) return;
-  REAL own = LOAD(rings, row);
-  LaneInt open = own == RING_FREE;
-  if (!ANY_LANE(open)) return;
-  REAL zero = 0.0f, one = 1.0f;
-  REAL count = zero, x = zero, y = zero;
-  int begin = slice_offsets[row / SLICE];
-  int end = slice_offsets[row / SLICE + 1];
-  for (int base = begin; base < end; base += SLICE) {
-    LaneInt j = LOAD(neighbors, base + row % SLICE);
-    LaneInt near = gather(rings, j) == ring - 1.0f;
-    count += near ? one : zero;
-    x += near ? gather(moves, j) : zero;
-    y += near ? gather(moves + stride, j) : zero;
+  REAL new_ring = LOAD(rings, row);
+  REAL new_x = LOAD(moves, row);
+  REAL new_y = LOAD(moves, row + stride);
+  LaneInt open = new_ring == RING_FREE;
+  if (ANY_LANE(open)) {
+    REAL zero = 0.0f, one = 1.0f;
+    REAL count = zero, x = zero, y = zero;
+    int begin = slice_offsets[row / SLICE];
+    int end = slice_offsets[row / SLICE + 1];
+    for (int base = begin; base < end; base += SLICE) {
+      LaneInt j = LOAD(neighbors, base + row % SLICE);
+      LaneInt near = gather(rings, j) == ring - 1.0f;
+      count += near ? one : zero;
+      x += near ? gather(moves, j) : zero;
+      y += near ? gather(moves + stride, j) : zero;
+    }
+    LaneInt reached = open && count > zero;
+    REAL scale = fall / fmax(count, one);
+    new_ring = reached ? ring * one : new_ring;
+    new_x = reached ? x * scale : new_x;
+    new_y = reached ? y * scale : new_y;
   }
-  LaneInt reached = open && count > zero;
-  REAL scale = fall / fmax(count, one);
-  REAL new_ring = reached ? ring * one : own;
-  REAL new_x = reached ? x * scale : LOAD(moves, row);
-  REAL new_y = reached ? y * scale : LOAD(moves, row + stride);
-  STORE(new_ring, rings, row);
-  STORE(new_x, moves, row);
-  STORE(new_y, moves, row + stride);
+  STORE(new_ring, rings_after, row);
+  STORE(new_x, moves_after, row);
+  STORE(new_y, moves_after, row + stride);
 }
 
 // One Jacobi sweep: the move of a band vertex (ring 1 .. n_rings) becomes the mean over its neighbours. Other rows of

@@ -12,6 +12,8 @@ namespace {
 
 constexpr int kSearchWindows = 3;  // along the longer side of the image
 
+constexpr double kCropMm = 2000;  // roughly what the side of a person's crop measures
+
 // A square of the image's shorter side, at one of kSearchWindows places along the longer one: the middle first.
 CropRegion search_window(int width, int height, int step) {
   const int order[kSearchWindows] = {1, 0, 2};
@@ -40,6 +42,7 @@ void PoseDetectorOptions::validate() const {
     throw ConfigError(format("score threshold %g must be in 0..1", double(score_threshold)));
   if (!(refine_threshold >= 0))
     throw ConfigError(format("heatmap threshold %g must not be negative", double(refine_threshold)));
+  sides.validate();
   filter_2d.validate();
   filter_3d.validate();
 }
@@ -51,6 +54,7 @@ void PoseDetector::reset() {
   tracking_ = false;
   search_step_ = 0;
   raw_.clear();
+  sides_.reset();
   for (auto& keypoint : filters_) {
     for (OneEuroFilter& filter : keypoint) filter.reset();
   }
@@ -117,9 +121,7 @@ void PoseDetector::turn_to_camera_axes(const Camera& camera) {
   }
 }
 
-void PoseDetector::filter_keypoints(Detections& detections) {
-  const int64_t frames = std::max<int64_t>(1, detections.frame_index - last_frame_);
-  const double dt_s = static_cast<double>(frames) / options_.frame_rate_hz;
+void PoseDetector::filter_keypoints(double dt_s, Detections& detections) {
   const double crop_px = BlazePose::kCropSize / estimate_.crop.side_px;
   const double cm = 0.1;
   for (int i = 0; i < kKeypointCount; ++i) {
@@ -154,7 +156,9 @@ Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camer
   raw_ = estimate_.landmarks;
   turn_to_camera_axes(camera);
   detections.keypoints = keypoints_from_landmarks(raw_);
-  if (options_.filter) filter_keypoints(detections);
+  const double dt_s = static_cast<double>(std::max<int64_t>(1, frame_index - last_frame_)) / options_.frame_rate_hz;
+  if (options_.keep_sides) sides_.update(options_.sides, dt_s, kCropMm / estimate_.crop.side_px, detections.keypoints);
+  if (options_.filter) filter_keypoints(dt_s, detections);
   if (options_.mask)
     warp_mask(network_.mask_probability(), BlazePose::kCropSize, estimate_.crop, undistorted.width, undistorted.height,
               detections.mask);

@@ -10,6 +10,7 @@
 #include "base/image_rgb.h"
 #include "detect/blazepose.h"
 #include "detect/one_euro.h"
+#include "detect/side_tracker.h"
 #include "livecap/camera.h"
 #include "livecap/detections.h"
 
@@ -24,10 +25,14 @@ struct PoseDetectorOptions {
   // The network takes every crop for the picture of a camera that looks straight at it. On: its 3D points are also
   // turned by the rotation from the optical axis to the viewing ray of the crop's centre. Off: by the crop's roll only.
   bool perspective_correction = true;
+  bool keep_sides = true;  // undo sudden exchanges of left and right
+  SideTrackerOptions sides;
   bool filter = true;  // 1 euro filters on the keypoints
-  OneEuroOptions filter_2d{
-      1.7, 0.3, 1.0};  // speed in px of the network's 256 px crop per second: independent of the video's size
-  OneEuroOptions filter_3d{0.8, 0.4, 1.0};  // speed in cm per second
+  // Cut-off and beta as VNect has them. 2D speed is in px of the network's 256 px crop per second, so that the video's
+  // size does not matter; 3D speed in cm per second. With the usual 1 Hz on the speed itself quick limbs lag by several
+  // frames.
+  OneEuroOptions filter_2d{1.7, 0.3, 10.0};
+  OneEuroOptions filter_3d{0.8, 0.4, 10.0};
 
   // Throws ConfigError.
   void validate() const;
@@ -46,7 +51,8 @@ class PoseDetector {
   // Forgets the person and the filters' past.
   void reset();
 
-  // The network's own landmarks of the last frame (2D before filters; 3D in camera axes, mm, mid-hip origin). Empty
+  // The network's own landmarks of the last frame (2D before filters, sides as the
+  // network named them; 3D in camera axes, mm, mid-hip origin). Empty
   // when nobody was found.
   const std::vector<RawLandmark>& raw_landmarks() const { return raw_; }
 
@@ -58,7 +64,7 @@ class PoseDetector {
   bool accept(const ImageRgb& image);
   bool find_person(const ImageRgb& image);
   void turn_to_camera_axes(const Camera& camera);
-  void filter_keypoints(Detections& detections);
+  void filter_keypoints(double dt_s, Detections& detections);
 
   PoseDetectorOptions options_;
   BlazePose network_;
@@ -68,6 +74,7 @@ class PoseDetector {
   CropRegion next_crop_;
   int search_step_ = 0;  // which window is tried next while nobody is found
   int64_t last_frame_ = 0;
+  SideTracker sides_;
   std::array<std::array<OneEuroFilter, 5>, kKeypointCount> filters_;
 };
 

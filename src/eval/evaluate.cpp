@@ -10,8 +10,8 @@
 #include "base/text.h"
 #include "eval/joint_names.h"
 #include "eval/mask_raster.h"
-#include "eval/pc2_file.h"
 #include "eval/sequence_files.h"
+#include "export/pc2.h"
 #include "image/image_io.h"
 #include "livecap/camera.h"
 #include "livecap/error.h"
@@ -27,14 +27,14 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // What the capture folder says about itself and the files it names.
 struct Captured {
   std::vector<FrameRow> rows;
-  Pc2File vertices;
+  Pc2Reader vertices;
   JointTrack joints;
   std::vector<int32_t> triangles;
   Camera camera;
 };
 
 struct Truth {
-  std::optional<Pc2File> vertices;
+  std::optional<Pc2Reader> vertices;
   JointTrack joints;
   fs::path masks;  // empty: none
 };
@@ -48,6 +48,12 @@ struct Samples {
   std::vector<double> joint_aligned;
   std::vector<std::vector<double>> per_joint;  // [n_pairs]
 };
+
+std::vector<float> read_sample(Pc2Reader& file, int64_t sample) {
+  std::vector<float> positions(3 * static_cast<size_t>(file.n_points()));
+  file.read(static_cast<int>(sample), positions);
+  return positions;
+}
 
 double mean_of(const std::vector<double>& values) {
   return values.empty() ? kNaN : summarize(values).mean;
@@ -105,7 +111,7 @@ Captured load_captured(const EvalOptions& options) {
   if (camera_name.empty()) throw IoError(report_path.string() + ": field \"options.camera\" is missing; give --camera");
 
   const Actor actor = load_actor_named(actor_name, report_option<double>(report, "height_mm", 0));
-  Captured captured{read_frames_csv(options.capture / "frames.csv"), Pc2File(options.capture / "vertices.pc2"),
+  Captured captured{read_frames_csv(options.capture / "frames.csv"), Pc2Reader(options.capture / "vertices.pc2"),
                     read_joints_csv(options.capture / "joints.csv"), actor.mesh.triangles, load_camera(camera_name)};
   if (captured.vertices.n_points() != actor.n_vertices()) {
     throw IoError((options.capture / "vertices.pc2").string() + format(": has %d points, the actor %s has %d",
@@ -144,7 +150,7 @@ struct TruthFrame {
 TruthFrame truth_frame(Truth& truth, int64_t index, const Camera& camera) {
   TruthFrame frame;
   if (truth.vertices && index < truth.vertices->n_samples()) {
-    frame.vertices = truth.vertices->read(index);
+    frame.vertices = read_sample(*truth.vertices, index);
     if (!all_finite(frame.vertices)) frame.vertices.clear();
   }
   if (index < static_cast<int64_t>(truth.joints.frames.size())) frame.joints = truth.joints.frames[index];
@@ -217,7 +223,7 @@ EvalReport evaluate(const EvalOptions& options) {
     }
 
     std::vector<float> vertices;
-    if (row < captured.vertices.n_samples()) vertices = to_camera_mm(captured.vertices.read(row));
+    if (row < captured.vertices.n_samples()) vertices = to_camera_mm(read_sample(captured.vertices, row));
     if (!all_finite(vertices)) vertices.clear();
     report.n_person += 1;
     report.n_tracked += frame.tracked;

@@ -106,16 +106,18 @@ JointTrack read_joints_csv(const std::filesystem::path& path) {
   const Table table = read_table(path);
   JointTrack track;
   std::vector<size_t> columns;  // of x; y and z follow
-  for (size_t c = 0; c + 2 < table.columns.size(); ++c) {
-    const std::string& name = table.columns[c];
-    for (const std::string suffix : {"_x", "_x_m"}) {
-      if (name.size() <= suffix.size() || name.compare(name.size() - suffix.size(), suffix.size(), suffix) != 0)
-        continue;
-      track.names.push_back(name.substr(0, name.size() - suffix.size()));
+  const std::string end = "_x";
+  for (const std::string prefix : {"joint_", "keypoint_"}) {
+    for (size_t c = 0; c + 2 < table.columns.size(); ++c) {
+      const std::string& title = table.columns[c];
+      if (!title.starts_with(prefix) || !title.ends_with(end)) continue;
+      const std::string name = title.substr(prefix.size(), title.size() - prefix.size() - end.size());
+      if (std::find(track.names.begin(), track.names.end(), name) != track.names.end()) continue;
+      track.names.push_back(name);
       columns.push_back(c);
     }
   }
-  if (columns.empty()) throw IoError(path.string() + ": there is no column <joint>_x");
+  if (columns.empty()) throw IoError(path.string() + ": there is no column joint_<name>_x");
   for (const std::vector<std::string>& row : table.rows) {
     std::vector<float> positions;
     for (size_t c : columns) {

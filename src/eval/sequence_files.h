@@ -18,7 +18,8 @@ struct JointTrack {
 // joints.json of a truth folder: {"names":[...],"frames":[[[x,y,z],...] or null,...]}. Throws IoError naming the field.
 JointTrack read_joints_json(const std::filesystem::path& path);
 
-// joints.csv of a capture folder. Throws IoError naming the column or the line.
+// joints.csv of a capture folder: the joints and those keypoints that no joint has the name of. Throws IoError naming
+// the column or the line.
 JointTrack read_joints_csv(const std::filesystem::path& path);
 
 struct FrameRow {

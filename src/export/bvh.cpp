@@ -33,7 +33,7 @@ class HierarchyText {
  private:
   void line(int depth, const std::string& s) { text += std::string(2 * depth, ' ') + s + "\n"; }
   std::string offset(const Eigen::Vector3d& mm) const {
-    return format("OFFSET %.6f %.6f %.6f", scale_ * mm.x(), scale_ * mm.y(), scale_ * mm.z());
+    return format("OFFSET %.8f %.8f %.8f", scale_ * mm.x(), scale_ * mm.y(), scale_ * mm.z());
   }
 
   void joint(int b, int depth) {
@@ -108,14 +108,14 @@ BvhWriter::BvhWriter(const std::filesystem::path& path, const Actor& actor, doub
 void BvhWriter::append(const Pose& pose) {
   const PosedSkeleton posed = forward_kinematics(skeleton_, pose);
   const Eigen::Vector3d t = gltf_from_camera(posed.camera_from_bone[0].translation()) / unit_m_;
-  std::string row = format("%.6f %.6f %.6f", t.x(), t.y(), t.z());
+  std::string row = format("%.8f %.8f %.8f", t.x(), t.y(), t.z());
   for (int b : order_) {
     const Eigen::Matrix3d world = posed.camera_from_bone[b].linear();
     const Eigen::Matrix3d local =
         b == 0 ? Eigen::Matrix3d(gltf_axes_from_camera() * world)
                : Eigen::Matrix3d(posed.camera_from_bone[skeleton_.bones[b].parent].linear().transpose() * world);
     previous_deg_[b] = zxy_from_rotation(local, previous_deg_[b]);
-    for (int k = 0; k < 3; ++k) row += format(" %.6f", previous_deg_[b][k]);
+    for (int k = 0; k < 3; ++k) row += format(" %.8f", previous_deg_[b][k]);
   }
   write_row(row + "\n");
 }

@@ -12,9 +12,10 @@ namespace {
 // Gaussians that share this part of a pixel's weight are its background (Zivkovic's c_f).
 constexpr float kBackgroundShare = 0.9f;
 // Every n-th pixel in both directions is enough for a global gain.
-constexpr int kGainStep = 4;
+constexpr int kGainStep = 6;
 // Pixels outside this range are clipped or all noise and say nothing about the gain.
 constexpr int kGainDarkest = 24, kGainBrightest = 235;
+constexpr float kTypicalValue = 128;
 constexpr size_t kGainMinPixels = 200;
 constexpr float kGainLimit = 0.35f;  // more than this is not drift but another scene
 
@@ -100,9 +101,11 @@ void BackgroundModel::finish_training() {
   }
 }
 
-std::array<float, 3> BackgroundModel::estimate_gain(const ImageRgb& frame, const std::vector<uint8_t>& ignore) const {
-  std::array<float, 3> gain = {1, 1, 1};
+FrameChange BackgroundModel::estimate_change(const ImageRgb& frame, const std::vector<uint8_t>& ignore) const {
+  FrameChange change;
   std::vector<float> ratios;
+  double squares = 0;
+  size_t n_squares = 0;
   for (int c = 0; c < 3; ++c) {
     ratios.clear();
     for (int y = 0; y < height_; y += kGainStep) {
@@ -123,44 +126,58 @@ std::array<float, 3> BackgroundModel::estimate_gain(const ImageRgb& frame, const
     double sum = 0;
     for (size_t i = quarter; i < ratios.size() - quarter; ++i) sum += ratios[i];
     const float mean = static_cast<float>(sum / static_cast<double>(ratios.size() - 2 * quarter));
-    if (std::abs(mean - 1) < kGainLimit) gain[c] = mean;
+    if (std::abs(mean - 1) < kGainLimit) change.gain[c] = mean;
+    // Half the middle half's width is 0.6745 deviations of a normal distribution; ratios are relative to about
+    // mid-grey.
+    const float spread = 0.5f * (ratios[ratios.size() - quarter - 1] - ratios[quarter]) / 0.6745f;
+    squares += squared(spread * kTypicalValue);
+    ++n_squares;
   }
-  return gain;
+  if (n_squares > 0) change.sigma = static_cast<float>(std::sqrt(squares / static_cast<double>(n_squares)));
+  return change;
 }
 
-void BackgroundModel::distance(const ImageRgb& frame, const std::array<float, 3>& gain, int x0, int y0, int x1, int y1,
-                               std::vector<uint8_t>& plain, std::vector<uint8_t>& shadow) const {
+BackgroundDistance BackgroundModel::distance(const ImageRgb& frame, const FrameChange& change, int x0, int y0, int x1,
+                                             int y1) const {
   const size_t n = size_t(std::max(0, x1 - x0)) * std::max(0, y1 - y0);
-  plain.resize(n);
-  shadow.resize(n);
+  BackgroundDistance result;
+  result.plain.resize(n);
+  result.shadow.resize(n);
+  result.contrast.resize(n);
   const float at_threshold = 128 / squared(options_.match_sigmas);
-  const float inverse[3] = {1 / gain[0], 1 / gain[1], 1 / gain[2]};
+  const float inverse[3] = {1 / change.gain[0], 1 / change.gain[1], 1 / change.gain[2]};
+  const float least_variance = squared(std::clamp(change.sigma, options_.min_sigma, options_.initial_sigma));
   size_t out = 0;
   for (int y = y0; y < y1; ++y) {
     for (int x = x0; x < x1; ++x, ++out) {
       const size_t p = size_t(y) * width_ + x;
       const uint8_t* pixel = &frame.pixels[3 * p];
       const float value[3] = {pixel[0] * inverse[0], pixel[1] * inverse[1], pixel[2] * inverse[2]};
-      float nearest = 1e9f, nearest_shadow = 1e9f, share = 0;
-      for (const Gaussian* g = &mixtures_[kGaussians * p]; share < kBackgroundShare && g->weight > 0; ++g) {
+      float nearest = 1e9f, nearest_shadow = 1e9f, difference = 1e9f, share = 0;
+      const Gaussian* end = &mixtures_[kGaussians * p] + kGaussians;
+      for (const Gaussian* g = end - kGaussians; g < end && share < kBackgroundShare && g->weight > 0; ++g) {
         share += g->weight;
-        const float variance = g->variance + edge_variance_[p];
+        // One plate says nothing about noise: then the frame's own counts.
+        const float variance = std::max(frames_ > 1 ? g->variance : 0, least_variance) + edge_variance_[p];
         const float* m = g->mean;
-        nearest = std::min(nearest,
-                           (squared(value[0] - m[0]) + squared(value[1] - m[1]) + squared(value[2] - m[2])) / variance);
+        const float squares = squared(value[0] - m[0]) + squared(value[1] - m[1]) + squared(value[2] - m[2]);
+        difference = std::min(difference, squares);
+        nearest = std::min(nearest, squares / variance);
         // A shadow is the background darkened by one factor in all channels.
         const float factor =
             (value[0] * m[0] + value[1] * m[1] + value[2] * m[2] + 1) / (m[0] * m[0] + m[1] * m[1] + m[2] * m[2] + 1);
         if (factor < options_.shadow_darkest || factor > 1) continue;
         const float colour =
             squared(value[0] - factor * m[0]) + squared(value[1] - factor * m[1]) + squared(value[2] - factor * m[2]);
-        nearest_shadow = std::min(nearest_shadow, colour / (factor * factor * variance));
+        nearest_shadow = std::min(nearest_shadow, colour / variance);
       }
       const float scaled = std::min(255.f, at_threshold * nearest);
-      plain[out] = static_cast<uint8_t>(scaled);
-      shadow[out] = static_cast<uint8_t>(std::min(scaled, at_threshold * nearest_shadow));
+      result.plain[out] = static_cast<uint8_t>(scaled);
+      result.shadow[out] = static_cast<uint8_t>(std::min(scaled, at_threshold * nearest_shadow));
+      result.contrast[out] = static_cast<uint8_t>(std::min(255.f, 0.5f * std::sqrt(difference)));
     }
   }
+  return result;
 }
 
 }  // namespace livecap

@@ -12,13 +12,26 @@
 namespace livecap {
 
 struct BackgroundOptions {
-  float initial_sigma = 6;       // standard deviation of a pixel seen once, in 8-bit steps; one plate has only this
-  float min_sigma = 3;           // noise and compression leave at least this much
-  float match_sigmas = 4;        // a pixel within this many deviations of a Gaussian belongs to it
+  float initial_sigma = 6;       // standard deviation given to a newly learned Gaussian, in 8-bit steps
+  float min_sigma = 2;           // noise and compression leave at least this much
+  float match_sigmas = 5;        // a pixel within this many deviations of a Gaussian belongs to it
   float edge_sigma = 0.12f;      // added deviation per 8-bit step of local contrast: edges move by fractions of a pixel
   float shadow_darkest = 0.55f;  // a shadow keeps at least this share of the brightness
 
   void validate() const;  // throws ConfigError
+};
+
+// How a whole frame differs from the training pictures.
+struct FrameChange {
+  std::array<float, 3> gain = {1, 1, 1};  // brightness relative to the plate, per channel
+  float sigma = 0;                        // noise that is left, 8-bit steps
+};
+
+// Distances of the pixels of a box from the background, row major, 8-bit.
+struct BackgroundDistance {
+  std::vector<uint8_t> plain;     // 0 = background, 128 = at the matching threshold, 255 = twice its square or more
+  std::vector<uint8_t> shadow;    // the same with shadows taken for background
+  std::vector<uint8_t> contrast;  // colour difference, Euclidean, divided by 2
 };
 
 class BackgroundModel {
@@ -31,15 +44,11 @@ class BackgroundModel {
   int width() const { return width_; }
   int height() const { return height_; }
 
-  // Brightness of `frame` relative to the plate, per channel, from the pixels that agree best with each other.
-  // ignore: [w*h], nonzero = not looked at (the person); may be empty.
-  std::array<float, 3> estimate_gain(const ImageRgb& frame, const std::vector<uint8_t>& ignore) const;
+  // From the pixels that agree best with each other. ignore: [w*h], nonzero = not looked at (the person); may be empty.
+  FrameChange estimate_change(const ImageRgb& frame, const std::vector<uint8_t>& ignore) const;
 
-  // Distance of each pixel in [x0, x1) x [y0, y1) from the background, 8-bit: 0 = background, 128 = at the matching
-  // threshold, 255 = twice as far or more; shadow[]: the same with shadows taken for background. Both
-  // [(x1-x0)*(y1-y0)].
-  void distance(const ImageRgb& frame, const std::array<float, 3>& gain, int x0, int y0, int x1, int y1,
-                std::vector<uint8_t>& plain, std::vector<uint8_t>& shadow) const;
+  // Over the pixels of [x0, x1) x [y0, y1).
+  BackgroundDistance distance(const ImageRgb& frame, const FrameChange& change, int x0, int y0, int x1, int y1) const;
 
  private:
   static constexpr int kGaussians = 3;

@@ -16,7 +16,10 @@ struct DeviceFrame {
   ocl::Buffer<uint8_t> rgb;            // [3*width*height] undistorted
 
   DeviceFrame(ocl::DeviceContext& device, int width, int height)
-      : width(width), height(height), signed_distance(device, size_t(width) * height), rgb(device, size_t(3) * width * height) {}
+      : width(width),
+        height(height),
+        signed_distance(device, size_t(width) * height),
+        rgb(device, size_t(3) * width * height) {}
 
   // Blocking upload. Sizes must match.
   void upload(const Silhouette& silhouette, const ImageRgb& image) {

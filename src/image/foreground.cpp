@@ -60,6 +60,27 @@ void clean(cv::Mat& mask, float min_part, float max_hole) {
   }
 }
 
+// A pixel that the person covers by less than half still differs from the background. Takes off border pixels whose
+// contrast is less than `share` of the largest within two pixels.
+void trim_border(cv::Mat& mask, const std::vector<uint8_t>& contrast, float share) {
+  cv::Mat inner;
+  cv::erode(mask, inner, cv::getStructuringElement(cv::MORPH_RECT, cv::Size(3, 3)));
+  constexpr int kReach = 2;
+  for (int y = kReach; y < mask.rows - kReach; ++y) {
+    uint8_t* row = mask.ptr<uint8_t>(y);
+    const uint8_t* inner_row = inner.ptr<uint8_t>(y);
+    for (int x = kReach; x < mask.cols - kReach; ++x) {
+      if (!row[x] || inner_row[x]) continue;
+      int largest = 0;
+      for (int v = y - kReach; v <= y + kReach; ++v) {
+        const uint8_t* from = contrast.data() + size_t(v) * mask.cols + x - kReach;
+        largest = std::max<int>(largest, *std::max_element(from, from + 2 * kReach + 1));
+      }
+      if (static_cast<float>(contrast[size_t(y) * mask.cols + x]) < share * static_cast<float>(largest)) row[x] = 0;
+    }
+  }
+}
+
 }  // namespace
 
 void ForegroundOptions::validate() const {
@@ -113,6 +134,7 @@ ImageGray ForegroundModel::segment(const ImageRgb& frame, const PersonMask& netw
     box = grown(person, (gate_radius + 1) * kCoarse, size);
   }
 
+  BackgroundDistance distance;
   cv::Mat score;  // > 128: person
   if (!has_background()) {
     cv::GaussianBlur(probability(box), score, cv::Size(0, 0), std::max(0.5f, options_.smooth_px));
@@ -123,22 +145,23 @@ ImageGray ForegroundModel::segment(const ImageRgb& frame, const PersonMask& netw
       cv::resize(gate, fine, size, 0, 0, cv::INTER_NEAREST);
       ignore.assign(fine.begin<uint8_t>(), fine.end<uint8_t>());
     }
-    const auto gain = background_.estimate_gain(frame, ignore);
-    std::vector<uint8_t> plain, shadow;
-    background_.distance(frame, gain, box.x, box.y, box.x + box.width, box.y + box.height, plain, shadow);
-    score = cv::Mat(box.size(), CV_8UC1, shadow.data()).clone();
+    const FrameChange change = background_.estimate_change(frame, ignore);
+    distance = background_.distance(frame, change, box.x, box.y, box.x + box.width, box.y + box.height);
+    score = cv::Mat(box.size(), CV_8UC1, distance.shadow.data()).clone();
     if (!probability.empty()) {
       const cv::Mat network = probability(box);
+      int gain[256];  // in 1/256
+      for (int m = 0; m < 256; ++m) gain[m] = 256 + static_cast<int>(std::max(0, m - kHalf) * 2 * options_.trust);
       for (int y = 0; y < box.height; ++y) {
         uint8_t* s = score.ptr<uint8_t>(y);
         const uint8_t* m = network.ptr<uint8_t>(y);
-        const uint8_t* full = plain.data() + size_t(y) * box.width;
+        const uint8_t* plain = distance.plain.data() + size_t(y) * box.width;
         const uint8_t* gate_row = gate.ptr<uint8_t>((box.y + y) / kCoarse);
         const uint8_t* core_row = core.ptr<uint8_t>((box.y + y) / kCoarse);
         for (int x = 0; x < box.width; ++x) {
           const int coarse_x = (box.x + x) / kCoarse;
-          // What the network calls person is no shadow.
-          if (m[x] >= kHalf) s[x] = full[x];
+          // What the network calls person is no shadow, and needs less of a difference.
+          if (m[x] >= kHalf) s[x] = static_cast<uint8_t>(std::min(255, plain[x] * gain[m[x]] / 256));
           if (!gate_row[coarse_x]) s[x] = 0;
           if (core_row[coarse_x]) s[x] = 255;
         }
@@ -148,6 +171,7 @@ ImageGray ForegroundModel::segment(const ImageRgb& frame, const PersonMask& netw
   }
   cv::Mat mask;
   cv::threshold(score, mask, kHalf, 255, cv::THRESH_BINARY);
+  if (has_background()) trim_border(mask, distance.contrast, options_.edge_share);
   clean(mask, options_.min_part, options_.max_hole);
   mask.copyTo(out(box));
   return result;

@@ -14,6 +14,8 @@ namespace {
 constexpr size_t kLocal = 64;           // work-group size of the kernels that let the compiler vectorise
 constexpr int kCacheFloats = 6 * 1024;  // weights up to this size stay in a CPU's first-level cache
 
+constexpr int kNarrow = 3;  // output channels up to which a CPU vectorises over the input channels instead
+
 int panels(int channels) {
   return (channels + NN_PANEL - 1) / NN_PANEL;
 }
@@ -146,17 +148,23 @@ void Executor::add_step(const Op& op, const std::vector<int64_t>& offsets, std::
   if (const auto* conv = std::get_if<Conv2d>(&op.attributes)) {
     const Tensor& w = graph_.tensors[op.inputs[1]];
     set_window(p, conv->window, w.shape[1], w.shape[2]);
-    p.weight_offset = pack_conv(w, weights);
-    p.bias_offset = pack_bias(graph_, op.inputs[2], p.out_channels, weights);
-    p.panels_innermost = element_count(w.shape) <= kCacheFloats;
     const bool pointwise = p.kernel_h == 1 && p.kernel_w == 1 && p.stride_h == 1 && p.stride_w == 1 &&
                            p.out_height == p.in_height && p.out_width == p.in_width;
-    step.kernel = kernel("nn/conv2d.cl", pointwise ? "conv_pointwise" : "conv_window");
+    const bool narrow = cpu && p.out_channels <= kNarrow && p.in_channels % 8 == 0 && p.out_height > 1;
+    if (narrow) {
+      p.weight_offset = static_cast<int>(weights.size());
+      weights.insert(weights.end(), w.values.begin(), w.values.end());
+    } else {
+      p.weight_offset = pack_conv(w, weights);
+    }
+    p.bias_offset = pack_bias(graph_, op.inputs[2], p.out_channels, weights);
+    p.panels_innermost = element_count(w.shape) <= kCacheFloats;
+    step.kernel = kernel("nn/conv2d.cl", narrow ? "conv_narrow" : pointwise ? "conv_pointwise" : "conv_window");
     const int n_panels = panels(p.out_channels);
     if (cpu) {
       const int tiles =
           pointwise ? (pixels + NN_TILE - 1) / NN_TILE : p.out_height * ((p.out_width + NN_TILE - 1) / NN_TILE);
-      p.count = tiles * n_panels;
+      p.count = narrow ? p.out_height : tiles * n_panels;
       step.local = 1;
     } else {
       p.count = (pointwise ? (pixels + 3) / 4 : pixels) * n_panels * 4;

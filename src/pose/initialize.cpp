@@ -13,7 +13,10 @@ namespace livecap {
 namespace {
 
 constexpr int kTorso[] = {kPelvis, kLeftHip, kRightHip, kNeck, kLeftShoulder, kRightShoulder};
-constexpr int kDescentSweeps = 30;
+constexpr int kScoutSweeps = 8;
+constexpr int kFinalSweeps = 20;
+constexpr int kDescentStarts = 12;
+constexpr double kSmallestTurnRad = 1e-3;
 constexpr double kNearestRootMm = 300;
 
 // camera_from_root by Kabsch's method, or nullopt when the points do not span a plane.
@@ -59,11 +62,33 @@ double best_angle(double c, double s, double now, double min, double max) {
   return best;
 }
 
-// Turns one joint after the other to the angle at which the keypoints it moves are nearest to their targets.
-void descend_angles(const Actor& actor, const Keypoints3d& targets, Pose& pose) {
+// The 3D keypoints' squared distances to their targets, summed per limb (see limb_of_bones).
+std::vector<double> limb_errors(const Actor& actor, const Keypoints3d& targets, const std::vector<int>& limbs,
+                                const Pose& pose) {
+  const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
+  std::vector<double> errors(actor.skeleton.n_bones(), 0.0);
+  for (int i = 0; i < kKeypointCount; ++i) {
+    if (actor.keypoints[i].bone < 0) continue;
+    const Eigen::Vector3d error = positions[i] - positions[kPelvis] - targets[i].position_mm;
+    errors[limbs[actor.keypoints[i].bone]] += targets[i].confidence * error.squaredNorm();
+  }
+  return errors;
+}
+
+// The child of the root that each bone hangs on; 0 for the root. Limbs do not influence each other.
+std::vector<int> limb_of_bones(const Skeleton& skeleton) {
+  std::vector<int> limbs(skeleton.n_bones(), 0);
+  for (int b = 1; b < skeleton.n_bones(); ++b)
+    limbs[b] = skeleton.bones[b].parent == 0 ? b : limbs[skeleton.bones[b].parent];
+  return limbs;
+}
+
+// Cyclic coordinate descent: turns one joint after the other to the angle at which the keypoints it moves are nearest
+// to their targets.
+void descend_angles(const Actor& actor, const Keypoints3d& targets, int n_sweeps, Pose& pose) {
   const Skeleton& skeleton = actor.skeleton;
   const std::vector<uint64_t> masks = dofs_moving_bones(skeleton);
-  for (int sweep = 0; sweep < kDescentSweeps; ++sweep) {
+  for (int sweep = 0; sweep < n_sweeps; ++sweep) {
     double largest_turn = 0;
     for (int k = 0; k < skeleton.n_dofs(); ++k) {
       const PosedSkeleton posed = forward_kinematics(skeleton, pose);
@@ -87,8 +112,36 @@ void descend_angles(const Actor& actor, const Keypoints3d& targets, Pose& pose) 
       largest_turn = std::max(largest_turn, std::abs(angle - pose.angles_rad[k]));
       pose.angles_rad[k] = angle;
     }
-    if (largest_turn < 1e-3) break;
+    if (largest_turn < kSmallestTurnRad) break;
   }
+}
+
+// Joint limits make local minima (an arm twisted the wrong way round), so the descent starts from several places and
+// each limb keeps its best: the rest pose, then points spread evenly over the joint ranges.
+void find_angles(const Actor& actor, const Keypoints3d& targets, Pose& pose) {
+  const Skeleton& skeleton = actor.skeleton;
+  const std::vector<int> limbs = limb_of_bones(skeleton);
+  Pose best = pose;
+  std::vector<double> best_errors;
+  for (int start = 0; start < kDescentStarts; ++start) {
+    Pose candidate = pose;
+    for (int k = 0; k < skeleton.n_dofs() && start > 0; ++k) {
+      // Additive recurrence by the golden ratio's powers: evenly spread without a random generator.
+      const double share = 0.15 + 0.7 * std::fmod(0.5 + start * std::pow(1 / 1.2207440846, 1 + k % 4), 1.0);
+      candidate.angles_rad[k] =
+          skeleton.dofs[k].min_rad + share * (skeleton.dofs[k].max_rad - skeleton.dofs[k].min_rad);
+    }
+    descend_angles(actor, targets, kScoutSweeps, candidate);
+    const std::vector<double> errors = limb_errors(actor, targets, limbs, candidate);
+    if (best_errors.empty()) best_errors.assign(errors.size(), std::numeric_limits<double>::infinity());
+    for (int k = 0; k < skeleton.n_dofs(); ++k) {
+      const int limb = limbs[skeleton.dofs[k].bone];
+      if (errors[limb] < best_errors[limb]) best.angles_rad[k] = candidate.angles_rad[k];
+    }
+    for (size_t limb = 0; limb < errors.size(); ++limb) best_errors[limb] = std::min(best_errors[limb], errors[limb]);
+  }
+  pose = best;
+  descend_angles(actor, targets, kFinalSweeps, pose);
 }
 
 // Translation that best projects root-relative points onto the 2D detections: u (z + t_z) = f_x (x + t_x) + c_x (z +
@@ -153,7 +206,7 @@ std::optional<Pose> initialize_pose(const Actor& actor, const Camera& camera, co
   const std::optional<Eigen::Matrix3d> rotation = align_torso(model, detected);
   if (!rotation) return std::nullopt;
   pose.root_rotation = *rotation;
-  descend_angles(actor, detected, pose);
+  find_angles(actor, detected, pose);
 
   const auto points = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
   const auto translation = translation_from_2d(points, camera, make_targets(actor, detections, nullptr, options));

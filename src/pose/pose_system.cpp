@@ -190,10 +190,10 @@ void PoseSystem::launch_records() {
 }
 
 void PoseSystem::launch_rows() {
-  const size_t columns = layout_.n_columns;
-  fill_points_kernel_.launch(ocl::Range{columns, size_t(n_point_rows_), columns, 1}, layout_, n_point_rows_, step_,
+  const size_t blocks = layout_.n_columns / kTile;
+  fill_points_kernel_.launch(ocl::Range{blocks, size_t(n_point_rows_), blocks, 1}, layout_, n_point_rows_, step_,
                              moves_, point_records_, point_residuals_, J_);
-  fill_contour_kernel_.launch(ocl::Range{columns, size_t(n_contour_), columns, 1}, layout_, n_contour_, n_point_rows_,
+  fill_contour_kernel_.launch(ocl::Range{blocks, size_t(n_contour_), blocks, 1}, layout_, n_contour_, n_point_rows_,
                               step_, moves_, contour_records_, contour_residuals_, J_);
 }
 

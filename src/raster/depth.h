@@ -21,9 +21,10 @@ inline PinholeArg pinhole_arg(const Camera& camera) {
           static_cast<float>(camera.cy)};
 }
 
-// Both faces of a triangle count; on a closed mesh the far ones are left out, which covers the same pixels. Pixel centres are at integers, a pixel is covered when its centre lies in the
-// triangle or on its edge. A triangle with a corner nearer than 100 mm, behind the camera, not finite or more than 1e6
-// px away is left out. Results repeat bit for bit.
+// Both faces of a triangle count; on a closed mesh the far ones are left out, which covers the same pixels. Pixel
+// centres are at integers, a pixel is covered when its centre lies in the triangle or on its edge. A triangle with a
+// corner nearer than 100 mm, behind the camera, not finite or more than 1e6 px away is left out. Results repeat bit for
+// bit.
 class DepthRasterizer {
  public:
   // Keeps no reference to the mesh. width, height: of every picture rendered, positive (ConfigError).

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "livecap/error.h"
 
@@ -43,11 +44,13 @@ Snapper::Snapper(ocl::DeviceContext& device, const Actor& actor, const Camera& c
   rigidity_ = {device, graph_.planes(actor.rigidity, 1)};
   rings_ = ocl::Buffer<float>(device, graph_.stride);
   moves_ = ocl::Buffer<float>(device, 2 * size_t(graph_.stride));
-  relaxed_ = ocl::Buffer<float>(device, 2 * size_t(graph_.stride));
+  rings_after_ = ocl::Buffer<float>(device, graph_.stride);
+  moves_after_ = ocl::Buffer<float>(device, 2 * size_t(graph_.stride));
   no_parts_ = ocl::Buffer<uint8_t>(device, 1);
   rings_.fill(0.0f);
   moves_.fill(0.0f);
-  relaxed_.fill(0.0f);
+  rings_after_.fill(0.0f);
+  moves_after_.fill(0.0f);
   lane_items_ = device.is_cpu() ? graph_.n_rows / kSlice : graph_.n_rows;
   lane_local_ = device.is_cpu() ? 1 : 64;
   targets_ = {device, "surface/snap_targets.cl", "snap_targets"};
@@ -81,17 +84,17 @@ void Snapper::snap(const SnapInput& input, ocl::Buffer<float>& vertices) {
     // Linear fall-off to zero at n_rings + 1.
     const float fall = float(options_.n_rings + 1 - ring) / float(options_.n_rings + 2 - ring);
     spread_.launch(lane_items_, lane_local_, n_rows, stride, float(ring), fall, slice_offsets_, neighbors_, rings_,
-                   moves_);
+                   moves_, rings_after_, moves_after_);
+    std::swap(rings_, rings_after_);
+    std::swap(moves_, moves_after_);
   }
-  ocl::Buffer<float>* before = &moves_;
-  ocl::Buffer<float>* after = &relaxed_;
-  if (options_.n_rings > 0 && options_.relaxations > 0) relaxed_.copy_from(moves_);
+  // The two sets of moves now differ in the last ring only, which every sweep writes.
   for (int k = 0; options_.n_rings > 0 && k < options_.relaxations; ++k) {
     relax_.launch(lane_items_, lane_local_, n_rows, stride, float(options_.n_rings), slice_offsets_, neighbors_, rings_,
-                  *before, *after);
-    std::swap(before, after);
+                  moves_, moves_after_);
+    std::swap(moves_, moves_after_);
   }
-  apply_.launch(n, 64, graph_.n, stride, float(options_.n_rings), order_, rings_, *before, vertices);
+  apply_.launch(n, 64, graph_.n, stride, float(options_.n_rings), order_, rings_, moves_, vertices);
 }
 
 std::vector<float> Snapper::rings() const {

@@ -52,9 +52,9 @@ class Snapper {
   int height_;
   size_t lane_items_, lane_local_;
   ocl::Buffer<int32_t> order_, slice_offsets_, neighbors_;
-  ocl::Buffer<float> rigidity_;         // [stride] rows
-  ocl::Buffer<float> rings_;            // [stride]
-  ocl::Buffer<float> moves_, relaxed_;  // 2 planes, mm
+  ocl::Buffer<float> rigidity_;             // [stride] rows
+  ocl::Buffer<float> rings_, rings_after_;  // [stride]
+  ocl::Buffer<float> moves_, moves_after_;  // 2 planes, mm
   ocl::Buffer<uint8_t> no_parts_;
   ocl::Kernel targets_, spread_, relax_, apply_;
 };

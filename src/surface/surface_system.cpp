@@ -211,7 +211,7 @@ void SurfaceSystem::iterate_pcg(int iterations) {
 }
 
 void SurfaceSystem::move() {
-  move_.launch(lane_items_, lane_local_, graph_.n_rows, graph_.stride, options_.max_step_mm, scalars_, step_, v_);
+  move_.launch(lane_items_, lane_local_, graph_.n_rows, graph_.stride, options_.max_step_mm, step_, v_);
 }
 
 void SurfaceSystem::finish(const SurfaceInput& input, ocl::Buffer<float>& out) {

@@ -27,9 +27,9 @@ class SurfaceSystem {
   // solve when it is the first of a frame.
   void linearize(const SurfaceInput& input, int gaussian_kernel);
   void iterate_pcg(int iterations);
-  // vertices += step, unless anything was not finite since begin().
+  // vertices += step, each by at most max_step_mm.
   void move();
-  // out [3n]: the vertices, or input.start after a failure.
+  // out [3n]: the vertices, or input.start when anything was not finite since begin().
   void finish(const SurfaceInput& input, ocl::Buffer<float>& out);
 
   // Blocking reads.

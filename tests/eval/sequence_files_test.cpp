@@ -4,11 +4,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <cstring>
 #include <filesystem>
 
 #include "base/text.h"
-#include "eval/pc2_file.h"
 #include "livecap/error.h"
 
 namespace livecap {
@@ -43,19 +41,6 @@ class SequenceFiles : public testing::Test {
   fs::path folder_;
 };
 
-// 12 bytes magic, version, points, start, rate, samples, data.
-std::string pc2_bytes(int32_t version, int32_t points, int32_t samples, const std::vector<float>& data) {
-  std::string bytes("POINTCACHE2\0", 12);
-  const auto append = [&](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof(value)); };
-  append(version);
-  append(points);
-  append(0.0f);
-  append(1.0f);
-  append(samples);
-  for (float value : data) append(value);
-  return bytes;
-}
-
 TEST_F(SequenceFiles, JointsJsonWithEmptyFrames) {
   const JointTrack track = read_joints_json(
       file("j.json", R"({"names":["a","b"],"frames":[null,[[1,2,3],[4,5,6]],[null,null],[[null,1,2],[1,2,3]]]})"));
@@ -82,11 +67,22 @@ TEST_F(SequenceFiles, BrokenJointsJsonNamesTheField) {
 
 TEST_F(SequenceFiles, JointsCsv) {
   const JointTrack track = read_joints_csv(
-      file("j.csv", "index,root_x,root_y,root_z,left_knee_x,left_knee_y,left_knee_z\n0,1,2,3,4,5,6\n1,,,,,,\n"));
-  EXPECT_EQ(track.names, (std::vector<std::string>{"root", "left_knee"}));
+      file("j.csv",
+           "index,tracked,joint_root_x,joint_root_y,joint_root_z,keypoint_left_wrist_x,keypoint_left_wrist_y,"
+           "keypoint_left_wrist_z\n0,1,1,2,3,4,5,6\n1,0,,,,,,\n"));
+  EXPECT_EQ(track.names, (std::vector<std::string>{"root", "left_wrist"}));
   ASSERT_EQ(track.frames.size(), 2u);
   EXPECT_EQ(track.frames[0], (std::vector<float>{1, 2, 3, 4, 5, 6}));
   EXPECT_TRUE(track.frames[1].empty());
+}
+
+TEST_F(SequenceFiles, AJointWinsOverTheKeypointOfTheSameName) {
+  const JointTrack track = read_joints_csv(
+      file("j.csv",
+           "index,keypoint_neck_x,keypoint_neck_y,keypoint_neck_z,joint_neck_x,joint_neck_y,joint_neck_z\n"
+           "0,1,2,3,4,5,6\n"));
+  EXPECT_EQ(track.names, (std::vector<std::string>{"neck"}));
+  EXPECT_EQ(track.frames.at(0), (std::vector<float>{4, 5, 6}));
 }
 
 TEST_F(SequenceFiles, FramesCsvLeavesOutALineThatWasCutOff) {
@@ -103,26 +99,6 @@ TEST_F(SequenceFiles, BrokenCsvNamesColumnOrLine) {
             std::string::npos);
   EXPECT_NE(refusal([&] { read_frames_csv(file("f.csv", "")); }).find("empty"), std::string::npos);
   EXPECT_NE(refusal([&] { read_joints_csv(file("j.csv", "index,a\n1,2\n")); }).find("_x"), std::string::npos);
-}
-
-TEST_F(SequenceFiles, Pc2SamplesAndAWriterThatWasStopped) {
-  std::vector<float> data(2 * 6 + 4);  // two whole samples of two points and a part of the third
-  for (size_t i = 0; i < data.size(); ++i) data[i] = static_cast<float>(i);
-  Pc2File pc2(file("v.pc2", pc2_bytes(1, 2, 3, data)));
-  EXPECT_EQ(pc2.n_points(), 2);
-  EXPECT_EQ(pc2.n_samples(), 2);
-  EXPECT_EQ(pc2.read(1), (std::vector<float>{6, 7, 8, 9, 10, 11}));
-  EXPECT_EQ(pc2.read(0), (std::vector<float>{0, 1, 2, 3, 4, 5}));
-  EXPECT_THROW(pc2.read(2), IoError);
-  EXPECT_THROW(pc2.read(-1), IoError);
-}
-
-TEST_F(SequenceFiles, BrokenPc2IsRefused) {
-  const std::string good = pc2_bytes(1, 1, 1, {1, 2, 3});
-  for (const std::string& bytes : {std::string(), good.substr(0, 31), "Q" + good.substr(1), pc2_bytes(2, 1, 1, {}),
-                                   pc2_bytes(1, 0, 1, {}), pc2_bytes(1, -3, 1, {}), pc2_bytes(1, 1, -1, {})}) {
-    EXPECT_NE(refusal([&] { Pc2File(file("v.pc2", bytes)); }).find("v.pc2"), std::string::npos);
-  }
 }
 
 }  // namespace

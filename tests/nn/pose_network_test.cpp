@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "nn/executor.h"
+#include "nn/kernel_bodies.h"
 #include "nn/models.h"
 #include "nn/npy.h"
 #include "nn/reference.h"
@@ -48,7 +49,7 @@ TEST_P(PoseNetwork, GivesTheRecordedOutputs) {
   LIVECAP_DATA_OR_SKIP(data, "network");
   const std::vector<float> input = load_crop(data / "crop.png");
   const nn::Graph graph = nn::load_tflite(model);
-  test::on_every_device([&](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([&](ocl::DeviceContext& device) {
     nn::Executor net(device, graph, {0, 1, 2, 3, 4});
     net.set_input(input);
     net.run();

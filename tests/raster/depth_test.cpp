@@ -96,6 +96,33 @@ TEST(Depth, SphereMatchesRaysAndHasNoHoles) {
   });
 }
 
+TEST(Depth, EdgesThroughPixelCentresLeaveNoGap) {
+  test::on_every_body([](ocl::DeviceContext& device) {
+    // Corners and diagonals of every square fall on pixel centres, but for rounding.
+    Camera camera = test::small_camera(60, 60);
+    camera.cx = camera.cy = 29;
+    for (int cell_px : {3, 5, 7}) {
+      for (float z : {777.77f, 1234.567f, 3141.59f}) {
+        Mesh mesh;
+        const int cells = 42 / cell_px;
+        test::add_plane(mesh, 0, 0, 1, z, cells);
+        for (int i = 0; i < mesh.n_vertices(); ++i) {
+          for (int k = 0; k < 2; ++k) {
+            const float at_px = std::round(mesh.positions[3 * i + k] * cells) * cell_px - 20;
+            mesh.positions[3 * i + k] = at_px * z / static_cast<float>(k == 0 ? camera.fx : camera.fy);
+          }
+        }
+        DepthRasterizer raster(device, mesh, 60, 60);
+        raster.render(ocl::Buffer<float>(device, mesh.positions), camera);
+        const ImageGray mask = raster.read_mask();
+        for (int y = 10; y < 29 - 20 + cells * cell_px; ++y) {
+          for (int x = 10; x < 29 - 20 + cells * cell_px; ++x) EXPECT_EQ(mask.pixels[y * 60 + x], 255) << x << "," << y;
+        }
+      }
+    }
+  });
+}
+
 TEST(Depth, ClosedMeshesCoverTheSameWithoutTheirFarFaces) {
   test::on_every_body([](ocl::DeviceContext& device) {
     const Mesh closed = test::sphere({0, 0, 1500}, 500, 12, 17);

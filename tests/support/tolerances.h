@@ -22,6 +22,13 @@ inline constexpr double kDoubleExact = 1e-9;
 inline constexpr double kLayerRelative = 2e-5;
 // A whole network (up to 300 layers, recorded mask and heatmaps rounded to half precision), |a - b| / |b|.
 inline constexpr double kNetworkRelative = 1e-3;
+// Values computed by hand to seven digits.
+inline constexpr double kHandComputed = 1e-6;
+// Pixels are bytes: half a step of rounding on either side.
+inline constexpr double kByteRounding = 1.0;
+// Landmarks of a network run whose outputs agree to kNetworkRelative (1e-3 of coordinates up to 256 px and 900 mm); seen 1e-3.
+inline constexpr double kLandmarkPx = 0.05;
+inline constexpr double kLandmarkMm = 0.5;
 
 // Float rasteriser against a double ray caster: perspective-correct depth from three edge values of a float each.
 inline constexpr double kRasterDepthRelative = 1e-4;
@@ -51,5 +58,43 @@ inline constexpr double kRecoveredTranslationPx = 0.3;
 inline constexpr double kSurfaceRestMm = 1e-3;
 // Contour vertices of a sphere pulled 5 px with converged linear solves: what the regularisers keep, px.
 inline constexpr double kContourPx = 0.2;
+
+// Time stamps of a 25 fps file, stored as whole units of a time base of 12800 per second.
+inline constexpr double kPtsMs = 0.1;
+// Mean difference of 8-bit colours after H.264 at CRF 18 and 4:2:0 chroma, with small saturated squares.
+inline constexpr double kVideoColour = 2.5;
+// Mean colour of an empty frame against its plate: compression and gain drift leave no bias of half a step.
+inline constexpr double kPlateBias = 0.5;
+// Exact distance transform in float against double.
+inline constexpr double kDistancePx = 1e-4;
+// Bilinear sampling positions rounded to 1/32 px, colours to 1.
+inline constexpr double kUndistortPx = 0.6;
+// Synthetic person with noise, a shadow and a change of gain, about 450 px of border around 7500 px.
+inline constexpr double kForegroundIou = 0.97;
+// The recorded sequence with a blurred mask as the gate.
+inline constexpr double kRecordedForegroundIou = 0.97;
+// A term's residual in float: the terms subtract numbers of up to 5000 (mm, px), whose rounding is 2.4e-4 each.
+inline constexpr double kTermResidual = 1e-3;
+// A row of the pose stage's J on the device against double, relative to its largest entry: about 100 float operations
+// from bone motions to wrenches, and differences of moments ten times larger than their result.
+inline constexpr double kPoseJacobian = 5e-5;
+// J^T J of some 600 float rows against the same sum in double, relative to sqrt(A_ii A_jj).
+inline constexpr double kGramFloat = 3e-6;
+// A solver that had its model and exact data: mm between its keypoints and the true ones.
+inline constexpr double kRecoveredMm = 1.0;
+// The initialisation alone: near enough for Gauss-Newton, mm.
+inline constexpr double kInitializedMm = 80;
+// Energy of the paper's few steps over that of a trusted solver run to convergence.
+inline constexpr double kEnergyRatio = 1.01;
+// Eight decimals of a degree and of a unit along a chain of a metre and a half, in metres.
+inline constexpr double kBvhMetres = 2e-7;
+// Seven significant digits of a few metres.
+inline constexpr double kCsvMetres = 2e-6;
+// Morph targets stop when what they leave out is below 0.02 mm; int16 shapes and float weights add about as much.
+inline constexpr double kMorphMeanMm = 0.05;
+// The writer's own account of its error against what a viewer computes from the float32 file some metres away.
+inline constexpr double kGlbReportMm = 5e-3;
+// 64 shapes for 150 frames of dancing with a skirt on a rigid body (nearly all motion is residual), in mm.
+inline constexpr double kClothMeanMm = 0.7;
 
 }  // namespace livecap::test

@@ -70,9 +70,9 @@ inline Mesh tube(int around, int along, double radius, double height, std::array
       const int a = j * around + i, b = j * around + (i + 1) % around;
       const int c = a + around, d = b + around;
       if (j % 2 == 0) {
-        for (const int v : {a, b, c, b, d, c}) mesh.triangles.push_back(v);
+        for (const int v : {a, c, b, b, c, d}) mesh.triangles.push_back(v);
       } else {
-        for (const int v : {a, d, c, a, b, d}) mesh.triangles.push_back(v);
+        for (const int v : {a, c, d, a, d, b}) mesh.triangles.push_back(v);
       }
     }
   return mesh;

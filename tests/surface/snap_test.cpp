@@ -92,18 +92,70 @@ TEST(Snap, ContourReachesTheSilhouetteAndOnlyTheBandFollows) {
   });
 }
 
+// An open tube: vertices of degree 3 to 6 share slices. Its sides stand at 75 px from the middle, the silhouette at 80.
+Scene open_tube() {
+  Scene s = test::make_scene(test::tube(40, 30, 300, 900, {0, 0, 2000}), 321, 241, 490);
+  test::set_distance(s, [](double x, double) { return std::abs(x - 160) - 80; });
+  test::mark_rim(s, 0.1);
+  return s;
+}
+
+TEST(Snap, WarpEqualsTheSameSweepsOnTheHost) {
+  test::on_every_body([](ocl::DeviceContext& device) {
+    const Scene s = open_tube();
+    const OneRing ring = one_ring(s.n(), s.actor.mesh.triangles);
+    SnapOptions options;
+    options.n_rings = 0;
+    std::vector<float> rings;
+    const std::vector<float> alone = snapped(device, s, options, false, &rings);
+    std::vector<char> from(s.n());
+    for (int i = 0; i < s.n(); ++i) from[i] = rings[i] == 0;
+    const std::vector<int> distance = edge_distance(s, from);
+    options.n_rings = 3;
+    options.relaxations = 2;
+    std::vector<double> x(s.n(), 0.0);  // all moves are along x
+    for (int i = 0; i < s.n(); ++i) x[i] = double(alone[3 * i]) - s.start[3 * i];
+    const auto mean = [&](const std::vector<double>& values, int i, int only_at) {
+      double sum = 0, count = 0;
+      for (int k = ring.offsets[i]; k < ring.offsets[i + 1]; ++k) {
+        const int j = ring.neighbors[k];
+        if (only_at >= 0 && distance[j] != only_at) continue;
+        sum += values[j];
+        count += 1;
+      }
+      return sum / count;
+    };
+    for (int r = 1; r <= 3; ++r)
+      for (int i = 0; i < s.n(); ++i)
+        if (distance[i] == r) x[i] = mean(x, i, r - 1) * (4.0 - r) / (5.0 - r);
+    for (int sweep = 0; sweep < 2; ++sweep) {
+      const std::vector<double> before = x;
+      for (int i = 0; i < s.n(); ++i)
+        if (distance[i] >= 1 && distance[i] <= 3) x[i] = mean(before, i, -1);
+    }
+    const std::vector<float> v = snapped(device, s, options);
+    double largest = 0;
+    for (int i = 0; i < s.n(); ++i) {
+      EXPECT_NEAR(v[3 * i] - s.start[3 * i], x[i], test::kHarmonicBand) << i;
+      largest = std::max(largest, std::abs(x[i]));
+    }
+    EXPECT_GT(largest, 10);
+  });
+}
+
 TEST(Snap, BandIsHarmonicAfterManySweeps) {
   test::on_every_body([](ocl::DeviceContext& device) {
-    const Scene s = ball(80);
+    const Scene s = open_tube();
     SnapOptions options;
     options.relaxations = 400;
     std::vector<float> rings;
     const std::vector<float> v = snapped(device, s, options, false, &rings);
     const OneRing ring = one_ring(s.n(), s.actor.mesh.triangles);
-    int n_band = 0;
+    int n_band = 0, n_border = 0;
     for (int i = 0; i < s.n(); ++i) {
       if (rings[i] < 1 || rings[i] > float(options.n_rings)) continue;
       ++n_band;
+      n_border += ring.offsets[i + 1] - ring.offsets[i] < 6;
       for (int a = 0; a < 2; ++a) {
         double mean = 0;
         for (int k = ring.offsets[i]; k < ring.offsets[i + 1]; ++k) {
@@ -114,6 +166,7 @@ TEST(Snap, BandIsHarmonicAfterManySweeps) {
       }
     }
     EXPECT_GT(n_band, 100);
+    EXPECT_GT(n_border, 10);
   });
 }
 

@@ -15,8 +15,8 @@ namespace {
 using test::Scene;
 
 // All terms on: a sphere of 642 vertices (not a multiple of 16), every second kind of vertex flagged, noise everywhere.
-Scene busy_scene(int subdivisions = 3) {
-  Scene s = test::make_scene(test::icosphere(subdivisions, 300, {40, -30, 2000}), 320, 240, 500);
+Scene busy_scene(const Mesh& mesh = test::icosphere(3, 300, {40, -30, 2000})) {
+  Scene s = test::make_scene(mesh, 320, 240, 500);
   std::mt19937 random(7);
   std::uniform_real_distribution<float> uniform(0, 1);
   for (uint8_t& p : s.image.pixels) p = uint8_t(random() % 256);
@@ -27,6 +27,8 @@ Scene busy_scene(int subdivisions = 3) {
     s.visible[i] = i % 3 != 0;
     s.contour[i] = i % 4 == 0;
     s.vertex_part[i] = 1 + i % 2;
+    // Every fifth normal points inwards: b_i = -1 there inside the silhouette.
+    for (int a = 0; i % 5 == 0 && a < 3; ++a) s.normals[3 * i + a] *= -1;
   }
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 320; ++x) s.part_image[size_t(y) * 320 + x] = x < 150 ? 1 : (x < 200 ? 2 : 0);
@@ -54,8 +56,10 @@ std::vector<double> doubles(const std::vector<float>& v) {
 
 TEST(SurfaceSystem, GradientProductAndEnergiesEqualAnAssembledJacobian) {
   test::on_every_body([](ocl::DeviceContext& device) {
-    for (const int subdivisions : {1, 3}) {
-      const Scene s = busy_scene(subdivisions);
+    // The grid's 1024 vertices would make planes of 4096 bytes.
+    for (const Mesh& mesh : {test::icosphere(1, 300, {40, -30, 2000}), test::icosphere(3, 300, {40, -30, 2000}),
+                             test::grid(32, 32, 15, 2000)}) {
+      const Scene s = busy_scene(mesh);
       const test::DeviceScene d(device, s);
       const SurfaceOptions o = smooth_options();
       SurfaceSystem system(device, s.actor, s.camera, o);
@@ -197,7 +201,7 @@ TEST(SurfaceSystem, ColorsAtIntegerPositionsAreOpenCvGaussianBlur) {
 
 TEST(SurfaceSystem, ColorsAreContinuousBetweenPixels) {
   test::on_every_body([](ocl::DeviceContext& device) {
-    Scene s = busy_scene(1);
+    Scene s = busy_scene(test::icosphere(1, 300, {40, -30, 2000}));
     const ocl::Buffer<uint8_t> rgb(device, s.image.pixels);
     std::vector<float> positions;
     for (int k = 0; k < 400; ++k)
@@ -221,9 +225,35 @@ TEST(SurfaceSystem, ColorsAreContinuousBetweenPixels) {
   });
 }
 
+TEST(SurfaceSystem, ALateFailureGivesTheStartBack) {
+  test::on_every_body([](ocl::DeviceContext& device) {
+    const Scene s = busy_scene();
+    test::DeviceScene d(device, s);
+    SurfaceSystem system(device, s.actor, s.camera, {});
+    ocl::Buffer<float> out(device, s.start.size());
+    const auto step = [&] {
+      system.linearize(d.input(), 9);
+      system.iterate_pcg(4);
+      system.move();
+    };
+    system.begin(d.input());
+    step();
+    system.finish(d.input(), out);
+    EXPECT_EQ(system.status(), SurfaceStatus::kOk);
+    EXPECT_NE(out.read_all(), s.start);
+    d.frame.signed_distance.fill(std::nanf(""));
+    step();
+    d.frame.signed_distance.fill(10.0f);
+    step();
+    system.finish(d.input(), out);
+    EXPECT_EQ(system.status(), SurfaceStatus::kNonFinite);
+    EXPECT_EQ(out.read_all(), s.start);
+  });
+}
+
 TEST(SurfaceSystem, OptionsAndSizesAreChecked) {
   test::on_every_body([](ocl::DeviceContext& device) {
-    Scene s = busy_scene(1);
+    Scene s = busy_scene(test::icosphere(1, 300, {40, -30, 2000}));
     SurfaceOptions o;
     o.gaussian_kernels = {4};
     EXPECT_THROW(SurfaceSystem(device, s.actor, s.camera, o), ConfigError);

@@ -14,6 +14,7 @@
 #include "ocl/context.h"
 #include "ocl/device.h"
 #include "solve/term_check.h"
+#include "surface/surface_solver.h"
 
 namespace livecap::tools {
 namespace {
@@ -29,6 +30,7 @@ const std::vector<std::pair<const char*, SelfTest>>& self_tests() {
   static const std::vector<std::pair<const char*, SelfTest>> tests = {
       {"actor", skinner_self_test},
       {"solve", solve_self_test},
+      {"surface", surface_self_test},
   };
   return tests;
 }

@@ -59,18 +59,12 @@ int run(int argc, char** argv) {
   Action action;
   add_devices_command(app, action);
   add_actor_command(app, action);
-#ifdef LIVECAP_WITH_SYNTH
   add_synth_command(app, action);
-#endif
-#ifdef LIVECAP_WITH_DETECT
   add_detect_command(app, action);
-#endif
 #ifdef LIVECAP_WITH_CAPTURE
   add_capture_command(app, action);
 #endif
-#ifdef LIVECAP_WITH_EVAL
   add_eval_command(app, action);
-#endif
   for (CLI::App* command : app.get_subcommands({})) command->fallthrough();  // -v, -q, --config after the subcommand
 
   try {

@@ -1,0 +1,172 @@
+#include "capture/capture_output.h"
+
+#include <algorithm>
+
+#include "base/log.h"
+#include "base/text.h"
+#include "capture/report_json.h"
+#include "export/export_frame.h"
+#include "livecap/error.h"
+#include "raster/overlay.h"
+#include "surface/smooth_trajectory.h"
+
+namespace livecap {
+namespace {
+
+// What a run makes at its end; a folder from an earlier run must not look finished while this one is going on.
+constexpr const char* kFinalFiles[] = {"capture.glb", "report.json", "overlay.mp4"};
+
+std::vector<std::string> stage_names() {
+  std::vector<std::string> names;
+  for (int i = 0; i < kStageCount; ++i) names.emplace_back(stage_name(static_cast<CaptureStage>(i)));
+  return names;
+}
+
+}  // namespace
+
+CaptureOutput::CaptureOutput(const CaptureOptions& options, const Actor& actor, const std::string& actor_glb,
+                             const Camera& camera, double fps)
+    : options_(options), actor_(actor), camera_(camera), fps_(fps > 0 ? fps : 30), folder_(options.out) {
+  std::error_code code;
+  std::filesystem::create_directories(folder_, code);
+  if (code || !std::filesystem::is_directory(folder_))
+    throw IoError(options.out + ": cannot be made a folder" + (code ? ": " + code.message() : ""));
+  for (const char* name : kFinalFiles) std::filesystem::remove(in_folder(name), code);
+
+  write_file_atomically(in_folder("actor.glb"), actor_glb);
+  save_camera(camera, in_folder("camera.json"));
+  pc2_.emplace(in_folder("vertices.pc2"), actor.n_vertices());
+  bvh_.emplace(in_folder("motion.bvh"), actor, fps_, options.bvh_unit_m);
+  frames_csv_.emplace(in_folder("frames.csv"), stage_names());
+  joints_csv_.emplace(in_folder("joints.csv"), actor);
+  detections_.emplace(in_folder("detections.jsonl"));
+  if (options.overlay) overlay_.emplace(in_folder("overlay.mp4").string(), camera.width, camera.height, fps_);
+
+  // Before the first result: the template as it is bound, at the origin.
+  held_vertices_m_.resize(actor.mesh.positions.size());
+  std::transform(actor.mesh.positions.begin(), actor.mesh.positions.end(), held_vertices_m_.begin(),
+                 [](float mm) { return static_cast<float>(kMetresPerMm * mm); });
+}
+
+void CaptureOutput::write_frame(const FrameReport& report, const TrackResult& result, const Detections& detections) {
+  const bool tracked = is_tracked(report.status);
+  if (tracked) {
+    held_vertices_m_ = gltf_from_camera(result.vertices_mm);
+    held_pose_ = result.pose;
+    bvh_->append(result.pose);
+  } else {
+    bvh_->append_held();
+  }
+  pc2_->append(held_vertices_m_);
+  if (held_pose_) {
+    joints_csv_->append(report.index, report.pts_ms, tracked, *held_pose_);
+  } else {
+    joints_csv_->append_missing(report.index, report.pts_ms);
+  }
+  detections_->append(detections);
+  CapturedFrame frame;
+  frame.tracked = tracked;
+  if (tracked) frame.pose = result.pose;
+  poses_.push_back(std::move(frame));
+  frames_csv_->append(report, track_status_name(report.status));
+  reports_.push_back(report);
+}
+
+FrameReport CaptureOutput::publish(WorkItem& item) {
+  for (FrameReport& dropped : item.dropped_before) {
+    Detections nobody;
+    nobody.frame_index = dropped.index;
+    write_frame(dropped, {}, nobody);
+  }
+  Timer timer;
+  if (overlay_) {
+    const bool tracked = is_tracked(item.report.status);
+    overlay_->write(tracked ? render_overlay(actor_, item.result.vertices_mm, camera_, item.image) : item.image);
+  }
+  item.detections.frame_index = item.report.index;
+  item.report.latency_ms = item.since_read.elapsed_ms();
+  item.report.stage_ms[static_cast<int>(CaptureStage::kOutput)] = timer.elapsed_ms();
+  write_frame(item.report, item.result, item.detections);
+
+  if (!since_first_) {
+    since_first_.emplace();
+  } else {
+    ++n_after_first_;
+    first_to_last_ms_ = since_first_->elapsed_ms();
+  }
+  return item.report;
+}
+
+void CaptureOutput::smooth_vertices() {
+  const std::filesystem::path raw = in_folder("vertices.pc2");
+  const std::filesystem::path smoothed = in_folder("vertices.smooth.pc2");
+  {
+    Pc2Reader reader(raw);
+    Pc2Writer writer(smoothed, actor_.n_vertices());
+    const size_t size = held_vertices_m_.size();
+    std::vector<float> previous, current(size), next(size), out(size);
+    const int n = reader.n_samples();
+    if (n > 0) reader.read(0, current);
+    for (int i = 0; i < n; ++i) {
+      // A held frame has no motion of its own: neither filtered nor a neighbour.
+      const bool tracked = poses_[i].tracked;
+      const bool has_next = i + 1 < n && poses_[i + 1].tracked;
+      if (i + 1 < n) reader.read(i + 1, next);
+      if (tracked) {
+        const bool has_previous = i > 0 && poses_[i - 1].tracked;
+        smooth_frame(has_previous ? std::span<const float>(previous) : std::span<const float>(), current,
+                     has_next ? std::span<const float>(next) : std::span<const float>(), out);
+        writer.append(out);
+      } else {
+        writer.append(current);
+      }
+      previous = current;
+      current = next;
+    }
+  }
+  std::filesystem::rename(smoothed, raw);
+}
+
+CaptureReport CaptureOutput::finish(const ocl::DevicePair& devices, const std::vector<std::string>& warnings) {
+  CaptureReport report;
+  report.warnings = warnings;
+  report.frames = static_cast<int64_t>(reports_.size());
+  std::array<std::vector<double>, kStageCount> stage_ms;
+  std::vector<double> latency;
+  double iou_sum = 0;
+  for (const FrameReport& frame : reports_) {
+    report.dropped += frame.status == TrackStatus::kDropped;
+    report.damaged += frame.status == TrackStatus::kDamaged;
+    if (!is_tracked(frame.status)) continue;
+    ++report.tracked;
+    iou_sum += frame.iou;
+    latency.push_back(frame.latency_ms);
+    for (int i = 0; i < kStageCount; ++i) stage_ms[i].push_back(frame.stage_ms[i]);
+  }
+  if (report.tracked > 0) report.mean_iou = iou_sum / static_cast<double>(report.tracked);
+  for (int i = 0; i < kStageCount; ++i) report.stage_median_ms[i] = median(stage_ms[i]);
+  report.latency_ms = median(latency);
+  if (first_to_last_ms_ > 0) report.fps = 1000.0 * static_cast<double>(n_after_first_) / first_to_last_ms_;
+  if (report.tracked == 0) report.warnings.push_back(options_.video + ": nobody was tracked in any frame");
+
+  if (overlay_) {
+    overlay_->close();
+    report.overlay = in_folder("overlay.mp4").string();
+  }
+  pc2_.reset();
+  if (options_.smooth) smooth_vertices();
+  report.pc2 = in_folder("vertices.pc2").string();
+  report.bvh = in_folder("motion.bvh").string();
+  CaptureGlbReport glb;
+  if (report.tracked > 0) {
+    CaptureGlbOptions glb_options;
+    glb_options.fps = fps_;
+    glb = write_capture_glb(in_folder("capture.glb"), actor_, poses_, in_folder("vertices.pc2"), glb_options);
+    report.glb = in_folder("capture.glb").string();
+  }
+  report.report = in_folder("report.json").string();
+  write_file_atomically(report.report, report_json(options_, report, devices, glb, actor_));
+  return report;
+}
+
+}  // namespace livecap

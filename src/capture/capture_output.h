@@ -1,0 +1,65 @@
+// The capture folder (docs/conventions.md): every writer is valid after each frame; capture.glb and report.json come last
+// and exist only for a run that reached its end.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "actor/actor.h"
+#include "capture/work_item.h"
+#include "detect/detections_io.h"
+#include "export/bvh.h"
+#include "export/capture_glb.h"
+#include "export/csv.h"
+#include "export/pc2.h"
+#include "image/video.h"
+#include "livecap/camera.h"
+#include "livecap/capture.h"
+#include "ocl/device.h"
+
+namespace livecap {
+
+class CaptureOutput {
+ public:
+  // Creates the folder and all files that grow frame by frame, and removes what an earlier run left of the rest.
+  // actor_glb: the bytes kept as actor.glb beside the results. Throws IoError when something cannot be written.
+  CaptureOutput(const CaptureOptions& options, const Actor& actor, const std::string& actor_glb, const Camera& camera,
+                double fps);
+
+  // Writes one frame, and before it those that live pacing dropped. Returns the finished report of the frame.
+  FrameReport publish(WorkItem& item);
+
+  // Smooths if asked, writes capture.glb and report.json, closes the overlay.
+  CaptureReport finish(const ocl::DevicePair& devices, const std::vector<std::string>& warnings);
+
+ private:
+  void write_frame(const FrameReport& report, const TrackResult& result, const Detections& detections);
+  void smooth_vertices();
+  std::filesystem::path in_folder(const char* name) const { return folder_ / name; }
+
+  CaptureOptions options_;
+  const Actor& actor_;
+  Camera camera_;
+  double fps_;
+  std::filesystem::path folder_;
+
+  std::optional<Pc2Writer> pc2_;
+  std::optional<BvhWriter> bvh_;
+  std::optional<FramesCsvWriter> frames_csv_;
+  std::optional<JointsCsvWriter> joints_csv_;
+  std::optional<detect::DetectionsWriter> detections_;
+  std::optional<VideoWriter> overlay_;
+
+  std::vector<float> held_vertices_m_;       // last result, or the template at rest, glTF frame
+  std::optional<Pose> held_pose_;
+  std::vector<CapturedFrame> poses_;
+  std::vector<FrameReport> reports_;
+  std::optional<Timer> since_first_;
+  double first_to_last_ms_ = 0;
+  int64_t n_after_first_ = 0;
+};
+
+}  // namespace livecap

@@ -1,0 +1,85 @@
+#include "capture/frame_reader.h"
+
+#include <chrono>
+#include <thread>
+
+#include "base/text.h"
+#include "image/image_io.h"
+#include "livecap/error.h"
+
+namespace livecap {
+
+FrameReader::FrameReader(const CaptureOptions& options)
+    : options_(options), video_(std::make_unique<VideoReader>(options.video)), info_(video_->info()) {
+  camera_ = options.camera.empty() ? camera_from_fov(info_.width, info_.height, options.fov_deg) : load_camera(options.camera);
+  if (camera_.width != info_.width || camera_.height != info_.height) {
+    throw IoError(options.camera + format(": width and height are %dx%d but %s is %dx%d; calibrate at the video's size",
+                                          camera_.width, camera_.height, options.video.c_str(), info_.width, info_.height));
+  }
+  undistorter_.emplace(camera_);
+  undistorted_camera_ = undistorter_->undistorted_camera();
+}
+
+int64_t FrameReader::n_frames() const {
+  if (info_.frame_count_hint < 0) return options_.frames > 0 ? options_.frames : 0;
+  const int64_t left = std::max<int64_t>(0, info_.frame_count_hint - options_.first);
+  return options_.frames > 0 ? std::min(left, options_.frames) : left;
+}
+
+std::vector<ImageRgb> FrameReader::empty_plates() {
+  std::vector<ImageRgb> plates;
+  if (!options_.background.empty()) {
+    ImageRgb plate = read_image_rgb(options_.background);
+    if (plate.width != info_.width || plate.height != info_.height) {
+      throw IoError(options_.background + format(": the picture is %dx%d but the video is %dx%d", plate.width, plate.height,
+                                                 info_.width, info_.height));
+    }
+    plates.push_back(undistorter_->undistort(plate));
+  } else if (options_.background_frames > 0) {
+    // A reader of its own, so that the plate frames are also captured; a webcam has no second start.
+    const bool live = options_.video.rfind("webcam:", 0) == 0;
+    std::unique_ptr<VideoReader> own = live ? nullptr : std::make_unique<VideoReader>(options_.video);
+    VideoReader& reader = live ? *video_ : *own;
+    Frame frame;
+    for (int i = 0; i < options_.background_frames && reader.read(frame); ++i) {
+      if (!frame.damaged) plates.push_back(undistorter_->undistort(frame.image));
+    }
+    if (plates.empty()) throw IoError(options_.video + ": none of the background frames could be decoded");
+  }
+  return plates;
+}
+
+bool FrameReader::read(WorkItem& item) {
+  Timer timer;
+  Frame frame;
+  do {
+    if (options_.frames > 0 && delivered_ >= options_.frames) return false;
+    if (!video_->read(frame)) return false;
+  } while (frame.index < options_.first);
+  if (!clock_) {
+    clock_.emplace();
+    first_pts_ms_ = frame.pts_ms;
+  }
+  ++delivered_;
+  item.report.index = frame.index;
+  item.report.pts_ms = frame.pts_ms;
+  if (frame.damaged) item.report.status = TrackStatus::kDamaged;
+  item.image = undistorter_->undistort(frame.image);
+  item.report.stage_ms[static_cast<int>(CaptureStage::kRead)] = timer.elapsed_ms();
+  if (options_.realtime) {
+    const double early_ms = frame.pts_ms - first_pts_ms_ - clock_->elapsed_ms();
+    if (early_ms > 0) std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(early_ms));
+  }
+  item.since_read.restart();
+  return true;
+}
+
+std::vector<std::string> FrameReader::warnings() const {
+  std::vector<std::string> list;
+  if (video_->damaged_frames() > 0)
+    list.push_back(options_.video + format(": %lld damaged frame(s)", static_cast<long long>(video_->damaged_frames())));
+  if (video_->truncated()) list.push_back(options_.video + ": ends before the length it promises");
+  return list;
+}
+
+}  // namespace livecap

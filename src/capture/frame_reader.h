@@ -1,0 +1,50 @@
+// Thread 1 of the pipeline: the input frames in order, undistorted, within the asked range.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capture/work_item.h"
+#include "image/undistort.h"
+#include "image/video.h"
+#include "livecap/camera.h"
+#include "livecap/capture.h"
+
+namespace livecap {
+
+class FrameReader {
+ public:
+  // Opens the video and the camera. Throws IoError when their sizes differ.
+  explicit FrameReader(const CaptureOptions& options);
+
+  // The pinhole camera that the undistorted frames obey.
+  const Camera& camera() const { return undistorted_camera_; }
+  const VideoInfo& info() const { return info_; }
+  // Frames that will come, 0 when unknown.
+  int64_t n_frames() const;
+
+  // Pictures of the empty scene, undistorted: the background file, the first frames of the video, or none.
+  std::vector<ImageRgb> empty_plates();
+
+  // Fills index, time, image; a damaged frame has status kDamaged. False at the end. With live pacing it waits until the
+  // frame's time has come.
+  bool read(WorkItem& item);
+
+  // What the user should know about the input, after the last frame.
+  std::vector<std::string> warnings() const;
+
+ private:
+  CaptureOptions options_;
+  std::unique_ptr<VideoReader> video_;
+  VideoInfo info_;
+  Camera camera_;
+  Camera undistorted_camera_;
+  std::optional<Undistorter> undistorter_;
+  int64_t delivered_ = 0;
+  double first_pts_ms_ = 0;
+  std::optional<Timer> clock_;
+};
+
+}  // namespace livecap

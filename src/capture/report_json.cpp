@@ -1,0 +1,102 @@
+#include "capture/report_json.h"
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/text.h"
+#include "detect/find_model.h"
+
+extern "C" {
+#include <libavutil/mem.h>
+#include <libavutil/sha.h>
+}
+
+namespace livecap {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json device_json(const ocl::DeviceInfo& device) {
+  return {{"device", device.device_name},
+          {"platform", device.platform_name},
+          {"platform_version", device.platform_version},
+          {"driver_version", device.driver_version},
+          {"compute_units", device.compute_units}};
+}
+
+// Paths are absolute, so that the report can be read from anywhere.
+Json path_json(const std::string& path) {
+  if (path.empty()) return nullptr;
+  std::error_code code;
+  const auto absolute = std::filesystem::absolute(path, code);
+  return code ? path : absolute.lexically_normal().string();
+}
+
+}  // namespace
+
+std::string file_sha256(const std::string& path) {
+  const std::string bytes = read_file(path);
+  std::unique_ptr<AVSHA, decltype(&av_free)> sha(av_sha_alloc(), av_free);
+  av_sha_init(sha.get(), 256);
+  av_sha_update(sha.get(), reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
+  uint8_t digest[32];
+  av_sha_final(sha.get(), digest);
+  std::string text;
+  for (uint8_t byte : digest) text += format("%02x", byte);
+  return text;
+}
+
+std::string report_json(const CaptureOptions& options, const CaptureReport& report, const ocl::DevicePair& devices,
+                        const CaptureGlbReport& glb, const Actor& actor) {
+  Json json;
+  json["program"] = "livecap " LIVECAP_VERSION;
+  json["complete"] = true;
+  json["frames"] = report.frames;
+  json["tracked"] = report.tracked;
+  json["dropped"] = report.dropped;
+  json["damaged"] = report.damaged;
+  json["fps"] = report.fps;
+  json["latency_ms"] = report.latency_ms;
+  json["mean_silhouette_iou"] = report.mean_iou;
+  for (int i = 0; i < kStageCount; ++i)
+    json["stage_median_ms"][stage_name(static_cast<CaptureStage>(i))] = report.stage_median_ms[i];
+  json["warnings"] = report.warnings;
+
+  const bool builtin = options.actor.rfind("builtin:", 0) == 0;
+  Json& o = json["options"];
+  o["video"] = options.video.rfind("webcam:", 0) == 0 ? Json(options.video) : path_json(options.video);
+  o["camera"] = path_json(options.camera);
+  o["fov_deg"] = options.fov_deg;
+  o["background"] = path_json(options.background);
+  o["background_frames"] = options.background_frames;
+  o["actor"] = builtin ? Json(options.actor) : path_json(options.actor);
+  o["height_mm"] = options.height_mm;
+  o["model"] = options.model;
+  o["detections"] = path_json(options.detections);
+  o["surface"] = options.surface;
+  o["sequential"] = options.sequential;
+  o["pace"] = options.realtime ? "realtime" : "every frame";
+  o["smooth"] = options.smooth;
+  o["without"] = options.without;
+  o["first"] = options.first;
+  o["frames"] = options.frames;
+
+  json["actor"] = {{"name", actor.name},
+                   {"vertices", actor.n_vertices()},
+                   {"triangles", actor.mesh.n_triangles()},
+                   {"joint_angles", actor.skeleton.n_dofs()},
+                   {"notes", actor.notes}};
+  json["network"] = options.detections.empty()
+                        ? Json{{"model", options.model}, {"sha256", file_sha256(detect::find_model(options.model).string())}}
+                        : Json(nullptr);
+  json["devices"] = {{"network", device_json(devices.cnn)}, {"solver", device_json(devices.solver)}};
+  json["capture_glb"] = {{"keys", glb.n_keys},
+                         {"morph_targets", glb.n_morph_targets},
+                         {"mean_error_mm", glb.mean_error_mm},
+                         {"max_error_mm", glb.max_error_mm},
+                         {"bytes", glb.bytes}};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace livecap

@@ -1,0 +1,136 @@
+// Known-answer tests of the network kernels: small layers whose results are simple enough to state.
+#include <cmath>
+
+#include "base/text.h"
+#include "livecap/error.h"
+#include "nn/executor.h"
+
+namespace livecap::nn {
+namespace {
+
+// x[y][x][c] = (7 y + 3 x + c) / 8, exact in float.
+float input_value(int y, int x, int c) {
+  return 0.125f * static_cast<float>(7 * y + 3 * x + c);
+}
+
+constexpr int kHeight = 6;
+constexpr int kWidth = 13;
+constexpr int kChannels = 24;
+
+Graph one_op(Attributes attributes, Shape weights, Shape output) {
+  Graph graph;
+  graph.name = "self test";
+  graph.tensors.push_back({"x", {1, kHeight, kWidth, kChannels}, false, {}});
+  Op op{std::move(attributes), {0}, 0, Activation::kNone, -1};
+  if (!weights.empty()) {
+    // All weights 1, all biases 0.5: the result is the window's sum plus one half.
+    const int n_out = output[3];
+    graph.tensors.push_back({"w", weights, true, std::vector<float>(element_count(weights), 1.0f)});
+    graph.tensors.push_back({"b", {n_out}, true, std::vector<float>(n_out, 0.5f)});
+    op.inputs = {0, 1, 2};
+  } else if (std::holds_alternative<Add>(op.attributes)) {
+    op.inputs = {0, 0};
+  }
+  op.output = static_cast<int>(graph.tensors.size());
+  graph.tensors.push_back({"y", std::move(output), false, {}});
+  graph.ops.push_back(std::move(op));
+  graph.inputs = {0};
+  graph.outputs = {graph.ops[0].output};
+  return graph;
+}
+
+// expected(y, x, c) for every element of the output.
+template <typename Expected>
+ocl::SelfTestResult test_op(ocl::DeviceContext& device, const char* kernel, const Graph& graph, Expected&& expected) {
+  ocl::SelfTestResult result{kernel, false, ""};
+  try {
+    Executor net(device, graph, {0});
+    std::vector<float> input;
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        for (int c = 0; c < kChannels; ++c) input.push_back(input_value(y, x, c));
+      }
+    }
+    net.set_input(input);
+    net.run();
+    const Shape shape = net.output_shape(0);
+    std::vector<float> output(element_count(shape));
+    net.read_output(0, output);
+    size_t i = 0;
+    for (int y = 0; y < shape[1]; ++y) {
+      for (int x = 0; x < shape[2]; ++x) {
+        for (int c = 0; c < shape[3]; ++c, ++i) {
+          const double want = expected(y, x, c);
+          if (std::abs(output[i] - want) <= 1e-5 * (1 + std::abs(want))) continue;
+          result.detail = format("row %d column %d channel %d: %g instead of %g", y, x, c, double(output[i]), want);
+          return result;
+        }
+      }
+    }
+    result.ok = true;
+  } catch (const Error& e) {
+    result.detail = e.what();
+  }
+  return result;
+}
+
+// Sum of one channel over a window that is cut off at the image's border.
+double window_sum(int y, int x, int c, int reach) {
+  double sum = 0;
+  for (int dy = -reach; dy <= reach; ++dy) {
+    for (int dx = -reach; dx <= reach; ++dx) {
+      if (y + dy >= 0 && y + dy < kHeight && x + dx >= 0 && x + dx < kWidth) sum += input_value(y + dy, x + dx, c);
+    }
+  }
+  return sum;
+}
+
+Window same(int reach) {
+  return {1, 1, 1, 1, reach, reach, reach, reach};
+}
+
+}  // namespace
+
+std::vector<ocl::SelfTestResult> nn_self_test(ocl::DeviceContext& device) {
+  const Shape image = {1, kHeight, kWidth, kChannels};
+  std::vector<ocl::SelfTestResult> results;
+  const auto channel_sum = [](int y, int x, int reach) {
+    double sum = 0.5;
+    for (int c = 0; c < kChannels; ++c) sum += window_sum(y, x, c, reach);
+    return sum;
+  };
+  results.push_back(test_op(device, "nn/conv_pointwise",
+                            one_op(Conv2d{}, {21, 1, 1, kChannels}, {1, kHeight, kWidth, 21}),
+                            [&](int y, int x, int) { return channel_sum(y, x, 0); }));
+  results.push_back(test_op(device, "nn/conv_window",
+                            one_op(Conv2d{same(1)}, {21, 3, 3, kChannels}, {1, kHeight, kWidth, 21}),
+                            [&](int y, int x, int) { return channel_sum(y, x, 1); }));
+  results.push_back(test_op(device, device.is_cpu() ? "nn/conv_narrow" : "nn/conv_window (1 channel)",
+                            one_op(Conv2d{same(1)}, {1, 3, 3, kChannels}, {1, kHeight, kWidth, 1}),
+                            [&](int y, int x, int) { return channel_sum(y, x, 1); }));
+  results.push_back(test_op(device, "nn/depthwise_3x3", one_op(DepthwiseConv2d{same(1)}, {1, 3, 3, kChannels}, image),
+                            [&](int y, int x, int c) { return 0.5 + window_sum(y, x, c, 1); }));
+  results.push_back(test_op(device, "nn/depthwise_5x5", one_op(DepthwiseConv2d{same(2)}, {1, 5, 5, kChannels}, image),
+                            [&](int y, int x, int c) { return 0.5 + window_sum(y, x, c, 2); }));
+  results.push_back(test_op(device, "nn/depthwise_any", one_op(DepthwiseConv2d{same(3)}, {1, 7, 7, kChannels}, image),
+                            [&](int y, int x, int c) { return 0.5 + window_sum(y, x, c, 3); }));
+  results.push_back(test_op(device, "nn/add", one_op(Add{}, {}, image),
+                            [](int y, int x, int c) { return 2.0 * input_value(y, x, c); }));
+  results.push_back(test_op(device, "nn/logistic", one_op(Logistic{}, {}, image),
+                            [](int y, int x, int c) { return 1 / (1 + std::exp(-double(input_value(y, x, c)))); }));
+  results.push_back(
+      test_op(device, "nn/max_pool", one_op(MaxPool2d{{2, 2, 1, 1, 0, 0, 0, 1}, 2, 2}, {}, {1, 3, 7, kChannels}),
+              [](int y, int x, int c) { return input_value(2 * y + 1, std::min(2 * x + 1, kWidth - 1), c); }));
+  results.push_back(
+      test_op(device, "nn/pad", one_op(Pad{{1, 0}, {0, 2}, {1, 1}}, {}, {1, kHeight + 1, kWidth + 2, kChannels + 2}),
+              [](int y, int x, int c) {
+                return y == 0 || x >= kWidth || c == 0 || c > kChannels ? 0.0 : input_value(y - 1, x, c - 1);
+              }));
+  results.push_back(test_op(device, "nn/resize_bilinear",
+                            one_op(ResizeBilinear{2 * kHeight - 1, 2 * kWidth - 1, true, false}, {},
+                                   {1, 2 * kHeight - 1, 2 * kWidth - 1, kChannels}),
+                            [](int y, int x, int c) { return 0.125 * (3.5 * y + 1.5 * x + c); }));
+  return results;
+}
+
+}  // namespace livecap::nn

@@ -1,0 +1,133 @@
+// Known-answer test of the pose stage's kernels: a two-bone actor, its residuals in double on the host, and their
+// central differences as Jacobian.
+#include <cmath>
+#include <functional>
+
+#include "base/text.h"
+#include "geometry/reference.h"
+#include "pose/pose_solver.h"
+
+namespace livecap {
+namespace {
+
+constexpr double kRelative = 1e-4;  // float rows against double central differences
+
+Actor two_bone_actor() {
+  Actor actor;
+  actor.skeleton.bones = {{"root", -1, {0, 0, 0}}, {"arm", 0, {200, 0, 0}}};
+  actor.skeleton.dofs = {{"arm_z", 1, {0, 0, 1}, -0.2, 0.2, 0}};
+  actor.mesh.positions = {0, 0, 0, 200, 50, 0, 400, 0, 10, 200, -50, 0, 200, 0, 60};
+  actor.mesh.triangles = {0, 4, 1, 1, 4, 2, 2, 4, 3, 3, 4, 0};
+  actor.skin.bones = {0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0};
+  actor.skin.weights = {1, 0, 0, 0, 0.75f, 0.25f, 0, 0, 1, 0, 0, 0, 0.625f, 0.375f, 0, 0, 0.5f, 0.5f, 0, 0};
+  actor.keypoints[kPelvis] = {0, {0, 0, 0}};
+  actor.keypoints[kNeck] = {1, {350, 20, 5}};
+  return actor;
+}
+
+reference::Vec3 to_vec3(const Eigen::Vector3d& v) {
+  return reference::vec3(v.x(), v.y(), v.z());
+}
+
+// The host's rows. The distance image is the plane 0.5 u - 0.25 v + 40: positive for every vertex, so that all b are 1.
+Eigen::VectorXd host_rows(const Actor& actor, const Camera& camera, const PoseOptions& options,
+                          const KeypointTargets& targets, const PoseState& state) {
+  const reference::Pinhole cam{camera.fx, camera.fy, camera.cx, camera.cy};
+  const PosedSkeleton posed = forward_kinematics(actor.skeleton, state.pose);
+  const auto positions = keypoint_positions(actor, posed);
+  std::vector<double> rows;
+  for (int k = 0; k < kKeypointCount; ++k) {
+    const KeypointTarget& t = targets[k];
+    const reference::Vec3 p = to_vec3(positions[k]);
+    const auto r2 = reference::keypoint_2d_row(p, cam, {t.position_px.x(), t.position_px.y()});
+    const auto r3 = reference::keypoint_3d_row(p, to_vec3(state.t_prime_mm), to_vec3(t.detection_mm));
+    const auto rt = reference::temporal_row(p, to_vec3(t.previous_position_mm));
+    for (double r : r2.r) rows.push_back(t.weight_2d > 0 ? std::sqrt(t.weight_2d) * r : 0);
+    for (double r : r3.r) rows.push_back(std::sqrt(t.weight_3d) * r);
+    for (double r : rt.r) rows.push_back(std::sqrt(t.weight_temporal) * r);
+  }
+  const Dof& dof = actor.skeleton.dofs[0];
+  rows.push_back(std::sqrt(options.weights.anatomic) *
+                 reference::anatomic_row(state.pose.angles_rad[0], dof.min_rad, dof.max_rad).r);
+  for (int i = 0; i < actor.n_vertices(); ++i) {
+    reference::DualQuat q = reference::dual_quat_zero();
+    for (int j = 0; j < 4; ++j) {
+      const Eigen::Isometry3d& motion = posed.camera_from_rest[actor.skin.bones[4 * i + j]];
+      const Eigen::Quaterniond real(motion.linear());
+      const Eigen::Vector3d t = motion.translation() / 2;
+      const Eigen::Quaterniond dual = Eigen::Quaterniond(0, t.x(), t.y(), t.z()) * real;
+      q = reference::dual_quat_add_scaled(
+          q, {real.w(), real.x(), real.y(), real.z(), dual.w(), dual.x(), dual.y(), dual.z()},
+          actor.skin.weights[4 * i + j]);
+    }
+    const float* rest = &actor.mesh.positions[3 * i];
+    const reference::Vec3 v = reference::dual_quat_transform(q, reference::vec3(rest[0], rest[1], rest[2]));
+    const reference::Vec2 uv = reference::project_point(v, cam).uv;
+    rows.push_back(std::sqrt(options.weights.silhouette) * (0.5 * uv.x - 0.25 * uv.y + 40));
+  }
+  return Eigen::Map<Eigen::VectorXd>(rows.data(), rows.size());
+}
+
+PoseState moved(const PoseState& state, const Eigen::VectorXd& step) {
+  return {add_increment(state.pose, step.head(step.size() - 3)), state.t_prime_mm + step.tail<3>()};
+}
+
+// Largest difference relative to the largest expected value, as a result line.
+ocl::SelfTestResult compare(const std::string& kernels, const Eigen::MatrixXd& got, const Eigen::MatrixXd& expected) {
+  ocl::SelfTestResult result{kernels, true, {}};
+  const double scale = std::max(1.0, expected.cwiseAbs().maxCoeff());
+  const double error = got.allFinite() ? (got - expected).cwiseAbs().maxCoeff() / scale : INFINITY;
+  if (error > kRelative) {
+    result.ok = false;
+    result.detail = format("relative difference %g from the host's double, at most %g expected", error, kRelative);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<ocl::SelfTestResult> pose_self_test(ocl::DeviceContext& device) {
+  const Actor actor = two_bone_actor();
+  const Camera camera = camera_from_fov(64, 48, 60);
+  const PoseOptions options;
+  PoseState state;
+  state.pose.root_rotation = rotation_from_vector({0.1, -0.2, 0.3});
+  state.pose.root_translation_mm = {-180, 10, 1500};
+  state.pose.angles_rad = Eigen::VectorXd::Constant(1, 0.5);
+  state.t_prime_mm = {5, 6, 1400};
+  KeypointTargets targets;
+  targets[kPelvis] = {{20, 30}, {1, 2, 3}, {4, 5, 1480}, 460, 28, 3};
+  targets[kNeck] = {{40, 20}, {300, 0, 20}, {100, 5, 1490}, 200, 10, 2};
+
+  DeviceFrame frame(device, camera.width, camera.height);
+  std::vector<float> distance;
+  for (int v = 0; v < camera.height; ++v)
+    for (int u = 0; u < camera.width; ++u) distance.push_back(0.5f * u - 0.25f * v + 40.0f);
+  frame.signed_distance.write(distance);
+  const std::vector<int32_t> contour = {0, 1, 2, 3, 4};
+
+  PoseSystem system(device, actor, camera, options);
+  system.set_frame(targets, &frame, contour, nullptr);
+  const std::vector<float> rows = system.residuals(state).rows;
+  const Eigen::VectorXd F = Eigen::Map<const Eigen::VectorXf>(rows.data(), rows.size()).cast<double>();
+  const Eigen::MatrixXd J = system.jacobian(state).cast<double>();
+  const PoseNormalEquations equations = system.assemble(state);
+
+  const Eigen::VectorXd expected_F = host_rows(actor, camera, options, targets, state);
+  Eigen::MatrixXd expected_J(F.size(), system.n_unknowns());
+  for (int k = 0; k < system.n_unknowns(); ++k) {
+    const Eigen::VectorXd step = 1e-5 * Eigen::VectorXd::Unit(system.n_unknowns(), k);
+    expected_J.col(k) = (host_rows(actor, camera, options, targets, moved(state, step)) -
+                         host_rows(actor, camera, options, targets, moved(state, -step))) /
+                        2e-5;
+  }
+  const int n = system.n_point_rows();
+  const int m = system.n_contour();
+  return {compare("pose/point_records.cl pose_point_records", F.head(n), expected_F.head(n)),
+          compare("pose/contour_records.cl pose_contour_records", F.tail(m), expected_F.tail(m)),
+          compare("pose/fill_rows.cl pose_fill_point_rows", J.topRows(n), expected_J.topRows(n)),
+          compare("pose/fill_rows.cl pose_fill_contour_rows", J.bottomRows(m), expected_J.bottomRows(m)),
+          compare("pose/gram.cl pose_gram", equations.JtJ, expected_J.transpose() * expected_J)};
+}
+
+}  // namespace livecap

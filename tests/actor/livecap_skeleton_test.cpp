@@ -1,0 +1,74 @@
+#include "actor/livecap_skeleton.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <random>
+
+#include "support/tolerances.h"
+
+namespace livecap {
+namespace {
+
+RigPositions random_rig(std::mt19937& rng) {
+  std::normal_distribution<double> jitter(0, 25);
+  RigPositions p;
+  p.fill(Eigen::Vector3d::Zero());
+  p[kRigRoot] = {0, 980, 0};
+  p[kRigNeck] = {0, 1480, 0};
+  for (int side : {1, -1}) {
+    const bool left = side > 0;
+    p[left ? kRigLeftClavicle : kRigRightClavicle] = {50.0 * side, 1440, 0};
+    p[left ? kRigLeftShoulder : kRigRightShoulder] = {170.0 * side, 1420, 0};
+    p[left ? kRigLeftElbow : kRigRightElbow] = {410.0 * side, 1300, 0};
+    p[left ? kRigLeftWrist : kRigRightWrist] = {620.0 * side, 1180, 30};
+    p[left ? kRigLeftHip : kRigRightHip] = {95.0 * side, 920, 0};
+    p[left ? kRigLeftKnee : kRigRightKnee] = {110.0 * side, 510, 20};
+    p[left ? kRigLeftAnkle : kRigRightAnkle] = {120.0 * side, 90, 0};
+  }
+  for (Eigen::Vector3d& x : p) x += Eigen::Vector3d(jitter(rng), jitter(rng), jitter(rng));
+  return p;
+}
+
+TEST(LivecapSkeleton, RestReproducesAnyJointPositions) {
+  std::mt19937 rng(1);
+  for (int trial = 0; trial < 50; ++trial) {
+    const RigPositions p = random_rig(rng);
+    std::vector<std::string> notes;
+    const Skeleton s = build_livecap_skeleton(p, {}, notes);
+    ASSERT_EQ(s.n_bones(), 14);
+    ASSERT_EQ(s.n_dofs(), 27);
+    const PosedSkeleton rest = forward_kinematics(s, rest_pose(s));
+    for (int b = 0; b < kRigBoneCount; ++b)
+      EXPECT_LT((rest.camera_from_bone[b].translation() - p[b]).norm(), test::kDoubleExact);
+    for (const Dof& dof : s.dofs) EXPECT_TRUE(dof.min_rad <= dof.rest_rad && dof.rest_rad <= dof.max_rad) << dof.name;
+  }
+}
+
+// DESIGN section 4, spot checks by name, order and mirrored limits.
+TEST(LivecapSkeleton, FollowsTheTable) {
+  std::mt19937 rng(1);
+  std::vector<std::string> notes;
+  const Skeleton s = build_livecap_skeleton(random_rig(rng), {}, notes);
+  const char* const names[] = {"neck_x",           "neck_y",           "neck_z",           "left_clavicle_y",
+                               "left_clavicle_z",  "right_clavicle_y", "right_clavicle_z", "left_shoulder_z",
+                               "left_shoulder_y",  "left_shoulder_x",  "left_elbow_y",     "right_shoulder_z",
+                               "right_shoulder_y", "right_shoulder_x", "right_elbow_y",    "left_hip_x",
+                               "left_hip_y",       "left_hip_z",       "right_hip_x",      "right_hip_y",
+                               "right_hip_z",      "left_knee_x",      "right_knee_x",     "left_ankle_x",
+                               "left_ankle_y",     "right_ankle_x",    "right_ankle_y"};
+  constexpr double kDeg = std::numbers::pi / 180;
+  for (int k = 0; k < 27; ++k) EXPECT_EQ(s.dofs[k].name, names[k]);
+  EXPECT_NEAR(s.dofs[10].min_rad, -150 * kDeg, test::kDoubleExact);
+  EXPECT_NEAR(s.dofs[14].max_rad, 150 * kDeg, test::kDoubleExact);
+  EXPECT_NEAR(s.dofs[17].max_rad, 70 * kDeg, test::kDoubleExact);
+  EXPECT_NEAR(s.dofs[20].min_rad, -70 * kDeg, test::kDoubleExact);
+  // A positive knee angle takes the foot back, an elbow angle within limits takes the hand to the front.
+  Pose pose = rest_pose(s);
+  pose.angles_rad[21] += 0.5;
+  EXPECT_LT(forward_kinematics(s, pose).camera_from_bone[kRigLeftAnkle].translation().z(),
+            forward_kinematics(s, rest_pose(s)).camera_from_bone[kRigLeftAnkle].translation().z());
+}
+
+}  // namespace
+}  // namespace livecap

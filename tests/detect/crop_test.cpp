@@ -1,0 +1,119 @@
+#include "detect/crop.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/tolerances.h"
+
+namespace livecap {
+namespace {
+
+using detect::CropRegion;
+using detect::Point2;
+
+// A smooth picture: linear ramps survive bilinear sampling and block averages exactly (up to 8 bits).
+ImageRgb ramps(int width, int height) {
+  ImageRgb image{width, height, {}};
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      image.pixels.push_back(static_cast<uint8_t>(x));
+      image.pixels.push_back(static_cast<uint8_t>(y));
+      image.pixels.push_back(static_cast<uint8_t>((x + y) / 2));
+    }
+  }
+  return image;
+}
+
+TEST(Crop, PositionsSurviveARoundTrip) {
+  const CropRegion crop{123.4, -56.7, 345.6, 0.7};
+  for (Point2 p : {Point2{0, 0}, Point2{1, 0.25}, Point2{-0.3, 2}}) {
+    const Point2 back = crop.crop_from_image(crop.image_from_crop(p));
+    EXPECT_NEAR(back.x, p.x, test::kDoubleExact);
+    EXPECT_NEAR(back.y, p.y, test::kDoubleExact);
+  }
+}
+
+TEST(Crop, AngleTurnsUpTowardsTheRight) {
+  const CropRegion crop{10, 20, 8, M_PI / 2};
+  const Point2 top = crop.image_from_crop({0.5, 0});
+  EXPECT_NEAR(top.x, 14, test::kDoubleExact);
+  EXPECT_NEAR(top.y, 20, test::kDoubleExact);
+}
+
+TEST(Crop, IdentityCropReturnsThePixels) {
+  const ImageRgb image = ramps(32, 32);
+  std::vector<float> out(3 * 32 * 32);
+  detect::CropSampler().sample(image, detect::whole_image_crop(32, 32), 32, out);
+  for (size_t i = 0; i < out.size(); ++i) ASSERT_NEAR(255 * out[i], image.pixels[i], test::kByteRounding);
+}
+
+// Enlarged, shrunk and turned crops of a ramp read the ramp's value at each crop pixel's own image position.
+TEST(Crop, SamplesAreWhereTheTransformSays) {
+  const ImageRgb image = ramps(250, 240);
+  const int size = 64;
+  for (const CropRegion& crop : {CropRegion{120, 120, 30, 0.4}, CropRegion{125, 118, 96, -1.1},
+                                 CropRegion{120, 120, 150, 2.0}, CropRegion{124.3, 119.6, 200, 0}}) {
+    std::vector<float> out(3 * size * size);
+    detect::CropSampler().sample(image, crop, size, out);
+    for (int v = 0; v < size; ++v) {
+      for (int u = 0; u < size; ++u) {
+        const Point2 p = crop.image_from_crop({(u + 0.5) / size, (v + 0.5) / size});
+        if (p.x < 4 || p.y < 4 || p.x > 245 || p.y > 235) continue;
+        ASSERT_NEAR(255 * out[3 * (v * size + u)], p.x, test::kByteRounding) << crop.side_px;
+        ASSERT_NEAR(255 * out[3 * (v * size + u) + 1], p.y, test::kByteRounding) << crop.side_px;
+      }
+    }
+  }
+}
+
+TEST(Crop, OutsideTheImageIsBlack) {
+  ImageRgb image{40, 20, std::vector<uint8_t>(3 * 40 * 20, 200)};
+  std::vector<float> out(3 * 40 * 40);
+  detect::CropSampler().sample(image, detect::whole_image_crop(40, 20), 40, out);
+  EXPECT_EQ(out[3 * (2 * 40 + 20)], 0.0f);
+  EXPECT_NEAR(255 * out[3 * (20 * 40 + 20)], 200, test::kByteRounding);
+  detect::CropSampler().sample(image, {-500, -500, 30, 0}, 40, out);
+  EXPECT_EQ(*std::max_element(out.begin(), out.end()), 0.0f);
+}
+
+// A fine checkerboard becomes grey, not a moire pattern.
+TEST(Crop, ShrinkingAverages) {
+  ImageRgb image{512, 512, {}};
+  for (int y = 0; y < 512; ++y) {
+    for (int x = 0; x < 3 * 512; ++x) image.pixels.push_back((x / 3 + y) % 2 ? 255 : 0);
+  }
+  std::vector<float> out(3 * 64 * 64);
+  detect::CropSampler().sample(image, {255.5, 255.5, 256, 0.3}, 64, out);
+  for (float v : out) ASSERT_NEAR(v, 0.5f, test::kByteRounding / 255);
+}
+
+TEST(Crop, MaskLandsWhereItWasSeen) {
+  const int size = 64;
+  const CropRegion crop{70, 55, 60, 0.5};
+  std::vector<float> mask(size * size);
+  for (int v = 0; v < size; ++v) {
+    for (int u = 0; u < size; ++u) mask[v * size + u] = (u + 0.5f) / size;  // rises to the right of the crop
+  }
+  PersonMask out;
+  detect::warp_mask(mask, size, crop, 140, 100, out);
+  ASSERT_EQ(out.probability.size(), 140u * 100u);
+  int inside = 0;
+  for (int y = 0; y < 100; ++y) {
+    for (int x = 0; x < 140; ++x) {
+      const Point2 p = crop.crop_from_image({double(x), double(y)});
+      const int value = out.probability[y * 140 + x];
+      if (p.x < -0.01 || p.x > 1.01 || p.y < -0.01 || p.y > 1.01) {
+        ASSERT_EQ(value, 0) << x << "," << y;
+      } else if (p.x > 0.01 && p.x < 0.99 && p.y > 0.01 && p.y < 0.99) {
+        ASSERT_NEAR(value, 255 * p.x, test::kByteRounding) << x << "," << y;
+        ++inside;
+      }
+    }
+  }
+  EXPECT_GT(inside, 3000);
+}
+
+}  // namespace
+}  // namespace livecap

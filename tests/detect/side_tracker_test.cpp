@@ -1,0 +1,83 @@
+#include "detect/side_tracker.h"
+
+#include <gtest/gtest.h>
+
+#include <utility>
+
+#include "livecap/error.h"
+
+namespace livecap {
+namespace {
+
+using Keypoints = std::array<KeypointDetection, kKeypointCount>;
+
+// Somebody standing, arms and legs apart, shifted by `x` mm.
+Keypoints person(float x) {
+  Keypoints k{};
+  const std::pair<Keypoint, Keypoint> sides[] = {
+      {kLeftShoulder, kRightShoulder}, {kLeftElbow, kRightElbow}, {kLeftWrist, kRightWrist}, {kLeftHand, kRightHand},
+      {kLeftHip, kRightHip},           {kLeftKnee, kRightKnee},   {kLeftAnkle, kRightAnkle}, {kLeftToe, kRightToe}};
+  float half = 100;
+  for (const auto& [left, right] : sides) {
+    k[left].x_mm = x + half;
+    k[right].x_mm = x - half;
+    k[left].y_mm = k[right].y_mm = 2 * half;
+    k[left].x_px = k[left].x_mm / 4;
+    k[right].x_px = k[right].x_mm / 4;
+    half += 20;
+  }
+  return k;
+}
+
+Keypoints exchanged(Keypoints k) {
+  for (int left : {kLeftHip, kLeftShoulder, kLeftElbow, kLeftWrist, kLeftHand, kLeftKnee, kLeftAnkle, kLeftToe})
+    std::swap(k[left], k[left + 1]);
+  return k;
+}
+
+constexpr double kDt = 1.0 / 30;
+
+TEST(SideTracker, UndoesASuddenExchange) {
+  detect::SideTracker tracker;
+  for (int i = 0; i < 60; ++i) {
+    const bool wrong = i >= 30 && i < 45;
+    Keypoints k = wrong ? exchanged(person(i)) : person(i);
+    EXPECT_EQ(tracker.update({}, kDt, 4, k), wrong) << i;
+    EXPECT_EQ(k[kLeftWrist].x_mm, person(i)[kLeftWrist].x_mm) << i;
+    EXPECT_EQ(k[kRightAnkle].x_px, person(i)[kRightAnkle].x_px) << i;
+  }
+}
+
+TEST(SideTracker, BelievesANetworkThatInsists) {
+  detect::SideTracker tracker;
+  Keypoints k = exchanged(person(0));  // a wrong beginning
+  tracker.update({}, kDt, 4, k);
+  int healed = -1;
+  for (int i = 0; i < 60 && healed < 0; ++i) {
+    k = person(i);
+    if (!tracker.update({}, kDt, 4, k)) healed = i;
+  }
+  EXPECT_GE(healed, 3);
+  EXPECT_LE(healed, 10);
+}
+
+TEST(SideTracker, LegsFollowTheShoulders) {
+  detect::SideTracker tracker;
+  Keypoints first = person(0);
+  tracker.update({}, kDt, 4, first);
+  // Only the legs are exchanged: hips that face away from the shoulders are put right.
+  Keypoints k = exchanged(person(1));
+  const Keypoints right = person(1);
+  for (int i : {kLeftShoulder, kRightShoulder, kLeftElbow, kRightElbow, kLeftWrist, kRightWrist, kLeftHand, kRightHand})
+    k[i] = right[i];
+  EXPECT_TRUE(tracker.update({}, kDt, 4, k));
+  EXPECT_EQ(k[kLeftHip].x_mm, right[kLeftHip].x_mm);
+  EXPECT_EQ(k[kLeftShoulder].x_mm, right[kLeftShoulder].x_mm);
+}
+
+TEST(SideTracker, BadOptionsAreRefused) {
+  EXPECT_THROW((detect::SideTrackerOptions{0, 1}.validate()), ConfigError);
+}
+
+}  // namespace
+}  // namespace livecap

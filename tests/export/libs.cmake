@@ -1,0 +1,1 @@
+target_link_libraries(test_export PRIVATE livecap_tinygltf nlohmann_json::nlohmann_json)

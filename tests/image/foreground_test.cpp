@@ -1,0 +1,182 @@
+#include "image/foreground.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "base/text.h"
+#include "image/image_io.h"
+#include "image/video.h"
+#include "livecap/error.h"
+#include "support/data_dir.h"
+#include "support/tolerances.h"
+
+namespace livecap {
+namespace {
+
+constexpr int kWidth = 200, kHeight = 240;
+
+bool in_person(int x, int y) {
+  return std::hypot((x - 100) / 30.0, (y - 120) / 80.0) < 1;
+}
+bool in_shadow(int x, int y) {
+  return std::hypot((x - 150) / 40.0, (y - 200) / 12.0) < 1;
+}
+bool in_other(int x, int y) {
+  return x >= 57 && x < 69 && y >= 30 && y < 46;
+}
+
+// A textured room; with a person (blue-green), a shadow and something else that moves.
+ImageRgb scene(bool person, float gain, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<float> noise(0, 2);
+  ImageRgb image{kWidth, kHeight, {}};
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      float value[3] = {120 + 30 * std::sin(0.1f * x), 110 + 20 * std::cos(0.07f * y), 90};
+      if (person && in_shadow(x, y)) {
+        for (float& v : value) v *= 0.75f;
+      }
+      if (person && in_other(x, y)) value[0] = 220;
+      if (person && in_person(x, y)) value[0] = 40, value[1] = 90, value[2] = 130 + 20 * ((x / 8) % 2);
+      for (float v : value)
+        image.pixels.push_back(static_cast<uint8_t>(std::clamp(v * gain + noise(random), 0.f, 255.f)));
+    }
+  }
+  return image;
+}
+
+// As a network would give it: right in the middle, vague and too small at the border.
+PersonMask vague_mask() {
+  PersonMask mask{kWidth, kHeight, {}};
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const double r = std::hypot((x - 100) / 28.0, (y - 120) / 76.0);
+      mask.probability.push_back(static_cast<uint8_t>(255 / (1 + std::exp(25 * (r - 1)))));
+    }
+  }
+  return mask;
+}
+
+template <typename Truth>
+double iou(const ImageGray& mask, Truth&& truth) {
+  int both = 0, either = 0;
+  for (int y = 0; y < mask.height; ++y) {
+    for (int x = 0; x < mask.width; ++x) {
+      const bool a = mask.pixels[size_t(y) * mask.width + x] > 127, b = truth(x, y);
+      both += a && b;
+      either += a || b;
+    }
+  }
+  return either ? double(both) / either : 1;
+}
+
+TEST(Foreground, FindsThePersonDespiteShadowOthersAndGain) {
+  for (int plates : {1, 8}) {
+    ForegroundModel model;
+    for (int i = 0; i < plates; ++i) model.train(scene(false, 1, 10 + i));
+    for (float gain : {1.0f, 0.9f, 1.12f}) {
+      const ImageGray mask = model.segment(scene(true, gain, 99), vague_mask());
+      EXPECT_GT(iou(mask, in_person), test::kForegroundIou) << plates << " plates, gain " << gain;
+      for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) EXPECT_FALSE(in_other(x, y) && mask.pixels[y * kWidth + x]) << x << "," << y;
+      }
+    }
+  }
+}
+
+TEST(Foreground, WithoutTheNetworkTheLargestPieceIsKept) {
+  ForegroundModel model;
+  model.train(scene(false, 1, 1));
+  const ImageGray mask = model.segment(scene(true, 1.05f, 2), {});
+  EXPECT_GT(iou(mask, [](int x, int y) { return in_person(x, y) || in_other(x, y); }), test::kForegroundIou);
+}
+
+TEST(Foreground, WithoutAPlateTheNetworkDecides) {
+  const ForegroundModel model;
+  EXPECT_FALSE(model.has_background());
+  const PersonMask network = vague_mask();
+  const ImageGray mask = model.segment(scene(true, 1, 2), network);
+  EXPECT_GT(iou(mask, [&](int x, int y) { return network.probability[y * kWidth + x] > 127; }), test::kForegroundIou);
+}
+
+TEST(Foreground, NobodyIsAnEmptyMask) {
+  auto area = [](const ImageGray& mask) { return std::count(mask.pixels.begin(), mask.pixels.end(), 255); };
+  ForegroundModel model;
+  const PersonMask nobody{kWidth, kHeight, std::vector<uint8_t>(kWidth * kHeight, 3)};
+  EXPECT_EQ(area(model.segment(scene(true, 1, 2), {})), 0);  // neither plate nor network
+  EXPECT_EQ(area(model.segment(scene(true, 1, 2), nobody)), 0);
+  model.train(scene(false, 1, 1));
+  EXPECT_EQ(area(model.segment(scene(true, 1, 2), nobody)), 0);
+  EXPECT_EQ(area(model.segment(scene(false, 1.1f, 7), {})), 0);
+}
+
+TEST(Foreground, RealHolesStayOpen) {
+  ForegroundModel model;
+  model.train(scene(false, 1, 1));
+  ImageRgb image = scene(true, 1, 2);
+  const ImageRgb empty = scene(false, 1, 3);
+  auto in_hole = [](int x, int y) { return std::hypot(x - 100, y - 120) < 12; };
+  auto in_speck = [](int x, int y) { return std::hypot(x - 100, y - 80) < 1.5; };
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      if (in_hole(x, y) || in_speck(x, y))
+        std::copy_n(&empty.pixels[3 * (y * kWidth + x)], 3, &image.pixels[3 * (y * kWidth + x)]);
+    }
+  }
+  PersonMask network{kWidth, kHeight, std::vector<uint8_t>(kWidth * kHeight, 0)};
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) network.probability[y * kWidth + x] = in_person(x, y) ? 140 : 0;
+  }
+  const ImageGray mask = model.segment(image, network);
+  EXPECT_EQ(mask.pixels[120 * kWidth + 100], 0);
+  EXPECT_EQ(mask.pixels[80 * kWidth + 100], 255);
+}
+
+TEST(Foreground, SizesMustAgree) {
+  ForegroundModel model;
+  model.train(scene(false, 1, 1));
+  EXPECT_THROW(model.train(ImageRgb{2, 1, std::vector<uint8_t>(6)}), ConfigError);
+  EXPECT_THROW(model.train(ImageRgb{}), ConfigError);
+  EXPECT_THROW(model.segment(ImageRgb{2, 1, std::vector<uint8_t>(6)}, {}), ConfigError);
+  EXPECT_THROW(model.segment(scene(true, 1, 1), PersonMask{2, 1, {0, 0}}), ConfigError);
+  ForegroundOptions options;
+  options.background.shadow_darkest = 2;
+  EXPECT_THROW(ForegroundModel{options}, ConfigError);
+}
+
+TEST(Foreground, RecordedSequence) {
+  LIVECAP_DATA_OR_SKIP(sequence, "skirt_dance");
+  ForegroundModel model;
+  model.train(read_image_rgb(sequence / "background.png"));
+  VideoReader reader((sequence / "video.mp4").string());
+  Frame frame;
+  double sum = 0;
+  int n = 0;
+  while (reader.read(frame)) {
+    if (frame.index % 10 != 5 || frame.index < 10) continue;
+    const ImageGray truth =
+        read_image_gray(sequence / "truth" / "masks" / format("%06d.png", static_cast<int>(frame.index)));
+    // A crude stand-in for a network: the truth averaged over 13x13 pixels.
+    PersonMask network{truth.width, truth.height, std::vector<uint8_t>(truth.pixels.size(), 0)};
+    for (int y = 6; y + 6 < truth.height; ++y) {
+      for (int x = 6; x + 6 < truth.width; ++x) {
+        int total = 0;
+        for (int v = -6; v <= 6; v += 2) {
+          for (int u = -6; u <= 6; u += 2) total += truth.pixels[size_t(y + v) * truth.width + x + u];
+        }
+        network.probability[size_t(y) * truth.width + x] = static_cast<uint8_t>(total / 49);
+      }
+    }
+    const ImageGray mask = model.segment(frame.image, network);
+    sum += iou(mask, [&](int x, int y) { return truth.pixels[size_t(y) * truth.width + x] > 127; });
+    ++n;
+  }
+  ASSERT_GT(n, 10);
+  EXPECT_GT(sum / n, test::kRecordedForegroundIou);
+}
+
+}  // namespace
+}  // namespace livecap

@@ -1,0 +1,24 @@
+// CPUs and GPUs run different bodies of the network kernels (LC_CPU); both are right on any device.
+#pragma once
+
+#include "support/test_device.h"
+
+namespace livecap::test {
+
+// Runs check(device) on every test device, once with its own kernel bodies and on CPUs once more with those for GPUs.
+template <typename Check>
+void on_every_device_and_body(Check&& check) {
+  for (const std::string& selector : device_selectors()) {
+    ocl::DeviceInfo info = ocl::select_device(selector);
+    {
+      ocl::DeviceContext device(info);
+      check(device);
+    }
+    if (!info.is_cpu) continue;
+    info.is_cpu = false;
+    ocl::DeviceContext device(info);
+    check(device);
+  }
+}
+
+}  // namespace livecap::test

@@ -1,0 +1,207 @@
+#include "pose/pose_system.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "livecap/error.h"
+#include "support/pose_reference.h"
+#include "support/pose_scene.h"
+#include "support/test_device.h"
+#include "support/tolerances.h"
+
+namespace livecap {
+namespace {
+
+// A scene in which every term has non-zero residuals: a disturbed pose, a previous frame, broken joint limits.
+struct Scene {
+  Actor actor = test::make_test_actor(0.6);
+  Camera camera = test::portrait_camera();
+  PoseOptions options;
+  std::mt19937 rng{17};
+  Pose truth = test::random_true_pose(actor, rng, 0.6);
+  Pose previous = test::disturbed(truth, rng, 0.1, 30);
+  Detections detections = test::exact_detections(actor, camera, truth, 0.8);
+  PoseState state{test::disturbed(truth, rng, 0.2, 60), {20, -40, 3100}};
+  std::vector<int32_t> contour = test::some_vertices(actor, 2);
+  std::vector<float> distance = test::smooth_distance(camera);
+  std::vector<float> displacement;
+
+  Scene() {
+    state.pose.angles_rad[actor.skeleton.n_dofs() - 1] = 1.5;  // beyond its limit
+    state.pose.angles_rad[10] = -3.0;
+    std::uniform_real_distribution<float> uniform(-40, 40);
+    displacement.resize(3 * actor.n_vertices());
+    for (float& value : displacement) value = uniform(rng);
+    for (int k = 0; k < kKeypointCount; ++k) detections.keypoints[k].confidence = 0.3f + 0.03f * k;
+  }
+
+  test::PoseReference reference(double contour_weight) const {
+    return {actor,   camera,         options,  make_targets(actor, detections, &previous, options),
+            contour, contour_weight, distance, displacement};
+  }
+};
+
+// Every device with its own kernel bodies and, since they must give the same anywhere, with those for GPUs.
+template <typename Check>
+void on_every_device_and_body(Check&& check) {
+  test::on_every_device([&](ocl::DeviceContext& device) {
+    check(device);
+    if (!device.is_cpu()) return;
+    ocl::DeviceInfo info = device.info();
+    info.is_cpu = false;
+    ocl::DeviceContext as_gpu(info);
+    check(as_gpu);
+  });
+}
+
+// Runs check(system, reference) with and without a displacement.
+template <typename Check>
+void with_system(Check&& check) {
+  on_every_device_and_body([&](ocl::DeviceContext& device) {
+    Scene scene;
+    for (bool displaced : {true, false}) {
+      if (!displaced) scene.displacement.clear();
+      PoseSystem system(device, scene.actor, scene.camera, scene.options);
+      DeviceFrame frame(device, scene.camera.width, scene.camera.height);
+      frame.signed_distance.write(scene.distance);
+      const ocl::Buffer<float> displacement(device, scene.displacement);
+      system.set_frame(make_targets(scene.actor, scene.detections, &scene.previous, scene.options), &frame,
+                       scene.contour, displaced ? &displacement : nullptr);
+      ASSERT_EQ(system.n_contour(), int(scene.contour.size()));
+      check(system, scene.reference(system.contour_weight()), scene);
+    }
+  });
+}
+
+TEST(PoseSystem, ResidualsAreTheReferences) {
+  with_system([](PoseSystem& system, const test::PoseReference& reference, const Scene& scene) {
+    const Eigen::VectorXd expected = reference.residuals(scene.state);
+    const PoseResiduals got = system.residuals(scene.state);
+    ASSERT_EQ(Eigen::Index(got.rows.size()), expected.size());
+    for (Eigen::Index i = 0; i < expected.size(); ++i)
+      EXPECT_NEAR(got.rows[i], expected[i], test::kFloatRelative * expected.lpNorm<Eigen::Infinity>()) << "row " << i;
+    const PosedSkeleton posed = forward_kinematics(scene.actor.skeleton, scene.state.pose);
+    int n_outside = 0;
+    for (int i = 0; i < system.n_contour(); ++i) {
+      const bool inside = reference.in_picture(reference.skin(scene.contour[i], posed).position);
+      n_outside += !inside;
+      EXPECT_EQ(!std::isnan(got.distances_px[i]), inside) << "contour vertex " << i;
+    }
+    EXPECT_LT(n_outside, system.n_contour());
+  });
+}
+
+TEST(PoseSystem, JacobianIsTheDerivativeOfTheReference) {
+  with_system([](PoseSystem& system, const test::PoseReference& reference, const Scene& scene) {
+    const Eigen::MatrixXd expected = reference.jacobian(scene.state);
+    const Eigen::MatrixXd got = system.jacobian(scene.state).cast<double>();
+    ASSERT_EQ(got.rows(), expected.rows());
+    ASSERT_EQ(got.cols(), expected.cols());
+    const PosedSkeleton posed = forward_kinematics(scene.actor.skeleton, scene.state.pose);
+    int n_against = 0;
+    for (Eigen::Index row = 0; row < got.rows(); ++row) {
+      double b = 1;
+      if (row >= system.n_point_rows()) {
+        double margin = 0;
+        b = reference.direction(scene.contour[row - system.n_point_rows()], posed, margin);
+        if (margin < test::kTermResidual) continue;  // either sign is right
+        n_against += b < 0;
+      }
+      EXPECT_LT((got.row(row) - b * expected.row(row)).lpNorm<Eigen::Infinity>(),
+                test::kPoseJacobian * std::max(1.0, expected.row(row).lpNorm<Eigen::Infinity>()))
+          << "row " << row;
+    }
+    EXPECT_GT(n_against, 5) << "no vertex took case 2 of the paper's figure";
+    // Every unknown is in some residual, so the comparison above was not void.
+    for (Eigen::Index k = 0; k < expected.cols(); ++k) EXPECT_GT(expected.col(k).norm(), 1) << "column " << k;
+  });
+}
+
+TEST(PoseSystem, NormalEquationsAreEigensProductOfTheRows) {
+  with_system([](PoseSystem& system, const test::PoseReference&, const Scene& scene) {
+    const Eigen::MatrixXd J = system.jacobian(scene.state).cast<double>();
+    const std::vector<float> rows = system.residuals(scene.state).rows;
+    const Eigen::VectorXd F = Eigen::Map<const Eigen::VectorXf>(rows.data(), rows.size()).cast<double>();
+    const PoseNormalEquations got = system.assemble(scene.state);
+    const Eigen::MatrixXd A = J.transpose() * J;
+    const Eigen::VectorXd g = J.transpose() * F;
+    const double energy = F.squaredNorm();
+    for (Eigen::Index i = 0; i < A.rows(); ++i) {
+      for (Eigen::Index j = 0; j < A.cols(); ++j)
+        EXPECT_NEAR(got.JtJ(i, j), A(i, j), test::kGramFloat * std::sqrt(A(i, i) * A(j, j)));
+      EXPECT_NEAR(got.JtF[i], g[i], test::kGramFloat * std::sqrt(A(i, i) * energy));
+    }
+    EXPECT_NEAR(got.energy, energy, test::kGramFloat * energy);
+    EXPECT_EQ(got.JtJ, got.JtJ.transpose());
+  });
+}
+
+TEST(PoseSystem, RepeatsBitForBit) {
+  with_system([](PoseSystem& system, const test::PoseReference&, const Scene& scene) {
+    const PoseNormalEquations first = system.assemble(scene.state);
+    for (int i = 0; i < 3; ++i) {
+      const PoseNormalEquations again = system.assemble(scene.state);
+      EXPECT_EQ(again.JtJ, first.JtJ);
+      EXPECT_EQ(again.JtF, first.JtF);
+    }
+  });
+}
+
+TEST(PoseSystem, ContourCountsAroundTheVectorWidth) {
+  on_every_device_and_body([](ocl::DeviceContext& device) {
+    Scene scene;
+    scene.displacement.clear();
+    PoseSystem system(device, scene.actor, scene.camera, scene.options);
+    DeviceFrame frame(device, scene.camera.width, scene.camera.height);
+    frame.signed_distance.write(scene.distance);
+    const KeypointTargets targets = make_targets(scene.actor, scene.detections, &scene.previous, scene.options);
+    const std::vector<int32_t> all = scene.contour;
+    for (int n : {0, 1, 63, 64, 65}) {
+      scene.contour.assign(all.begin(), all.begin() + n);
+      system.set_frame(targets, &frame, scene.contour, nullptr);
+      const Eigen::VectorXd expected = scene.reference(system.contour_weight()).residuals(scene.state);
+      const double energy = expected.squaredNorm();
+      EXPECT_NEAR(system.assemble(scene.state).energy, energy, test::kPoseJacobian * energy) << n;
+    }
+  });
+}
+
+TEST(PoseSystem, ThinnedContourKeepsItsWeight) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    Scene scene;
+    scene.options.max_contour_vertices = 50;
+    PoseSystem system(device, scene.actor, scene.camera, scene.options);
+    DeviceFrame frame(device, scene.camera.width, scene.camera.height);
+    frame.signed_distance.fill(3.0f);
+    system.set_frame(KeypointTargets{}, &frame, scene.contour, nullptr);
+    EXPECT_EQ(system.n_contour(), 50);
+    const PoseState standing{test::standing_pose(scene.actor, 0), {}};
+    const PoseNormalEquations equations = system.assemble(standing);
+    EXPECT_NEAR(equations.energy, scene.options.weights.silhouette * scene.contour.size() * 9,
+                test::kPoseJacobian * equations.energy);
+  });
+}
+
+TEST(PoseSystem, WrongInputsAreRefused) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    Scene scene;
+    PoseSystem system(device, scene.actor, scene.camera, scene.options);
+    DeviceFrame frame(device, scene.camera.width, scene.camera.height);
+    DeviceFrame small(device, 100, 100);
+    const std::vector<int32_t> beyond = {0, scene.actor.n_vertices()};
+    const ocl::Buffer<float> short_displacement(device, 3);
+    EXPECT_THROW(system.set_frame({}, &frame, beyond, nullptr), LogicError);
+    EXPECT_THROW(system.set_frame({}, &small, scene.contour, nullptr), LogicError);
+    EXPECT_THROW(system.set_frame({}, &frame, scene.contour, &short_displacement), LogicError);
+    Actor broken = scene.actor;
+    broken.skin.bones[7] = 99;
+    EXPECT_THROW(PoseSystem(device, broken, scene.camera, scene.options), LogicError);
+    PoseOptions negative;
+    negative.weights.temporal = -1;
+    EXPECT_THROW(PoseSystem(device, scene.actor, scene.camera, negative), ConfigError);
+  });
+}
+
+}  // namespace
+}  // namespace livecap

@@ -52,7 +52,7 @@ SynthOptions small(const std::string& actor) {
   SynthOptions options;
   options.actor = actor;
   options.motions = {"dance"};
-  options.width = 270;
+  options.width = 272;
   options.height = 480;
   options.empty_frames = kEmpty;
   options.n_frames = kFrames;
@@ -93,7 +93,7 @@ TEST(Sequence, HasTheFilesAndFrames) {
   const Sequence& s = skirt();
   EXPECT_EQ(s.report.n_frames, kFrames);
   EXPECT_EQ(s.truth.n_samples, kFrames);
-  EXPECT_EQ(s.camera.width, 270);
+  EXPECT_EQ(s.camera.width, 272);
   EXPECT_EQ(s.camera.height, 480);
   const auto file = test::read_glb(read_file(s.folder / "actor.glb"));
   EXPECT_EQ(s.truth.n_points, static_cast<int>(file.vertices.size()));
@@ -108,7 +108,7 @@ TEST(Sequence, HasTheFilesAndFrames) {
   int n = 0;
   while (video.read(frame)) ++n;
   EXPECT_EQ(n, kFrames);
-  EXPECT_EQ(video.info().width, 270);
+  EXPECT_EQ(video.info().width, 272);
   EXPECT_EQ(video.info().height, 480);
 }
 
@@ -155,7 +155,7 @@ TEST(Sequence, TruthProjectsOntoTheMask) {
 TEST(Sequence, PictureShowsThePersonWhereTheMaskIs) {
   const Sequence& s = skirt();
   const cv::Mat plate = cv::imread((s.folder / "background.png").string());
-  ASSERT_EQ(plate.cols, 270);
+  ASSERT_EQ(plate.cols, 272);
   VideoReader video((s.folder / "video.mp4").string());
   Frame frame;
   for (int i = 0; video.read(frame); ++i) {

@@ -147,7 +147,8 @@ TEST(Sequence, TruthProjectsOntoTheMask) {
       cv::fillConvexPoly(filled, corners, 3, cv::Scalar(255), cv::LINE_8, kShift);
     }
     cv::erode(filled, narrow, disc);
-    EXPECT_LT(cv::countNonZero(narrow & ~mask), (1 - test::kTruthMaskShare) * cv::countNonZero(mask)) << "frame " << frame;
+    EXPECT_LT(cv::countNonZero(narrow & ~mask), (1 - test::kTruthMaskShare) * cv::countNonZero(mask))
+        << "frame " << frame;
     EXPECT_GT(cv::countNonZero(filled & mask), test::kTruthMaskShare * cv::countNonZero(mask)) << "frame " << frame;
   }
 }

@@ -240,6 +240,15 @@ TEST(Sequence, IsTheSameEveryTime) {
     EXPECT_TRUE(read_file(again.folder / name) == read_file(skirt().folder / name)) << name;
 }
 
+TEST(Sequence, StaysValidWhenStopped) {
+  const auto folder = std::filesystem::temp_directory_path() / ("livecap_synth_stop" + std::to_string(::getpid()));
+  const SynthReport report = write_sequence(small("trousers"), folder, [](int frame, int) { return frame < 5; });
+  EXPECT_EQ(report.n_frames, 5);
+  EXPECT_EQ(read_pc2(folder / "truth" / "vertices.pc2").n_samples, 5);
+  EXPECT_EQ(nlohmann::json::parse(read_file(folder / "truth" / "joints.json"))["frames"].size(), 5u);
+  std::filesystem::remove_all(folder);
+}
+
 TEST(Sequence, RefusesBadOptions) {
   const auto folder = std::filesystem::temp_directory_path() / "livecap_synth_never";
   const auto refuse = [&](auto change) {

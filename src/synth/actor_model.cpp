@@ -21,7 +21,7 @@ namespace synth {
 namespace {
 
 constexpr int kTextureSize = 1024;
-constexpr double kGridStep = 13;  // mm
+constexpr double kGridStep = 15;  // mm
 
 // Charts are kept apart by these groups: head, top, arms, bottom, legs, shoes.
 constexpr int kGroupOfPart[kPartCount] = {0, 0, 0, 1, 2, 2, 3, 4, 5};

@@ -118,7 +118,7 @@ void BodyShape::head_distances(const Vec3& p, std::array<double, kPartCount>& d)
   face = smooth_min(face, tapered_capsule(p, {0, 1575, 26}, {0, 1505, 55}, 62, jaw), 45);
   const double socket = (p - Vec3(31, 1594, 103)).norm() - 17;
   face = smooth_max(face, -socket, 12);
-  face = smooth_min(face, tapered_capsule(p, {0, 1594, 90}, {0, 1563, 107}, 7, 12), 12);  // nose
+  face = smooth_min(face, tapered_capsule(p, {0, 1596, 90}, {0, 1563, 110}, 8, 13), 12);  // nose
   face = smooth_min(face, tapered_capsule(p, {0, 1535, 86}, {13, 1535, 83}, 8, 6), 12);   // lips
   face = smooth_min(face, ellipsoid(p, {77, 1582, 2}, {10, 30, 18}), 10);                 // ear
   d[kFacePart] = face;

@@ -195,7 +195,7 @@ Vec3 paint(const BodyShape& shape, Part part, const Vec3& p) {
 }
 
 FaceFeatures face_features(const BodyShape&) {
-  return {{kEyeX, kEyeY, 90}, {-kEyeX, kEyeY, 90}, {0, 1564, 119}, {0, kMouthY, 95}};
+  return {{kEyeX, kEyeY, 90}, {-kEyeX, kEyeY, 90}, {0, 1564, 123}, {0, kMouthY, 95}};
 }
 
 }  // namespace livecap::synth

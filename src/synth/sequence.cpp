@@ -48,15 +48,14 @@ void write_bytes(std::ofstream& out, const void* data, size_t bytes, const std::
     throw IoError(path.string() + ": cannot be written; is the disk full?");
 }
 
-// PC2 point cache, one sample per frame (DESIGN 3.3). The header's count is known in advance here.
+// PC2 point cache, one sample per frame (DESIGN 3.3); valid after every frame.
 class TruthVertices {
  public:
-  TruthVertices(const std::filesystem::path& path, int n_points, int n_samples, double fps)
+  TruthVertices(const std::filesystem::path& path, int n_points)
       : path_(path), n_points_(n_points), out_(path, std::ios::binary) {
     if (!out_) throw IoError(path.string() + ": cannot be created");
-    const int32_t version = 1, points = n_points, samples = n_samples;
+    const int32_t version = 1, points = n_points, samples = 0;
     const float start = 0, rate = 1;
-    (void)fps;
     write_bytes(out_, "POINTCACHE2\0", 12, path_);
     write_bytes(out_, &version, 4, path_);
     write_bytes(out_, &points, 4, path_);
@@ -73,6 +72,10 @@ class TruthVertices {
       for (int k = 0; k < 3; ++k) row[3 * i + k] = static_cast<float>(p[k]);
     }
     write_bytes(out_, row.data(), row.size() * sizeof(float), path_);
+    ++n_samples_;
+    out_.seekp(kCountOffset);
+    write_bytes(out_, &n_samples_, 4, path_);
+    out_.seekp(0, std::ios::end);
   }
 
   void close() {
@@ -81,8 +84,10 @@ class TruthVertices {
   }
 
  private:
+  static constexpr int kCountOffset = 28;
   std::filesystem::path path_;
   int n_points_;
+  int32_t n_samples_ = 0;
   std::ofstream out_;
 };
 
@@ -226,7 +231,7 @@ SynthReport write_sequence(const SynthOptions& options, const std::filesystem::p
   report.n_frames = options.n_frames > 0 ? options.n_frames : options.empty_frames + performer.n_postures();
   report.n_vertices = static_cast<int>(actor.surface.vertices.size());
   VideoWriter video((folder / "video.mp4").string(), options.width, options.height, options.fps);
-  TruthVertices truth(folder / "truth" / "vertices.pc2", report.n_vertices, report.n_frames, options.fps);
+  TruthVertices truth(folder / "truth" / "vertices.pc2", report.n_vertices);
   nlohmann::json joints;
   for (const auto& bone : kBones) joints["names"].push_back(bone.name);
   std::vector<float> swing;

@@ -39,7 +39,7 @@ void use_mediapipe_anchors(Actor& actor) {
   if (known(kLeftShoulder) && known(kRightShoulder)) anchors[kNeck] = {0, between(kLeftShoulder, kRightShoulder, 0.5)};
   if (known(kLeftHip) && known(kRightHip)) anchors[kPelvis] = {0, between(kLeftHip, kRightHip, 0.5)};
   // The adapter's hand is the mean of wrist and finger landmarks, halfway to the knuckles.
-  for (const auto [hand, wrist] : {std::pair{kLeftHand, kLeftWrist}, std::pair{kRightHand, kRightWrist}}) {
+  for (const auto& [hand, wrist] : {std::pair{kLeftHand, kLeftWrist}, std::pair{kRightHand, kRightWrist}}) {
     if (known(hand) && known(wrist)) anchors[hand].rest_position_mm = between(wrist, hand, 0.6);
   }
   for (int k : {kLeftAnkle, kRightAnkle}) move(k, 0, 15, 20);

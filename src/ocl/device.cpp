@@ -68,8 +68,7 @@ std::string what_there_is(const std::vector<DeviceInfo>& devices) {
   if (devices.empty())
     return "no OpenCL device was found; install a driver (on Debian: apt install pocl-opencl-icd) and see `livecap devices`";
   std::string text = "available:";
-  for (const auto& device : devices) text += " " + device.label() + ";";
-  text.pop_back();
+  for (const auto& device : devices) text.append(&device == &devices.front() ? " " : "; ").append(device.label());
   return text;
 }
 

@@ -22,6 +22,13 @@
 
 namespace livecap {
 
+// How the run ended.
+struct RunEnd {
+  bool stopped_early = false;  // by the caller
+  bool input_complete = true;  // see CaptureReport
+  std::vector<std::string> warnings;
+};
+
 class CaptureOutput {
  public:
   // Creates the folder and all files that grow frame by frame, and removes what an earlier run left of the rest.
@@ -33,10 +40,11 @@ class CaptureOutput {
   FrameReport publish(WorkItem& item);
 
   // Smooths if asked, writes capture.glb and report.json, closes the overlay.
-  CaptureReport finish(const ocl::DevicePair& devices, const std::vector<std::string>& warnings);
+  CaptureReport finish(const ocl::DevicePair& devices, const RunEnd& end);
 
  private:
-  void write_frame(const FrameReport& report, const TrackResult& result, const Detections& detections);
+  void write_result(const FrameReport& report, const TrackResult& result, const Detections& detections);
+  void write_row(const FrameReport& report);  // the last file of a frame, since it holds the time the others took
   void smooth_vertices();
   std::filesystem::path in_folder(const char* name) const { return folder_ / name; }
 

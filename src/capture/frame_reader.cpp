@@ -74,6 +74,10 @@ bool FrameReader::read(WorkItem& item) {
   return true;
 }
 
+bool FrameReader::input_complete() const {
+  return video_->damaged_frames() == 0 && !video_->truncated();
+}
+
 std::vector<std::string> FrameReader::warnings() const {
   std::vector<std::string> list;
   if (video_->damaged_frames() > 0)

@@ -32,6 +32,9 @@ class FrameReader {
   // frame's time has come.
   bool read(WorkItem& item);
 
+  // False when the input ended before the length it promises or frames of it could not be decoded. Known at the end.
+  bool input_complete() const;
+
   // What the user should know about the input, after the last frame.
   std::vector<std::string> warnings() const;
 

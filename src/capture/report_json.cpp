@@ -51,7 +51,8 @@ std::string report_json(const CaptureOptions& options, const CaptureReport& repo
                         const CaptureGlbReport& glb, const Actor& actor) {
   Json json;
   json["program"] = "livecap " LIVECAP_VERSION;
-  json["complete"] = true;
+  json["complete"] = report.complete;
+  json["input_complete"] = report.input_complete;
   json["frames"] = report.frames;
   json["tracked"] = report.tracked;
   json["dropped"] = report.dropped;

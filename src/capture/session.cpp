@@ -140,16 +140,18 @@ CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& 
   stages.solve = [&](WorkItem& item) {
     if (item.report.status != TrackStatus::kDamaged) solver.solve(item);
   };
+  bool stopped_early = false;
   stages.publish = [&](WorkItem& item) {
     const FrameReport report = output.publish(item);
-    return !progress || progress(report, reader.n_frames());
+    stopped_early = progress && !progress(report, reader.n_frames());
+    return !stopped_early;
   };
   if (options.sequential) {
     run_sequential(stages);
   } else {
     run_pipelined(stages, options.realtime);
   }
-  return output.finish(devices, reader.warnings());
+  return output.finish(devices, {stopped_early, reader.input_complete(), reader.warnings()});
 }
 
 }  // namespace livecap

@@ -1,5 +1,5 @@
-// The capture folder (docs/conventions.md): every writer is valid after each frame; capture.glb and report.json come last
-// and exist only for a run that reached its end.
+// The capture folder (docs/conventions.md): every writer is valid after each frame; capture.glb and report.json come
+// last and exist only for a run that reached its end.
 #pragma once
 
 #include <filesystem>
@@ -61,7 +61,7 @@ class CaptureOutput {
   std::optional<detect::DetectionsWriter> detections_;
   std::optional<VideoWriter> overlay_;
 
-  std::vector<float> held_vertices_m_;       // last result, or the template at rest, glTF frame
+  std::vector<float> held_vertices_m_;  // last result, or the template at rest, glTF frame
   std::optional<Pose> held_pose_;
   std::vector<CapturedFrame> poses_;
   std::vector<FrameReport> reports_;

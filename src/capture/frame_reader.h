@@ -28,8 +28,8 @@ class FrameReader {
   // Pictures of the empty scene, undistorted: the background file, the first frames of the video, or none.
   std::vector<ImageRgb> empty_plates();
 
-  // Fills index, time, image; a damaged frame has status kDamaged. False at the end. With live pacing it waits until the
-  // frame's time has come.
+  // Fills index, time, image; a damaged frame has status kDamaged. False at the end. With live pacing it waits until
+  // the frame's time has come.
   bool read(WorkItem& item);
 
   // False when the input ended before the length it promises or frames of it could not be decoded. Known at the end.

@@ -28,7 +28,8 @@ constexpr std::string_view kBuiltin = "builtin:";
 // The actor's GLB as bytes: a file, or one of the built-in figures.
 std::string actor_bytes(const CaptureOptions& options) {
   if (options.actor.rfind(kBuiltin, 0) == 0)
-    return make_builtin_actor_glb(options.actor.substr(kBuiltin.size()), options.height_mm > 0 ? options.height_mm : kBuiltinHeightMm);
+    return make_builtin_actor_glb(options.actor.substr(kBuiltin.size()),
+                                  options.height_mm > 0 ? options.height_mm : kBuiltinHeightMm);
   return read_file(options.actor);
 }
 

@@ -28,6 +28,7 @@ struct Scene {
   std::vector<float> displacement;
 
   Scene() {
+    options.silhouette_huber_px = 0;                            // the reference is quadratic
     state.pose.angles_rad[actor.skeleton.n_dofs() - 1] = 1.5;  // beyond its limit
     state.pose.angles_rad[10] = -3.0;
     std::uniform_real_distribution<float> uniform(-40, 40);
@@ -180,6 +181,24 @@ TEST(PoseSystem, ThinnedContourKeepsItsWeight) {
     const PoseNormalEquations equations = system.assemble(standing);
     EXPECT_NEAR(equations.energy, scene.options.weights.silhouette * scene.contour.size() * 9,
                 test::kPoseJacobian * equations.energy);
+  });
+}
+
+TEST(PoseSystem, RobustSilhouetteGrowsLinearlyBeyondItsThreshold) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    Scene scene;
+    scene.options.silhouette_huber_px = 3;
+    PoseSystem system(device, scene.actor, scene.camera, scene.options);
+    DeviceFrame frame(device, scene.camera.width, scene.camera.height);
+    const PoseState standing{test::standing_pose(scene.actor, 0), {}};
+    for (const float distance_px : {2.0f, 12.0f}) {
+      frame.signed_distance.fill(distance_px);
+      system.set_frame(KeypointTargets{}, &frame, scene.contour, nullptr);
+      const PoseNormalEquations equations = system.assemble(standing);
+      const double each = distance_px < 3 ? distance_px * distance_px : 3.0 * distance_px;
+      EXPECT_NEAR(equations.energy, scene.options.weights.silhouette * scene.contour.size() * each,
+                  test::kPoseJacobian * equations.energy);
+    }
   });
 }
 

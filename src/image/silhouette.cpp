@@ -1,6 +1,7 @@
 #include "image/silhouette.h"
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -12,8 +13,38 @@ namespace {
 
 // Distances are measured between pixel centres; the contour runs half a pixel from the last centre of either side.
 constexpr float kHalfPixel = 0.5f;
+// A model further out than this has been lost; there it only matters which way is back.
+constexpr int kSmallestMarginPx = 32;
+constexpr int kMarginShare = 8;  // of the longer side of the person's box: one part in this many
+
+// Fills everything outside `box` from the distances on its border.
+void extend_outwards(cv::Mat& distance, const cv::Rect& box) {
+  const int right = box.x + box.width - 1, bottom = box.y + box.height - 1;
+  for (int y = 0; y < distance.rows; ++y) {
+    float* row = distance.ptr<float>(y);
+    const int from_y = std::clamp(y, box.y, bottom);
+    const float* from = distance.ptr<float>(from_y);
+    const float dy = static_cast<float>(y - from_y);
+    if (dy != 0) {
+      for (int x = box.x; x <= right; ++x) row[x] = from[x] + std::abs(dy);
+    }
+    const auto beside = [&](int begin, int end, int from_x) {
+      const float value = from[from_x];
+      for (int x = begin; x < end; ++x) {
+        const float dx = static_cast<float>(x - from_x);
+        row[x] = value + std::sqrt(dx * dx + dy * dy);
+      }
+    };
+    beside(0, box.x, box.x);
+    beside(right + 1, distance.cols, right);
+  }
+}
 
 }  // namespace
+
+int silhouette_margin_px(int box_width, int box_height) {
+  return std::max(kSmallestMarginPx, std::max(box_width, box_height) / kMarginShare);
+}
 
 Silhouette make_silhouette(const ImageGray& mask) {
   if (mask.width < 0 || mask.height < 0 || mask.pixels.size() != size_t(mask.width) * mask.height)
@@ -34,19 +65,26 @@ Silhouette make_silhouette(const ImageGray& mask) {
   if (result.area_px == static_cast<int>(mask.pixels.size())) return result;
 
   cv::Mat distance(mask.height, mask.width, CV_32FC1, result.signed_distance.data());
-  cv::bitwise_not(inside, outside);
-  cv::distanceTransform(outside, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  const cv::Rect picture(0, 0, mask.width, mask.height);
+  const auto grown = [&](const cv::Rect& box, int margin) {
+    return (box + cv::Size(2 * margin, 2 * margin) - cv::Point(margin, margin)) & picture;
+  };
+  const cv::Rect person = cv::boundingRect(inside);
+  const cv::Rect exact = grown(person, silhouette_margin_px(person.width, person.height));
+  cv::bitwise_not(inside(exact), outside);
+  cv::Mat outer;
+  cv::distanceTransform(outside, outer, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  cv::subtract(outer, cv::Scalar(kHalfPixel), distance(exact));
   // Inside needs only the person's box and the ring of background around it.
-  cv::Rect box = cv::boundingRect(inside);
-  box = (box + cv::Size(2, 2) - cv::Point(1, 1)) & cv::Rect(0, 0, mask.width, mask.height);
+  const cv::Rect box = grown(person, 1);
   cv::Mat depth;
   cv::distanceTransform(inside(box), depth, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-  distance -= kHalfPixel;
   for (int y = 0; y < box.height; ++y) {
     float* row = distance.ptr<float>(box.y + y) + box.x;
     const float* depth_row = depth.ptr<float>(y);
     for (int x = 0; x < box.width; ++x) row[x] = depth_row[x] > 0 ? kHalfPixel - depth_row[x] : row[x];
   }
+  extend_outwards(distance, exact);
   return result;
 }
 

@@ -11,13 +11,18 @@ struct Silhouette {
   int width = 0;
   int height = 0;
   // [width*height] px, Euclidean distance to the silhouette contour: positive outside, negative inside, zero on the
-  // contour between pixels. |signed_distance| is the paper's I_DT. Empty when nobody is in the picture.
+  // contour between pixels. |signed_distance| is the paper's I_DT. Exact inside the person's box grown by
+  // silhouette_margin_px(); beyond it an upper bound that rises away from the box without a step: the value at the
+  // grown box's nearest pixel plus the distance to that pixel. Empty when nobody is in the picture.
   std::vector<float> signed_distance;
   int area_px = 0;  // foreground pixels
   bool empty() const { return area_px == 0; }
 };
 
-// mask: > 127 is foreground. Exact Euclidean.
+// How far around the person's box (its size in px) distances are exact.
+int silhouette_margin_px(int box_width, int box_height);
+
+// mask: > 127 is foreground. Throws LogicError for a malformed mask.
 Silhouette make_silhouette(const ImageGray& mask);
 
 }  // namespace livecap

@@ -26,10 +26,11 @@ float brute_force(const ImageGray& mask, int x, int y) {
 
 TEST(Silhouette, MatchesBruteForce) {
   std::mt19937 random(1);
-  for (const auto& [width, height] : {std::pair{1, 7}, {31, 17}, {64, 63}, {65, 40}}) {
+  for (const auto& [width, height] : {std::pair{1, 7}, {31, 17}, {64, 63}, {65, 40}, {150, 131}}) {
     for (int blobs : {1, 4}) {
       ImageGray mask{width, height, std::vector<uint8_t>(size_t(width) * height, 127)};
       int area = 0;
+      int left = width, right = -1, top = height, bottom = -1;
       for (int b = 0; b < blobs; ++b) {
         const int cx = random() % width, cy = random() % height, r = 1 + random() % 9;
         for (int y = 0; y < height; ++y) {
@@ -38,17 +39,55 @@ TEST(Silhouette, MatchesBruteForce) {
           }
         }
       }
-      for (uint8_t p : mask.pixels) area += p > 127;
+      for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+          if (mask.pixels[size_t(y) * width + x] <= 127) continue;
+          ++area;
+          left = std::min(left, x), right = std::max(right, x);
+          top = std::min(top, y), bottom = std::max(bottom, y);
+        }
+      }
       if (area == width * height) continue;
       const Silhouette silhouette = make_silhouette(mask);
       EXPECT_EQ(silhouette.area_px, area);
+      const int margin = silhouette_margin_px(right - left + 1, bottom - top + 1);
       for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
+          if (x < left - margin || x > right + margin || y < top - margin || y > bottom + margin) continue;
           ASSERT_NEAR(silhouette.signed_distance[size_t(y) * width + x], brute_force(mask, x, y), test::kDistancePx)
               << x << "," << y;
         }
       }
     }
+  }
+}
+
+TEST(Silhouette, FarFromThePersonDistancesAreAnUpperBoundThatRises) {
+  constexpr int kSize = 180, kFrom = 80, kTo = 99;  // a square person
+  ImageGray mask{kSize, kSize, std::vector<uint8_t>(kSize * kSize, 0)};
+  for (int y = kFrom; y <= kTo; ++y) {
+    for (int x = kFrom; x <= kTo; ++x) mask.pixels[y * kSize + x] = 255;
+  }
+  const int margin = silhouette_margin_px(kTo - kFrom + 1, kTo - kFrom + 1);
+  ASSERT_LT(margin, kFrom - 10);
+  const Silhouette silhouette = make_silhouette(mask);
+  const auto at = [&](int x, int y) { return silhouette.signed_distance[size_t(y) * kSize + x]; };
+  for (int y = 0; y < kSize; ++y) {
+    for (int x = 0; x < kSize; ++x) {
+      const float exact = brute_force(mask, x, y);
+      ASSERT_GE(at(x, y), exact - test::kDistancePx) << x << "," << y;
+      if (exact < 0) continue;
+      // The way through the nearest pixel of the exact part is a detour of two sides of a triangle.
+      ASSERT_LE(at(x, y), 2 * exact) << x << "," << y;
+      // Straight beside the person the way is straight, too.
+      if ((x >= kFrom && x <= kTo) || (y >= kFrom && y <= kTo)) {
+        ASSERT_NEAR(at(x, y), exact, test::kDistancePx) << x << "," << y;
+      }
+    }
+  }
+  for (int k = 1; k < kFrom; ++k) {
+    EXPECT_GT(at(k - 1, 90), at(k, 90)) << k;
+    EXPECT_GT(at(k - 1, k - 1), at(k, k)) << k;
   }
 }
 

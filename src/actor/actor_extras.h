@@ -1,5 +1,5 @@
 // `extras.livecap` of an actor file: what its author says about bones, limits, markers and keypoints
-// (docs/conventions.md). Private to the actor room.
+// (docs/formats.md). Private to the actor room.
 #pragma once
 
 #include <Eigen/Core>

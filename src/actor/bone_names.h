@@ -1,4 +1,4 @@
-// Which node of a rigged file is which LiveCap-27 joint, by the names rigs use (DESIGN section 3.1).
+// Which node of a rigged file is which LiveCap-27 joint, by the names rigs use (docs/formats.md).
 #pragma once
 
 #include <array>

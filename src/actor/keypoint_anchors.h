@@ -1,4 +1,4 @@
-// Where the 23 observation keypoints sit on an actor (DESIGN section 4): joints, extremities and face markers.
+// Where the 23 observation keypoints sit on an actor (docs/formats.md): joints, extremities and face markers.
 #pragma once
 
 #include <Eigen/Core>

@@ -22,7 +22,7 @@ struct DofRow {
   double min_deg, max_deg;
 };
 
-// DESIGN section 4, in its order.
+// docs/formats.md, in its order.
 constexpr DofRow kDofs[] = {
     {kRigNeck, 'x', -60, 50},           {kRigNeck, 'y', -75, 75},
     {kRigNeck, 'z', -40, 40},           {kRigLeftClavicle, 'y', -30, 25},

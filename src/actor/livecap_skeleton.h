@@ -1,4 +1,4 @@
-// The LiveCap-27 chain (DESIGN section 4) fitted to the joint positions of one actor.
+// The LiveCap-27 chain (docs/formats.md) fitted to the joint positions of one actor.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +18,7 @@ namespace livecap {
 using RigPositions = std::array<Eigen::Vector3d, kRigJointCount>;
 
 // Builds 14 bones (names and indices as RigJoint) and 27 joint angles with the rest angles the positions imply, so that
-// forward kinematics at rest reproduces the positions. Limits come from DESIGN's table, replaced by `limits_deg`
+// forward kinematics at rest reproduces the positions. Limits come from the table there, replaced by `limits_deg`
 // (joint angle name -> min, max in degrees). A ball joint's rest angle outside its limits widens them, with a note;
 // a hinge keeps its limits and leaves the rest to the bone's offset.
 Skeleton build_livecap_skeleton(const RigPositions& joints_mm,

@@ -1,4 +1,4 @@
-// Comparing a capture folder with the ground truth of its sequence (DESIGN 3.2, 3.3).
+// Comparing a capture folder with the ground truth of its sequence (docs/formats.md).
 //
 // Judged are all frames in which the truth has a person: frames the capture lost count with the result it held, and
 // with an IoU of 0 when it held none. Nothing is left out because it went wrong.

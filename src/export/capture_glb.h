@@ -1,5 +1,5 @@
-// capture.glb: the actor with its skeleton animation and the non-rigid motion as morph targets (DESIGN 3.3). Opens in
-// Blender 3.4+ and three.js; `livecap` reads it back as an actor.
+// capture.glb: the actor with its skeleton animation and the non-rigid motion as morph targets (docs/formats.md). Opens
+// in Blender 3.4+ and three.js; `livecap` reads it back as an actor.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// The tables of a capture folder: frames.csv and joints.csv (DESIGN 3.3). One row per input frame, on disk before the
-// next one begins.
+// The tables of a capture folder: frames.csv and joints.csv (docs/formats.md). One row per input frame, on disk before
+// the next one begins.
 #pragma once
 
 #include <filesystem>

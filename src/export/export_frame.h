@@ -1,5 +1,5 @@
 // From the library's frame (millimetres, camera axes: x right, y down, z forward) to that of every exported file (glTF:
-// metres, Y up, right-handed). DESIGN section 2.
+// metres, Y up, right-handed). docs/conventions.md.
 #pragma once
 
 #include <Eigen/Core>

@@ -16,7 +16,7 @@ namespace livecap {
 // Ids in the part image and the vertex list. Left and right are the subject's.
 enum BodyPart : int { kNoPart, kTorso, kLeftArm, kRightArm, kLeftLeg, kRightLeg, kHead, kBodyPartCount };
 
-// Part of each bone by its name (the words of DESIGN section 4: left_shoulder, right_hip, neck ...); a bone whose name
+// Part of each bone by its name (the words of docs/formats.md: left_shoulder, right_hip, neck ...); a bone whose name
 // says nothing belongs to its parent's part, the root and the clavicles to the torso. [n_bones]
 std::vector<int32_t> body_parts_of_bones(const Skeleton& skeleton);
 

@@ -1,4 +1,4 @@
-// actor_glb of actor_model.h: the actor as a glTF 2.0 binary (DESIGN 3.1).
+// actor_glb of actor_model.h: the actor as a glTF 2.0 binary (docs/formats.md).
 #include <tiny_gltf.h>
 
 #include <cstring>

@@ -48,7 +48,7 @@ void write_bytes(std::ofstream& out, const void* data, size_t bytes, const std::
     throw IoError(path.string() + ": cannot be written; is the disk full?");
 }
 
-// PC2 point cache, one sample per frame (DESIGN 3.3); valid after every frame.
+// PC2 point cache, one sample per frame (docs/formats.md); valid after every frame.
 class TruthVertices {
  public:
   TruthVertices(const std::filesystem::path& path, int n_points)

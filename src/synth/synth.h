@@ -1,4 +1,4 @@
-// The project's own actors and ground-truth sequences (DESIGN 3.1, 3.2).
+// The project's own actors and ground-truth sequences (docs/formats.md).
 //
 // Everything here is made by code the tracker does not share: its own signed-distance body, skinning, cloth, camera
 // placement and rasteriser, so that a mistake in the tracker cannot hide in its test data. Same options, same bytes.

@@ -45,7 +45,7 @@ TEST(LivecapSkeleton, RestReproducesAnyJointPositions) {
   }
 }
 
-// DESIGN section 4, spot checks by name, order and mirrored limits.
+// docs/formats.md, spot checks by name, order and mirrored limits.
 TEST(LivecapSkeleton, FollowsTheTable) {
   std::mt19937 rng(1);
   std::vector<std::string> notes;

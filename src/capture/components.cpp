@@ -48,7 +48,8 @@ void switch_off(const std::string& name, TrackerOptions& options) {
     return;
   }
   if (name == "face") {
-    for (int k = kBodyKeypointCount; k < kKeypointCount; ++k) options.pose.keypoint_2d_weights[k] = 0;
+    for (int k = kBodyKeypointCount; k < kKeypointCount; ++k)
+      options.pose.keypoint_2d_weights[k] = options.pose.keypoint_3d_weights[k] = 0;
   } else if (name == "warping") {
     options.warp_displacements = false;
   } else if (name == "part_mask") {

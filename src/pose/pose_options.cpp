@@ -27,6 +27,7 @@ std::array<double, kKeypointCount> default_keypoint_3d_weights() {
   std::array<double, kKeypointCount> weights;
   weights.fill(1);
   for (int k : {kNeck, kPelvis, kLeftHip, kRightHip, kLeftShoulder, kRightShoulder}) weights[k] = 10;
+  for (int k : {kLeftEye, kRightEye, kNose, kChin}) weights[k] = 0.326;
   return weights;
 }
 

@@ -33,7 +33,6 @@ KeypointTargets make_targets(const Actor& actor, const Detections& detections, c
       target.weight_2d =
           options.weights.keypoint_2d * options.keypoint_2d_weights[k] * std::clamp<double>(detection.confidence, 0, 1);
     }
-    if (k >= kBodyKeypointCount) continue;
     target.detection_mm = points[k].position_mm;
     target.weight_3d = options.weights.keypoint_3d * options.keypoint_3d_weights[k] * points[k].confidence;
     if (previous) {

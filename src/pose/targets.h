@@ -27,7 +27,8 @@ using KeypointTargets = std::array<KeypointTarget, kKeypointCount>;
 std::array<Eigen::Vector3d, kKeypointCount> keypoint_positions(const Actor& actor, const PosedSkeleton& posed);
 
 // previous: the last frame's pose, or nullptr (no temporal term). Detections that are not finite count as unknown; so
-// do all when detections.person is false. E_3D and E_temporal have the 19 body keypoints, E_2D the face as well.
+// do all when detections.person is false. E_temporal has the 19 body keypoints, the others the
+// face as well.
 KeypointTargets make_targets(const Actor& actor, const Detections& detections, const Pose* previous,
                              const PoseOptions& options);
 

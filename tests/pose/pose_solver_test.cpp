@@ -180,7 +180,9 @@ TEST(PoseSolver, SilhouettePullsTheBodyToTheContour) {
   test::on_every_device([](ocl::DeviceContext& device) {
     const Actor actor = test::make_test_actor(0.7);
     const Camera camera = test::portrait_camera();
-    PoseSolver solver(device, actor, camera, {});
+    PoseOptions quadratic;
+    quadratic.silhouette_huber_px = 0;  // the paper's term, which reaches the contour in six steps
+    PoseSolver solver(device, actor, camera, quadratic);
     const Pose start = test::standing_pose(actor, 0);
     // The right border of the silhouette is 12 px left of the rightmost vertices.
     const std::vector<int32_t> all = test::some_vertices(actor, 1);

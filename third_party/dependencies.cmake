@@ -14,7 +14,6 @@
 # CLI11           libcli11-dev                           2.1      BSD-3-Clause   command line and TOML configuration
 # GoogleTest      libgtest-dev, libgmock-dev             1.12     BSD-3-Clause   tests
 # Ceres           libceres-dev                           2.1      BSD-3-Clause   tests only: a trusted solver to compare with
-# Benchmark       libbenchmark-dev                       1.7      Apache-2.0     benchmarks
 find_package(OpenCL 1.2 REQUIRED)
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.3 REQUIRED NO_MODULE)

@@ -30,30 +30,32 @@ enum class TrackStatus {
 const char* track_status_name(TrackStatus status);
 
 // True for the two states in which the frame has a result of its own.
-inline bool is_tracked(TrackStatus status) { return status == TrackStatus::kOk || status == TrackStatus::kInitialized; }
+inline bool is_tracked(TrackStatus status) {
+  return status == TrackStatus::kOk || status == TrackStatus::kInitialized;
+}
 
 struct CaptureOptions {
-  std::string video;            // video file, folder of images, or "webcam:N"
-  std::string camera;           // camera.json; or
-  double fov_deg = 0;           // field of view of the longer side, degrees
-  std::string background;       // picture of the empty scene; or
-  int background_frames = 0;    // the first N frames of the video are empty; or neither: the network's mask alone
-  std::string actor;            // actor.glb or "builtin:skirt", "builtin:trousers"
-  double height_mm = 0;         // > 0: the actor is scaled to this height
-  std::string model = "full";   // lite | full | heavy | path of a .tflite file
-  std::string detections;       // detections.jsonl to use instead of the network
-  std::string out;              // folder to write (created)
-  bool overlay = false;         // write overlay.mp4
-  bool surface = true;          // false: stage I only
-  bool sequential = false;      // one thread; the result is the same
-  bool realtime = false;        // read the file at its own pace and drop what comes too early
-  bool smooth = false;          // filter the vertex trajectories with [0.15, 0.7, 0.15] afterwards
+  std::string video;                 // video file, folder of images, or "webcam:N"
+  std::string camera;                // camera.json; or
+  double fov_deg = 0;                // field of view of the longer side, degrees
+  std::string background;            // picture of the empty scene; or
+  int background_frames = 0;         // the first N frames of the video are empty; or neither: the network's mask alone
+  std::string actor;                 // actor.glb or "builtin:skirt", "builtin:trousers"
+  double height_mm = 0;              // > 0: the actor is scaled to this height
+  std::string model = "full";        // lite | full | heavy | path of a .tflite file
+  std::string detections;            // detections.jsonl to use instead of the network
+  std::string out;                   // folder to write (created)
+  bool overlay = false;              // write overlay.mp4
+  bool surface = true;               // false: stage I only
+  bool sequential = false;           // one thread; the result is the same
+  bool realtime = false;             // read the file at its own pace and drop what comes too early
+  bool smooth = false;               // filter the vertex trajectories with [0.15, 0.7, 0.15] afterwards
   std::vector<std::string> without;  // energy terms and components switched off (docs/conventions.md)
-  std::string cnn_device;       // selectors, see `livecap devices`; empty: chosen
+  std::string cnn_device;            // selectors, see `livecap devices`; empty: chosen
   std::string solver_device;
-  int64_t first = 0;            // first input frame to process
-  int64_t frames = -1;          // at most this many; -1: all
-  double bvh_unit_m = 0.01;     // length of one BVH unit in metres
+  int64_t first = 0;         // first input frame to process
+  int64_t frames = -1;       // at most this many; -1: all
+  double bvh_unit_m = 0.01;  // length of one BVH unit in metres
 
   // Throws ConfigError naming the option.
   void validate() const;
@@ -65,26 +67,28 @@ inline constexpr int kStageCount = static_cast<int>(CaptureStage::kCount);
 const char* stage_name(CaptureStage stage);
 
 struct FrameReport {
-  int64_t index = 0;            // of the input
+  int64_t index = 0;  // of the input
   double pts_ms = 0;
   TrackStatus status = TrackStatus::kNobody;
-  double score = 0;             // network's person probability
-  double iou = 0;               // rendered mesh against the segmented silhouette
+  double score = 0;  // network's person probability
+  double iou = 0;    // rendered mesh against the segmented silhouette
   double pose_energy = 0;
   double surface_energy = 0;
-  double keypoint_error_px = 0; // mean over the detected keypoints
+  double keypoint_error_px = 0;  // mean over the detected keypoints
   std::array<double, kStageCount> stage_ms{};
-  double latency_ms = 0;        // from having been read to having been published
+  double latency_ms = 0;  // from having been read to having been published
 };
 
 struct CaptureReport {
-  int64_t frames = 0;           // rows in frames.csv
+  bool complete = true;        // false: stopped early by the progress callback
+  bool input_complete = true;  // false: the video ended before the length it promises, or had damaged frames
+  int64_t frames = 0;          // rows in frames.csv
   int64_t tracked = 0;
   int64_t dropped = 0;
   int64_t damaged = 0;
-  double fps = 0;               // frames per second of wall-clock after the first result
-  double latency_ms = 0;        // median
-  double mean_iou = 0;          // over tracked frames
+  double fps = 0;         // frames per second of wall-clock after the first result
+  double latency_ms = 0;  // median
+  double mean_iou = 0;    // over tracked frames
   std::array<double, kStageCount> stage_median_ms{};
   std::vector<std::string> warnings;
   std::string glb, pc2, bvh, overlay, report;  // paths; empty when not written

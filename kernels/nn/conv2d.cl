@@ -76,7 +76,6 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_window(NnOp op, 
   // Inside, the kernel's columns are contiguous in memory and count as one long row of inputs.
   const int n_segments = inside ? 1 : op.kernel_w;
   const int segment = inside ? op.kernel_w * channels : channels;
-  const int pixel_step = op.stride_w * channels;
   const float16 bias = vload16(panel, weights + op.bias_offset);
   float16 a0 = bias, a1 = bias, a2 = bias, a3 = bias, a4 = bias, a5 = bias, a6 = bias, a7 = bias;
   for (int ky = 0; ky < op.kernel_h; ++ky) {

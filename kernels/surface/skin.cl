@@ -30,15 +30,16 @@ kernel void skin_vertices(int n, global const float* restrict rest, global const
   vstore3((float3)(v.x, v.y, v.z), i, out);
 }
 
-// out = R^-1 (deformed - skinned), R the blended rotation. All [3n] mm.
+// out = share R^-1 (deformed - skinned), R the blended rotation. All [3n] mm.
 kernel void unskin_displacement(int n, global const float* restrict deformed, global const float* restrict skinned,
+                                global const float* restrict share,       // [n] 0..1
                                 global const int* restrict bones,         // [4n]
                                 global const float* restrict weights,     // [4n]
                                 global const float* restrict dual_quats,  // [8 n_bones]
                                 global float* restrict out) {
   int i = get_global_id(0);
   if (i >= n) return;
-  float3 d = vload3(i, deformed) - vload3(i, skinned);
+  float3 d = share[i] * (vload3(i, deformed) - vload3(i, skinned));
   Vec3 v = dual_quat_unrotate(blended_motion(i, bones, weights, dual_quats), vec3(d.x, d.y, d.z));
   vstore3((float3)(v.x, v.y, v.z), i, out);
 }

@@ -39,12 +39,16 @@ void use_mediapipe_anchors(Actor& actor) {
   if (known(kLeftShoulder) && known(kRightShoulder)) anchors[kNeck] = {0, between(kLeftShoulder, kRightShoulder, 0.5)};
   if (known(kLeftHip) && known(kRightHip)) anchors[kPelvis] = {0, between(kLeftHip, kRightHip, 0.5)};
   // The adapter's hand is the mean of wrist and finger landmarks, halfway to the knuckles.
-  for (const auto [hand, wrist] : {std::pair{kLeftHand, kLeftWrist}, std::pair{kRightHand, kRightWrist}}) {
+  for (const auto& [hand, wrist] : {std::pair{kLeftHand, kLeftWrist}, std::pair{kRightHand, kRightWrist}}) {
     if (known(hand) && known(wrist)) anchors[hand].rest_position_mm = between(wrist, hand, 0.6);
   }
-  for (int k : {kLeftAnkle, kRightAnkle}) move(k, 0, 15, 20);
+  // Bony points instead of joint centres: the outside of the elbow, the far end of the wrist, the front of the ankle.
+  for (int k : {kLeftElbow, kRightElbow}) move(k, 0, 0, 12);
+  move(kLeftWrist, 15, 0, 0);
+  move(kRightWrist, -15, 0, 0);
+  for (int k : {kLeftAnkle, kRightAnkle}) move(k, 0, 8, 22);
   // Tip of the foot instead of the joint of the toes.
-  for (int k : {kLeftToe, kRightToe}) move(k, 0, -22, 20);
+  for (int k : {kLeftToe, kRightToe}) move(k, 0, -15, 40);
   // The mouth stands for the chin.
   if (known(kChin) && known(kNose)) anchors[kChin].rest_position_mm = between(kChin, kNose, 0.5);
 }

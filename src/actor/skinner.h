@@ -22,9 +22,10 @@ class Skinner {
   // out_camera = DQS(rest + displacement_rest). Pass a zero buffer for the bare template.
   void skin(const ocl::Buffer<float>& displacement_rest, ocl::Buffer<float>& out_camera);
 
-  // displacement_rest = R^-1 (deformed - skinned), R the blended rotation of each vertex (paper, "Displacement Warping").
+  // displacement_rest = share R^-1 (deformed - skinned), R the blended rotation of each vertex (paper, "Displacement
+  // Warping"). share: [n_vertices] in 0..1, how much of a vertex's displacement is kept.
   void unskin_displacement(const ocl::Buffer<float>& deformed_camera, const ocl::Buffer<float>& skinned_camera,
-                           ocl::Buffer<float>& out_displacement_rest);
+                           const ocl::Buffer<float>& share, ocl::Buffer<float>& out_displacement_rest);
 
   // Area-weighted unit normals of camera positions.
   void normals(const ocl::Buffer<float>& positions_camera, ocl::Buffer<float>& out_normals);

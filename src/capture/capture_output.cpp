@@ -48,7 +48,7 @@ CaptureOutput::CaptureOutput(const CaptureOptions& options, const Actor& actor, 
                  [](float mm) { return static_cast<float>(kMetresPerMm * mm); });
 }
 
-void CaptureOutput::write_frame(const FrameReport& report, const TrackResult& result, const Detections& detections) {
+void CaptureOutput::write_result(const FrameReport& report, const TrackResult& result, const Detections& detections) {
   const bool tracked = is_tracked(report.status);
   if (tracked) {
     held_vertices_m_ = gltf_from_camera(result.vertices_mm);
@@ -68,6 +68,9 @@ void CaptureOutput::write_frame(const FrameReport& report, const TrackResult& re
   frame.tracked = tracked;
   if (tracked) frame.pose = result.pose;
   poses_.push_back(std::move(frame));
+}
+
+void CaptureOutput::write_row(const FrameReport& report) {
   frames_csv_->append(report, track_status_name(report.status));
   reports_.push_back(report);
 }
@@ -76,7 +79,8 @@ FrameReport CaptureOutput::publish(WorkItem& item) {
   for (FrameReport& dropped : item.dropped_before) {
     Detections nobody;
     nobody.frame_index = dropped.index;
-    write_frame(dropped, {}, nobody);
+    write_result(dropped, {}, nobody);
+    write_row(dropped);
   }
   Timer timer;
   if (overlay_) {
@@ -84,9 +88,10 @@ FrameReport CaptureOutput::publish(WorkItem& item) {
     overlay_->write(tracked ? render_overlay(actor_, item.result.vertices_mm, camera_, item.image) : item.image);
   }
   item.detections.frame_index = item.report.index;
-  item.report.latency_ms = item.since_read.elapsed_ms();
+  write_result(item.report, item.result, item.detections);
   item.report.stage_ms[static_cast<int>(CaptureStage::kOutput)] = timer.elapsed_ms();
-  write_frame(item.report, item.result, item.detections);
+  item.report.latency_ms = item.since_read.elapsed_ms();
+  write_row(item.report);
 
   if (!since_first_) {
     since_first_.emplace();
@@ -127,9 +132,12 @@ void CaptureOutput::smooth_vertices() {
   std::filesystem::rename(smoothed, raw);
 }
 
-CaptureReport CaptureOutput::finish(const ocl::DevicePair& devices, const std::vector<std::string>& warnings) {
+CaptureReport CaptureOutput::finish(const ocl::DevicePair& devices, const RunEnd& end) {
   CaptureReport report;
-  report.warnings = warnings;
+  report.complete = !end.stopped_early;
+  report.input_complete = end.input_complete;
+  report.warnings = end.warnings;
+  if (end.stopped_early) report.warnings.push_back(options_.video + ": stopped before its end");
   report.frames = static_cast<int64_t>(reports_.size());
   std::array<std::vector<double>, kStageCount> stage_ms;
   std::vector<double> latency;

@@ -1,5 +1,5 @@
-// The capture folder (docs/conventions.md): every writer is valid after each frame; capture.glb and report.json come last
-// and exist only for a run that reached its end.
+// The capture folder (docs/conventions.md): every writer is valid after each frame; capture.glb and report.json come
+// last and exist only for a run that reached its end.
 #pragma once
 
 #include <filesystem>
@@ -22,6 +22,13 @@
 
 namespace livecap {
 
+// How the run ended.
+struct RunEnd {
+  bool stopped_early = false;  // by the caller
+  bool input_complete = true;  // see CaptureReport
+  std::vector<std::string> warnings;
+};
+
 class CaptureOutput {
  public:
   // Creates the folder and all files that grow frame by frame, and removes what an earlier run left of the rest.
@@ -33,10 +40,11 @@ class CaptureOutput {
   FrameReport publish(WorkItem& item);
 
   // Smooths if asked, writes capture.glb and report.json, closes the overlay.
-  CaptureReport finish(const ocl::DevicePair& devices, const std::vector<std::string>& warnings);
+  CaptureReport finish(const ocl::DevicePair& devices, const RunEnd& end);
 
  private:
-  void write_frame(const FrameReport& report, const TrackResult& result, const Detections& detections);
+  void write_result(const FrameReport& report, const TrackResult& result, const Detections& detections);
+  void write_row(const FrameReport& report);  // the last file of a frame, since it holds the time the others took
   void smooth_vertices();
   std::filesystem::path in_folder(const char* name) const { return folder_ / name; }
 
@@ -53,7 +61,7 @@ class CaptureOutput {
   std::optional<detect::DetectionsWriter> detections_;
   std::optional<VideoWriter> overlay_;
 
-  std::vector<float> held_vertices_m_;       // last result, or the template at rest, glTF frame
+  std::vector<float> held_vertices_m_;  // last result, or the template at rest, glTF frame
   std::optional<Pose> held_pose_;
   std::vector<CapturedFrame> poses_;
   std::vector<FrameReport> reports_;

@@ -11,10 +11,12 @@ namespace livecap {
 
 FrameReader::FrameReader(const CaptureOptions& options)
     : options_(options), video_(std::make_unique<VideoReader>(options.video)), info_(video_->info()) {
-  camera_ = options.camera.empty() ? camera_from_fov(info_.width, info_.height, options.fov_deg) : load_camera(options.camera);
+  camera_ = options.camera.empty() ? camera_from_fov(info_.width, info_.height, options.fov_deg)
+                                   : load_camera(options.camera);
   if (camera_.width != info_.width || camera_.height != info_.height) {
     throw IoError(options.camera + format(": width and height are %dx%d but %s is %dx%d; calibrate at the video's size",
-                                          camera_.width, camera_.height, options.video.c_str(), info_.width, info_.height));
+                                          camera_.width, camera_.height, options.video.c_str(), info_.width,
+                                          info_.height));
   }
   undistorter_.emplace(camera_);
   undistorted_camera_ = undistorter_->undistorted_camera();
@@ -31,8 +33,8 @@ std::vector<ImageRgb> FrameReader::empty_plates() {
   if (!options_.background.empty()) {
     ImageRgb plate = read_image_rgb(options_.background);
     if (plate.width != info_.width || plate.height != info_.height) {
-      throw IoError(options_.background + format(": the picture is %dx%d but the video is %dx%d", plate.width, plate.height,
-                                                 info_.width, info_.height));
+      throw IoError(options_.background + format(": the picture is %dx%d but the video is %dx%d", plate.width,
+                                                 plate.height, info_.width, info_.height));
     }
     plates.push_back(undistorter_->undistort(plate));
   } else if (options_.background_frames > 0) {
@@ -74,10 +76,15 @@ bool FrameReader::read(WorkItem& item) {
   return true;
 }
 
+bool FrameReader::input_complete() const {
+  return video_->damaged_frames() == 0 && !video_->truncated();
+}
+
 std::vector<std::string> FrameReader::warnings() const {
   std::vector<std::string> list;
   if (video_->damaged_frames() > 0)
-    list.push_back(options_.video + format(": %lld damaged frame(s)", static_cast<long long>(video_->damaged_frames())));
+    list.push_back(options_.video +
+                   format(": %lld damaged frame(s)", static_cast<long long>(video_->damaged_frames())));
   if (video_->truncated()) list.push_back(options_.video + ": ends before the length it promises");
   return list;
 }

@@ -28,9 +28,12 @@ class FrameReader {
   // Pictures of the empty scene, undistorted: the background file, the first frames of the video, or none.
   std::vector<ImageRgb> empty_plates();
 
-  // Fills index, time, image; a damaged frame has status kDamaged. False at the end. With live pacing it waits until the
-  // frame's time has come.
+  // Fills index, time, image; a damaged frame has status kDamaged. False at the end. With live pacing it waits until
+  // the frame's time has come.
   bool read(WorkItem& item);
+
+  // False when the input ended before the length it promises or frames of it could not be decoded. Known at the end.
+  bool input_complete() const;
 
   // What the user should know about the input, after the last frame.
   std::vector<std::string> warnings() const;

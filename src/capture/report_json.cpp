@@ -51,7 +51,8 @@ std::string report_json(const CaptureOptions& options, const CaptureReport& repo
                         const CaptureGlbReport& glb, const Actor& actor) {
   Json json;
   json["program"] = "livecap " LIVECAP_VERSION;
-  json["complete"] = true;
+  json["complete"] = report.complete;
+  json["input_complete"] = report.input_complete;
   json["frames"] = report.frames;
   json["tracked"] = report.tracked;
   json["dropped"] = report.dropped;
@@ -87,9 +88,10 @@ std::string report_json(const CaptureOptions& options, const CaptureReport& repo
                    {"triangles", actor.mesh.n_triangles()},
                    {"joint_angles", actor.skeleton.n_dofs()},
                    {"notes", actor.notes}};
-  json["network"] = options.detections.empty()
-                        ? Json{{"model", options.model}, {"sha256", file_sha256(detect::find_model(options.model).string())}}
-                        : Json(nullptr);
+  json["network"] =
+      options.detections.empty()
+          ? Json{{"model", options.model}, {"sha256", file_sha256(detect::find_model(options.model).string())}}
+          : Json(nullptr);
   json["devices"] = {{"network", device_json(devices.cnn)}, {"solver", device_json(devices.solver)}};
   json["capture_glb"] = {{"keys", glb.n_keys},
                          {"morph_targets", glb.n_morph_targets},

@@ -28,7 +28,8 @@ constexpr std::string_view kBuiltin = "builtin:";
 // The actor's GLB as bytes: a file, or one of the built-in figures.
 std::string actor_bytes(const CaptureOptions& options) {
   if (options.actor.rfind(kBuiltin, 0) == 0)
-    return make_builtin_actor_glb(options.actor.substr(kBuiltin.size()), options.height_mm > 0 ? options.height_mm : kBuiltinHeightMm);
+    return make_builtin_actor_glb(options.actor.substr(kBuiltin.size()),
+                                  options.height_mm > 0 ? options.height_mm : kBuiltinHeightMm);
   return read_file(options.actor);
 }
 
@@ -140,16 +141,18 @@ CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& 
   stages.solve = [&](WorkItem& item) {
     if (item.report.status != TrackStatus::kDamaged) solver.solve(item);
   };
+  bool stopped_early = false;
   stages.publish = [&](WorkItem& item) {
     const FrameReport report = output.publish(item);
-    return !progress || progress(report, reader.n_frames());
+    stopped_early = progress && !progress(report, reader.n_frames());
+    return !stopped_early;
   };
   if (options.sequential) {
     run_sequential(stages);
   } else {
     run_pipelined(stages, options.realtime);
   }
-  return output.finish(devices, reader.warnings());
+  return output.finish(devices, {stopped_early, reader.input_complete(), reader.warnings()});
 }
 
 }  // namespace livecap

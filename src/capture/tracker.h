@@ -26,6 +26,11 @@ struct TrackerOptions {
   VisibilityOptions visibility;
   bool enable_surface = true;       // false: the result is the skinned template of stage I
   bool warp_displacements = true;   // carry the non-rigid displacement to the next frame
+  // Only cloth keeps its displacement: what skin, hair and shoes seem to be displaced by is an error of the pose, and
+  // carried on it would hold the pose there. Half of it is carried: all of it (the paper) cost accuracy on every
+  // sequence with ground truth, because what one frame explains wrongly the next one starts from.
+  float max_carried_rigidity = 3;
+  float carried_share = 0.5f;
   bool part_mask = true;            // b_i = 0 on another body part's region
   bool snapping = true;
   bool ignore_confidence = false;   // true: every keypoint the network knows counts fully
@@ -90,6 +95,7 @@ class Tracker {
 
   ocl::Buffer<float> displacement_rest_;  // d-hat, rest frame; zero before the first surface
   ocl::Buffer<float> zero_;               // [3n] always zero
+  ocl::Buffer<float> carried_share_;      // [n] share of each vertex's displacement that is carried on
   ocl::Buffer<float> start_;              // V^S + d^S
   ocl::Buffer<float> skinned_;            // V^S
   ocl::Buffer<float> normals_;

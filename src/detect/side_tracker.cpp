@@ -20,6 +20,10 @@ constexpr Pair kArms[] = {
     {kLeftShoulder, kRightShoulder}, {kLeftElbow, kRightElbow}, {kLeftWrist, kRightWrist}, {kLeftHand, kRightHand}};
 constexpr Pair kLegs[] = {
     {kLeftHip, kRightHip}, {kLeftKnee, kRightKnee}, {kLeftAnkle, kRightAnkle}, {kLeftToe, kRightToe}};
+// Too near each other to tell the sides apart, but named together with the arms.
+constexpr Pair kEyes = {kLeftEye, kRightEye};
+// Without a side; their depth goes with that of the arms.
+constexpr Keypoint kMiddle[] = {kHeadTop, kNeck, kNose, kChin};
 
 double distance(const KeypointDetection& a, const KeypointDetection& b, double mm_per_px) {
   return std::hypot(a.x_mm - b.x_mm, a.y_mm - b.y_mm, a.z_mm - b.z_mm) +
@@ -49,8 +53,10 @@ bool SideTracker::update(const SideTrackerOptions& options, double dt_s, double 
     started_ = true;
     agreement_s_[0] = agreement_s_[1] = 0;
     last_ = keypoints;
+    for (int k = 0; k < kKeypointCount; ++k) agreed_z_mm_[k] = keypoints[k].z_mm;
     return false;
   }
+  const double twist = twist_cosine(keypoints);  // as the network has it
   bool any = false;
   for (int group = 0; group < 2; ++group) {
     const std::span<const Pair> pairs = group == 0 ? std::span<const Pair>(kArms) : std::span<const Pair>(kLegs);
@@ -62,19 +68,30 @@ bool SideTracker::update(const SideTrackerOptions& options, double dt_s, double 
           distance(keypoints[left], last_[right], mm_per_px) + distance(keypoints[right], last_[left], mm_per_px);
     }
     bool exchange = exchanged < as_named;
-    if (group == 1) {
-      const double twist = twist_cosine(keypoints);
-      if (std::abs(twist) > kClearTwist) exchange = twist < 0;
-    }
+    if (group == 1 && std::abs(twist) > kClearTwist) exchange = any != (twist < 0);
     double& agreement_s = agreement_s_[group];
     agreement_s = std::min(agreement_s + (exchange ? -dt_s : dt_s), options.memory_s);
     if (agreement_s < -options.change_s) {
       exchange = !exchange;
       agreement_s = options.change_s;
     }
-    if (!exchange) continue;
-    any = true;
-    for (const auto& [left, right] : pairs) std::swap(keypoints[left], keypoints[right]);
+    any = any || exchange;
+    const auto settle_depth = [&](Keypoint k) {
+      if (exchange)
+        keypoints[k].z_mm = agreed_z_mm_[k];
+      else
+        agreed_z_mm_[k] = keypoints[k].z_mm;
+    };
+    const auto settle = [&](const Pair& pair) {
+      if (exchange) std::swap(keypoints[pair.first], keypoints[pair.second]);
+      settle_depth(pair.first);
+      settle_depth(pair.second);
+    };
+    for (const Pair& pair : pairs) settle(pair);
+    if (group == 0) {
+      settle(kEyes);
+      for (Keypoint k : kMiddle) settle_depth(k);
+    }
   }
   last_ = keypoints;
   return any;

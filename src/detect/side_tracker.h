@@ -1,6 +1,7 @@
 // Keeps left and right apart over time. Pose networks now and then exchange the subject's left and right for some
-// frames (seen from behind, bent over, blurred) while the points themselves stay right; then only the names need to go
-// back.
+// frames (a hidden face, bent over, blurred) while the points in the picture stay right: they take the front of the
+// person for the back. Then the names need to go back, and the depths, which belong to a person who faces the other
+// way, are of no use.
 #pragma once
 
 #include <array>
@@ -20,7 +21,8 @@ struct SideTrackerOptions {
 // What is nearer to the last frame's points decides which side is which, for arms and legs each on their own, because
 // networks also exchange one without the other; but hips do not face away from the shoulders, so the legs follow the
 // arms where these two are clear. A network that keeps disagreeing is believed in the end, so that a wrong beginning
-// heals.
+// heals. The eyes go with the arms. Keypoints of an exchanged group keep the depth they had when the network last
+// agreed (head, face and neck: with the arms).
 class SideTracker {
  public:
   // Exchanges left and right of the keypoints where that continues the past. True when it exchanged anything. dt_s > 0;
@@ -33,6 +35,7 @@ class SideTracker {
   bool started_ = false;
   double agreement_s_[2] = {0, 0};  // arms, legs: time the network agreed minus time it disagreed
   std::array<KeypointDetection, kKeypointCount> last_{};
+  std::array<float, kKeypointCount> agreed_z_mm_{};  // depth when the network last agreed
 };
 
 }  // namespace livecap::detect

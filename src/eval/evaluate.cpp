@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "actor/actor.h"
+#include "base/log.h"
 #include "base/text.h"
 #include "eval/joint_names.h"
 #include "eval/mask_raster.h"
@@ -217,6 +218,11 @@ EvalReport evaluate(const EvalOptions& options) {
   Captured captured = load_captured(options);
   Truth truth = load_truth(options.truth, captured.vertices.n_points());
   const std::vector<JointPair> pairs = match_joints(captured.joints.names, truth.joints.names);
+  if (!truth.joints.empty() && pairs.size() < 3) {
+    log_warning(
+        (options.truth / "joints.json").string() +
+        format(": only %zu joints have a known name (LiveCap, Mixamo, UE); joint errors are left out", pairs.size()));
+  }
   Samples samples;
   samples.per_joint.resize(pairs.size());
 

@@ -24,6 +24,7 @@ struct VideoWriter::Encoder {
   AVCodecContext* codec = nullptr;
   AVStream* stream = nullptr;
   SwsContext* scaler = nullptr;
+  AVFrame* picture = nullptr;  // RGB copy with room at the end of each row: see write()
   AVFrame* frame = nullptr;
   AVPacket* packet = nullptr;
   int64_t next_pts = 0;
@@ -37,9 +38,10 @@ struct VideoWriter::Encoder {
     throw IoError(path + ": " + what + " failed: " + text);
   }
   void open(double fps);
+  void allocate_pictures();
   void open_codec(double fps);
   void write(const ImageRgb& image);
-  void encode(const AVFrame* picture);
+  void encode(const AVFrame* next);  // nullptr: no more
   void close();
   ~Encoder();
 };
@@ -53,12 +55,8 @@ void VideoWriter::Encoder::open(double fps) {
   check(avcodec_parameters_from_context(stream->codecpar, codec), "setting up the stream");
   stream->time_base = codec->time_base;
   stream->avg_frame_rate = codec->framerate;
-  frame = av_frame_alloc();
   packet = av_packet_alloc();
-  frame->format = codec->pix_fmt;
-  frame->width = codec->width;
-  frame->height = codec->height;
-  check(av_frame_get_buffer(frame, 0), "allocating a picture");
+  allocate_pictures();
   // No scaling, only colour conversion, so bilinear is the cheapest that is exact.
   scaler = sws_getContext(width, height, AV_PIX_FMT_RGB24, width, height, AV_PIX_FMT_YUV420P,
                           SWS_BILINEAR | SWS_ACCURATE_RND, nullptr, nullptr, nullptr);
@@ -71,6 +69,21 @@ void VideoWriter::Encoder::open(double fps) {
   const int status = avformat_write_header(container, &options);
   av_dict_free(&options);
   check(status, "writing the header");
+}
+
+void VideoWriter::Encoder::allocate_pictures() {
+  // The converter's vector loads reach past the end of a row.
+  constexpr int kReachPx = 64;
+  picture = av_frame_alloc();
+  picture->format = AV_PIX_FMT_RGB24;
+  picture->width = width + kReachPx;
+  picture->height = height;
+  check(av_frame_get_buffer(picture, 0), "allocating a picture");
+  frame = av_frame_alloc();
+  frame->format = codec->pix_fmt;
+  frame->width = codec->width;
+  frame->height = codec->height;
+  check(av_frame_get_buffer(frame, 0), "allocating a picture");
 }
 
 void VideoWriter::Encoder::open_codec(double fps) {
@@ -100,9 +113,13 @@ void VideoWriter::Encoder::write(const ImageRgb& image) {
   if (closed) throw LogicError(path + ": written to after close");
   check(av_frame_make_writable(frame), "allocating a picture");
   // Pictures of odd size are converted in their own size; 4:2:0 already rounds chroma up, luma is repeated below.
-  const uint8_t* const from[4] = {image.pixels.data(), nullptr, nullptr, nullptr};
-  const int from_stride[4] = {3 * width, 0, 0, 0};
-  sws_scale(scaler, from, from_stride, 0, height, frame->data, frame->linesize);
+  // What the converter reads past a row is its last pixel repeated, so that the same pictures give the same file.
+  for (int y = 0; y < height; ++y) {
+    uint8_t* row = picture->data[0] + static_cast<ptrdiff_t>(y) * picture->linesize[0];
+    std::copy_n(image.pixels.data() + static_cast<size_t>(3) * width * y, 3 * width, row);
+    for (int i = 3 * width; i < picture->linesize[0]; ++i) row[i] = row[i - 3];
+  }
+  sws_scale(scaler, picture->data, picture->linesize, 0, height, frame->data, frame->linesize);
   uint8_t* luma = frame->data[0];
   const int stride = frame->linesize[0];
   if (codec->width > width) {
@@ -113,8 +130,8 @@ void VideoWriter::Encoder::write(const ImageRgb& image) {
   encode(frame);
 }
 
-void VideoWriter::Encoder::encode(const AVFrame* picture) {
-  check(avcodec_send_frame(codec, picture), "encoding");
+void VideoWriter::Encoder::encode(const AVFrame* next) {
+  check(avcodec_send_frame(codec, next), "encoding");
   for (;;) {
     const int status = avcodec_receive_packet(codec, packet);
     if (status == AVERROR(EAGAIN) || status == AVERROR_EOF) return;
@@ -141,6 +158,7 @@ VideoWriter::Encoder::~Encoder() {
   if (!closed) log_debug(path + ": not closed, what was encoded stays in " + part_path());
   if (container && container->pb) avio_closep(&container->pb);
   av_packet_free(&packet);
+  av_frame_free(&picture);
   av_frame_free(&frame);
   sws_freeContext(scaler);
   avcodec_free_context(&codec);

@@ -65,18 +65,18 @@ std::string lower(std::string text) {
 
 std::string what_there_is(const std::vector<DeviceInfo>& devices) {
   if (devices.empty())
-    return "no OpenCL device was found; install a driver (on Debian: apt install pocl-opencl-icd) and see `livecap devices`";
+    return "no OpenCL device was found; install a driver (on Debian: apt install pocl-opencl-icd) and see `livecap "
+           "devices`";
   std::string text = "available:";
-  for (const auto& device : devices) text += " " + device.label() + ";";
-  text.pop_back();
+  for (const auto& device : devices) text.append(&device == &devices.front() ? " " : "; ").append(device.label());
   return text;
 }
 
 // Splits a CPU device into two equal sub-devices. Empty when the driver cannot.
 std::vector<cl_device_id> split_in_two(const DeviceInfo& info) {
   if (info.compute_units < 2) return {};
-  const cl_device_partition_property properties[] = {CL_DEVICE_PARTITION_EQUALLY,
-                                                     static_cast<cl_device_partition_property>(info.compute_units / 2), 0};
+  const cl_device_partition_property properties[] = {
+      CL_DEVICE_PARTITION_EQUALLY, static_cast<cl_device_partition_property>(info.compute_units / 2), 0};
   std::vector<cl_device_id> parts(info.compute_units);
   cl_uint count = 0;
   const cl_int status = clCreateSubDevices(info.device, properties, info.compute_units, parts.data(), &count);
@@ -87,7 +87,9 @@ std::vector<cl_device_id> split_in_two(const DeviceInfo& info) {
 
 }  // namespace
 
-std::string DeviceInfo::label() const { return device_name + " [" + platform_name + "]"; }
+std::string DeviceInfo::label() const {
+  return device_name + " [" + platform_name + "]";
+}
 
 void prepare_platforms() {
   static std::once_flag once;
@@ -115,7 +117,8 @@ std::vector<DeviceInfo> list_devices() {
     check(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, n_devices, devices.data(), nullptr), "clGetDeviceIDs");
     for (cl_device_id device : devices) {
       DeviceInfo info = describe(platform, device);
-      if (device_value<cl_bool>(device, CL_DEVICE_AVAILABLE) && device_value<cl_bool>(device, CL_DEVICE_COMPILER_AVAILABLE))
+      if (device_value<cl_bool>(device, CL_DEVICE_AVAILABLE) &&
+          device_value<cl_bool>(device, CL_DEVICE_COMPILER_AVAILABLE))
         result.push_back(std::move(info));
     }
   }
@@ -128,17 +131,22 @@ DeviceInfo select_device(const std::string& selector) {
   size_t index = 0;
   if (const size_t colon = name.rfind(':'); colon != std::string::npos) {
     const std::string digits = name.substr(colon + 1);
-    if (digits.empty() || digits.size() > 4 || !std::all_of(digits.begin(), digits.end(), [](unsigned char c) { return std::isdigit(c); }))
-      throw ConfigError("device selector \"" + selector + "\": expected cpu, gpu or part of a platform name, then optionally :index");
+    if (digits.empty() || digits.size() > 4 ||
+        !std::all_of(digits.begin(), digits.end(), [](unsigned char c) { return std::isdigit(c); }))
+      throw ConfigError("device selector \"" + selector +
+                        "\": expected cpu, gpu or part of a platform name, then optionally :index");
     index = static_cast<size_t>(std::stoi(digits));
     name.resize(colon);
   }
   std::vector<DeviceInfo> matching;
   for (const auto& device : devices) {
-    if (name == "cpu" ? device.is_cpu : name == "gpu" ? device.is_gpu : lower(device.platform_name).find(name) != std::string::npos)
+    if (name == "cpu"   ? device.is_cpu
+        : name == "gpu" ? device.is_gpu
+                        : lower(device.platform_name).find(name) != std::string::npos)
       matching.push_back(device);
   }
-  if (name.empty()) std::stable_partition(matching.begin(), matching.end(), [](const DeviceInfo& d) { return d.is_gpu; });
+  if (name.empty())
+    std::stable_partition(matching.begin(), matching.end(), [](const DeviceInfo& d) { return d.is_gpu; });
   // A platform can be named twice over by two drivers; "portable computing language" is PoCL's long name.
   if (matching.empty() && name == "pocl") {
     for (const auto& device : devices) {
@@ -146,8 +154,8 @@ DeviceInfo select_device(const std::string& selector) {
     }
   }
   if (index >= matching.size()) {
-    throw OclError("device selector \"" + selector + "\" matches " + std::to_string(matching.size()) + " device(s), index " +
-                   std::to_string(index) + " asked; " + what_there_is(devices));
+    throw OclError("device selector \"" + selector + "\" matches " + std::to_string(matching.size()) +
+                   " device(s), index " + std::to_string(index) + " asked; " + what_there_is(devices));
   }
   return matching[index];
 }
@@ -170,7 +178,8 @@ DevicePair select_device_pair(const std::string& cnn_selector, const std::string
     // "pocl" for both means one each where PoCL offers its one-core driver twice.
     if (pair.cnn.device == pair.solver.device && pair.cnn.is_cpu && pair.cnn.compute_units < 2) {
       for (const auto& device : list_devices()) {
-        if (device.platform == pair.cnn.platform && device.device != pair.cnn.device && device.is_cpu) pair.solver = device;
+        if (device.platform == pair.cnn.platform && device.device != pair.cnn.device && device.is_cpu)
+          pair.solver = device;
       }
     }
   }

@@ -26,6 +26,7 @@ std::array<double, kKeypointCount> default_keypoint_2d_weights() {
 std::array<double, kKeypointCount> default_keypoint_3d_weights() {
   std::array<double, kKeypointCount> weights;
   weights.fill(1);
+  for (int k : {kNeck, kPelvis, kLeftHip, kRightHip, kLeftShoulder, kRightShoulder}) weights[k] = 10;
   return weights;
 }
 

@@ -75,6 +75,35 @@ TEST(SideTracker, LegsFollowTheShoulders) {
   EXPECT_EQ(k[kLeftShoulder].x_mm, right[kLeftShoulder].x_mm);
 }
 
+// A network that takes the front for the back names the sides wrongly and gives the depths of somebody who faces away.
+TEST(SideTracker, DepthOfAnExchangedFrameIsNotTaken) {
+  const auto with_depth = [](Keypoints k, float arms, float legs) {
+    for (int i = kHeadTop; i < kKeypointCount; ++i) {
+      const bool leg = i == kLeftHip || i == kRightHip || (i >= kLeftKnee && i <= kRightToe);
+      k[i].z_mm = leg ? legs : arms;
+    }
+    return k;
+  };
+  detect::SideTracker tracker;
+  for (int i = 0; i < 30; ++i) {
+    const bool wrong = i >= 20 && i < 26;
+    Keypoints k = person(0);
+    k[kLeftEye].x_px = 5;
+    k[kRightEye].x_px = -5;
+    k = with_depth(k, -100.0f - i, 50.0f + i);
+    if (wrong) {
+      k = with_depth(exchanged(k), 100, -50);
+      std::swap(k[kLeftEye], k[kRightEye]);
+    }
+    EXPECT_EQ(tracker.update({}, kDt, 4, k), wrong) << i;
+    const float last_agreed = wrong ? 19.0f : float(i);
+    for (int arm : {kNeck, kLeftShoulder, kRightWrist, kNose, kLeftEye})
+      EXPECT_EQ(k[arm].z_mm, -100 - last_agreed) << i << " " << arm;
+    for (int leg : {kLeftHip, kRightKnee, kLeftToe}) EXPECT_EQ(k[leg].z_mm, 50 + last_agreed) << i << " " << leg;
+    EXPECT_EQ(k[kLeftEye].x_px, 5) << i;
+  }
+}
+
 TEST(SideTracker, BadOptionsAreRefused) {
   EXPECT_THROW((detect::SideTrackerOptions{0, 1}.validate()), ConfigError);
 }

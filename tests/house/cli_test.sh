@@ -145,5 +145,10 @@ expect 2 'half/report.json actor' eval --capture half --truth seq/truth
 echo 'not json' >half/report.json
 expect 2 'half/report.json JSON' eval --capture half --truth seq/truth
 
+# bench.
+expect 2 'nowhere/video.mp4' bench --sequence nowhere
+expect 2 '--frames' bench --frames 0
+expect 2 'none.tflite' bench --sequence seq --model none.tflite
+
 echo "$cases cases, $failures failures"
 [[ $failures -eq 0 ]]

@@ -1,0 +1,64 @@
+#include "actor/actor_extras.h"
+
+#include <algorithm>
+
+#include "actor/actor.h"
+
+namespace livecap {
+namespace {
+
+using nlohmann::json;
+
+void merge_extras(const json& holder, ActorExtras& extras, const GltfReader& file) {
+  if (!holder.is_object() || !holder.contains("extras")) return;
+  const json& all = holder["extras"];
+  if (!all.is_object() || !all.contains("livecap")) return;
+  const json& own = all["livecap"];
+  if (!own.is_object()) file.fail("extras.livecap must be an object");
+  auto each = [&](const char* field, auto&& take) {
+    if (!own.contains(field)) return;
+    if (!own[field].is_object()) file.fail(std::string("extras.livecap.") + field + " must be an object");
+    for (const auto& [key, value] : own[field].items()) {
+      if (!take(key, value))
+        file.fail("extras.livecap." + std::string(field) + "." + key + " is " + value.dump().substr(0, 40));
+    }
+  };
+  auto numbers = [](const json& value, size_t n) {
+    return value.is_array() && value.size() == n &&
+           std::all_of(value.begin(), value.end(), [](const json& v) { return v.is_number(); });
+  };
+  each("bones", [&](const std::string& key, const json& value) {
+    return value.is_string() && (extras.bones.emplace(key, value.get<std::string>()), true);
+  });
+  each("limits", [&](const std::string& key, const json& value) {
+    if (!numbers(value, 2) || value[0].get<double>() > value[1].get<double>()) return false;
+    extras.limits_deg.emplace(key, std::pair{value[0].get<double>(), value[1].get<double>()});
+    return true;
+  });
+  each("markers", [&](const std::string& key, const json& value) {
+    if (!value.is_number_integer() || value.get<int64_t>() < 0 || value.get<int64_t>() > kMaxVertices) return false;
+    extras.markers.emplace(key, value.get<int>());
+    return true;
+  });
+  each("keypoints", [&](const std::string& key, const json& value) {
+    if (!numbers(value, 3)) return false;
+    extras.keypoint_offsets_m.emplace(
+        key, Eigen::Vector3d(value[0].get<double>(), value[1].get<double>(), value[2].get<double>()));
+    return true;
+  });
+}
+
+}  // namespace
+
+ActorExtras read_actor_extras(const GltfReader& file) {
+  ActorExtras extras;
+  const json& document = file.document();
+  if (document.contains("asset")) merge_extras(document["asset"], extras, file);
+  for (const char* list : {"scenes", "meshes", "skins", "nodes"}) {
+    if (!document.contains(list) || !document[list].is_array()) continue;
+    for (const json& item : document[list]) merge_extras(item, extras, file);
+  }
+  return extras;
+}
+
+}  // namespace livecap

@@ -1,0 +1,92 @@
+// Short built-in sequences and captures of them, for tests of a whole run.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "base/text.h"
+#include "livecap/capture.h"
+#include "support/test_device.h"
+#include "synth/synth.h"
+
+namespace livecap::test {
+
+// A folder of the running test that goes away with it.
+class ScratchFolder {
+ public:
+  ScratchFolder()
+      : path_(std::filesystem::temp_directory_path() /
+              format("livecap_capture_test_%d_%s", static_cast<int>(::getpid()),
+                     ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
+    std::filesystem::create_directories(path_);
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+// A quarter of the paper's pixels, so that a run takes seconds.
+inline SynthOptions small_sequence(int n_frames, int empty_frames) {
+  SynthOptions options;
+  options.width = 272;
+  options.height = 480;
+  options.n_frames = n_frames;
+  options.empty_frames = empty_frames;
+  return options;
+}
+
+// Both stages run on the first test device.
+inline CaptureOptions capture_of(const std::filesystem::path& sequence, const std::filesystem::path& out,
+                                 const std::filesystem::path& model) {
+  CaptureOptions options;
+  options.video = sequence / "video.mp4";
+  options.camera = sequence / "camera.json";
+  options.background = sequence / "background.png";
+  options.actor = sequence / "actor.glb";
+  options.model = model;
+  options.out = out;
+  options.cnn_device = options.solver_device = device_selectors().front();
+  return options;
+}
+
+// The columns index and status of frames.csv.
+struct CsvRow {
+  int64_t index = 0;
+  std::string status;
+};
+
+inline std::vector<CsvRow> frame_rows(const std::filesystem::path& capture) {
+  std::ifstream file(capture / "frames.csv");
+  std::string line;
+  std::getline(file, line);
+  EXPECT_EQ(line.substr(0, 20), "index,pts_ms,status,") << line;
+  std::vector<CsvRow> rows;
+  while (std::getline(file, line)) {
+    std::istringstream cells(line);
+    std::string index, pts_ms, status;
+    std::getline(cells, index, ',');
+    std::getline(cells, pts_ms, ',');
+    std::getline(cells, status, ',');
+    rows.push_back({std::stoll(index), status});
+  }
+  return rows;
+}
+
+// One row per input frame, in order.
+inline void expect_every_frame_once(const std::vector<CsvRow>& rows, int64_t n_frames) {
+  ASSERT_EQ(static_cast<int64_t>(rows.size()), n_frames);
+  for (int64_t i = 0; i < n_frames; ++i) EXPECT_EQ(rows[i].index, i);
+}
+
+}  // namespace livecap::test

@@ -1,0 +1,41 @@
+// The same video gives the same bytes, whatever the threads do (docs/architecture.md, "Determinism").
+#include <gtest/gtest.h>
+
+#include "actor/actor.h"
+#include "capture/capture_run.h"
+#include "nn/models.h"
+
+namespace livecap {
+namespace {
+
+TEST(Determinism, PipelinedAndSequentialRunsGiveTheSameBytes) {
+  LIVECAP_MODEL_OR_SKIP(model, "lite");
+  const test::ScratchFolder scratch;
+  constexpr int kFrames = 24;
+  write_sequence(test::small_sequence(kFrames, 2), scratch / "sequence");
+
+  const std::vector<std::pair<std::string, bool>> runs = {{"first", false}, {"one_thread", true}, {"again", false}};
+  for (const auto& [name, sequential] : runs) {
+    CaptureOptions options = test::capture_of(scratch / "sequence", scratch / name, model);
+    options.sequential = sequential;
+    const CaptureReport report = run_capture(options);
+    EXPECT_EQ(report.frames, kFrames);
+    EXPECT_GE(report.tracked, kFrames - 4) << name;
+    EXPECT_TRUE(report.complete);
+    EXPECT_TRUE(report.input_complete);
+    test::expect_every_frame_once(test::frame_rows(scratch / name), kFrames);
+
+    const Actor captured = load_actor_bytes(read_file(report.glb), "capture.glb", 0);
+    EXPECT_EQ(captured.n_vertices(), load_actor(scratch / "sequence/actor.glb").n_vertices());
+  }
+  // Everything without a clock in it.
+  for (const char* file : {"vertices.pc2", "motion.bvh", "joints.csv", "detections.jsonl", "capture.glb"}) {
+    const std::string first = read_file(scratch / "first" / file);
+    EXPECT_GT(first.size(), 1000u) << file;
+    EXPECT_TRUE(first == read_file(scratch / "one_thread" / file)) << file << " differs in one thread";
+    EXPECT_TRUE(first == read_file(scratch / "again" / file)) << file << " differs when repeated";
+  }
+}
+
+}  // namespace
+}  // namespace livecap

@@ -1,5 +1,6 @@
 // CONV_2D, NHWC: y[p, n] = clamp(bias[n] + sum over kernel taps and input channels of x[p + tap, k] * w[n, tap, k] + residual).
-// On a CPU one work-item is a register tile of NN_TILE pixels x NN_PANEL channels; on a GPU 4 work-items share a panel.
+// On a CPU one work-item is a register tile of NN_TILE pixels x NN_PANEL channels; on a GPU 4 work-items share a panel
+// (see also conv_split.cl).
 #include "nn/panel.h"
 
 #define NN_MAD(x, w, sum) mad((float16)(x), w, sum)
@@ -150,14 +151,6 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_narrow(NnOp op, 
 
 #define NN_LANES 4         // work-items of one panel
 #define NN_PIXELS_GPU 4    // pixels of one work-item
-
-static inline void nn_store4(NnOp op, global float* arena, int pixel, int channel, float4 v) {
-  const int at = pixel * op.out_channels + channel;
-  if (channel < op.out_channels) nn_store(op, arena, at, v.x);
-  if (channel + 1 < op.out_channels) nn_store(op, arena, at + 1, v.y);
-  if (channel + 2 < op.out_channels) nn_store(op, arena, at + 2, v.z);
-  if (channel + 3 < op.out_channels) nn_store(op, arena, at + 3, v.w);
-}
 
 // One work-item = 4 pixels x 4 channels. count = ceil(pixels / 4) * panels * 4.
 kernel void conv_pointwise(NnOp op, global const float* restrict weights, global float* arena) {

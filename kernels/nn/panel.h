@@ -39,6 +39,15 @@ static inline void nn_store(NnOp op, global float* arena, int at, float v) {
   arena[op.out_offset + at] = clamp(v, op.low, op.high);
 }
 
+// Up to four channels of one pixel; those past the last one are left out.
+static inline void nn_store4(NnOp op, global float* arena, int pixel, int channel, float4 v) {
+  const int at = pixel * op.out_channels + channel;
+  if (channel < op.out_channels) nn_store(op, arena, at, v.x);
+  if (channel + 1 < op.out_channels) nn_store(op, arena, at + 1, v.y);
+  if (channel + 2 < op.out_channels) nn_store(op, arena, at + 2, v.z);
+  if (channel + 3 < op.out_channels) nn_store(op, arena, at + 3, v.w);
+}
+
 static inline float4 nn_broadcast_mad(float x, float4 w, float4 sum) { return mad((float4)(x), w, sum); }
 
 #endif

@@ -16,6 +16,11 @@ constexpr int kCacheFloats = 6 * 1024;  // weights up to this size stay in a CPU
 
 constexpr int kNarrow = 3;  // output channels up to which a CPU vectorises over the input channels instead
 
+// A GPU with fewer work-items than this mostly waits for memory: sums of this many terms are then shared by a
+// work-group.
+constexpr int kFewItems = 16384;
+constexpr int kManyTerms = 64;
+
 int panels(int channels) {
   return (channels + NN_PANEL - 1) / NN_PANEL;
 }
@@ -168,6 +173,10 @@ void Executor::add_step(const Op& op, const std::vector<int64_t>& offsets, std::
       step.local = 1;
     } else {
       p.count = (pointwise ? (pixels + 3) / 4 : pixels) * n_panels * 4;
+      if (p.count < kFewItems && p.kernel_h * p.kernel_w * p.in_channels >= kManyTerms) {
+        step.kernel = kernel("nn/conv_split.cl", "conv_split");
+        p.count = pixels * n_panels * static_cast<int>(kLocal);
+      }
     }
     step.has_weights = true;
   } else if (const auto* depthwise = std::get_if<DepthwiseConv2d>(&op.attributes)) {

@@ -102,12 +102,16 @@ std::vector<ocl::SelfTestResult> nn_self_test(ocl::DeviceContext& device) {
   results.push_back(test_op(device, "nn/conv_pointwise",
                             one_op(Conv2d{}, {21, 1, 1, kChannels}, {1, kHeight, kWidth, 21}),
                             [&](int y, int x, int) { return channel_sum(y, x, 0); }));
-  results.push_back(test_op(device, "nn/conv_window",
+  results.push_back(test_op(device, device.is_cpu() ? "nn/conv_window" : "nn/conv_split",
                             one_op(Conv2d{same(1)}, {21, 3, 3, kChannels}, {1, kHeight, kWidth, 21}),
                             [&](int y, int x, int) { return channel_sum(y, x, 1); }));
-  results.push_back(test_op(device, device.is_cpu() ? "nn/conv_narrow" : "nn/conv_window (1 channel)",
+  results.push_back(test_op(device, device.is_cpu() ? "nn/conv_narrow" : "nn/conv_split (1 channel)",
                             one_op(Conv2d{same(1)}, {1, 3, 3, kChannels}, {1, kHeight, kWidth, 1}),
                             [&](int y, int x, int) { return channel_sum(y, x, 1); }));
+  results.push_back(test_op(
+      device, "nn/conv_window (1x2)",
+      one_op(Conv2d{{1, 1, 1, 1, 0, 0, 0, 1}}, {21, 1, 2, kChannels}, {1, kHeight, kWidth, 21}),
+      [&](int y, int x, int) { return channel_sum(y, x, 0) + (x + 1 < kWidth ? channel_sum(y, x + 1, 0) - 0.5 : 0); }));
   results.push_back(test_op(device, "nn/depthwise_3x3", one_op(DepthwiseConv2d{same(1)}, {1, 3, 3, kChannels}, image),
                             [&](int y, int x, int c) { return 0.5 + window_sum(y, x, c, 1); }));
   results.push_back(test_op(device, "nn/depthwise_5x5", one_op(DepthwiseConv2d{same(2)}, {1, 5, 5, kChannels}, image),

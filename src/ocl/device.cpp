@@ -1,7 +1,5 @@
 #include "ocl/device.h"
 
-#include <dlfcn.h>
-
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
@@ -10,6 +8,7 @@
 #include "base/log.h"
 #include "base/text.h"
 #include "livecap/error.h"
+#include "ocl/pocl_library.h"
 #include "ocl/status.h"
 
 namespace livecap::ocl {
@@ -96,17 +95,9 @@ void prepare_platforms() {
   static std::once_flag once;
   std::call_once(once, [] {
     if (std::getenv("POCL_DEVICES")) return;
-    // PoCL 4 renamed its one-core driver; asking for a name it does not know leaves it without devices.
-    // The library's version is in its soname: libpocl.so.2.9 (3.0), .2.10 (3.1), .2.11 (4.0), .2.12 (5.0).
-    bool renamed = false;
-    for (const char* name : {"libpocl.so.2.14.0", "libpocl.so.2.13.0", "libpocl.so.2.12.0", "libpocl.so.2.11.0"}) {
-      for (const char* folder :
-           {"/usr/lib/x86_64-linux-gnu/", "/usr/lib/aarch64-linux-gnu/", "/usr/lib/", "/usr/local/lib/"}) {
-        std::error_code code;
-        if (std::filesystem::exists(std::string(folder) + name, code)) renamed = true;
-      }
-    }
-    ::setenv("POCL_DEVICES", renamed ? "cpu-minimal cpu-minimal" : "basic basic", 0);
+    // A driver name that this PoCL does not know would leave it without devices: an unknown version keeps its default.
+    const std::string driver = one_core_driver(icd_folders());
+    if (!driver.empty()) ::setenv("POCL_DEVICES", (driver + " " + driver).c_str(), 0);
   });
 }
 

@@ -72,7 +72,7 @@ void Tracker::skin_at(const Pose& pose, ocl::Buffer<float>& displacement_rest, o
 PoseResult Tracker::solve_pose_from(const TrackInput& input, const Pose& initial, int n_steps, const Pose* previous) {
   std::vector<int32_t> contour;
   if (!input.silhouette.empty()) {
-    skin_at(initial, displacement_rest_, start_);
+    skin_at(initial, options_.displaced_contour ? displacement_rest_ : zero_, start_);
     rasterizer_.render(start_, camera_);
     visibility_.find_contour(rasterizer_);
     contour = visibility_.read_contour();
@@ -82,7 +82,7 @@ PoseResult Tracker::solve_pose_from(const TrackInput& input, const Pose& initial
                                       .previous = previous,
                                       .frame = input.silhouette.empty() ? nullptr : &frame_,
                                       .contour_vertices = contour,
-                                      .displacement_rest = &displacement_rest_,
+                                      .displacement_rest = options_.displaced_contour ? &displacement_rest_ : nullptr,
                                       .n_steps = n_steps});
 }
 

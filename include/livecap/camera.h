@@ -8,12 +8,12 @@
 namespace livecap {
 
 struct Camera {
-  int width = 0;   // px
-  int height = 0;  // px
-  double fx = 0;   // px
-  double fy = 0;   // px
-  double cx = 0;   // px
-  double cy = 0;   // px
+  int width = 0;                       // px
+  int height = 0;                      // px
+  double fx = 0;                       // px
+  double fy = 0;                       // px
+  double cx = 0;                       // px
+  double cy = 0;                       // px
   std::array<double, 5> distortion{};  // k1, k2, p1, p2, k3
 
   bool has_distortion() const;

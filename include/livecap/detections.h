@@ -11,10 +11,29 @@ namespace livecap {
 
 // Observation keypoints: 19 body, then 4 face. Left and right are the subject's.
 enum Keypoint : int {
-  kHeadTop, kNeck, kPelvis,
-  kLeftHip, kRightHip, kLeftShoulder, kRightShoulder, kLeftElbow, kRightElbow, kLeftWrist, kRightWrist,
-  kLeftHand, kRightHand, kLeftKnee, kRightKnee, kLeftAnkle, kRightAnkle, kLeftToe, kRightToe,
-  kLeftEye, kRightEye, kNose, kChin,
+  kHeadTop,
+  kNeck,
+  kPelvis,
+  kLeftHip,
+  kRightHip,
+  kLeftShoulder,
+  kRightShoulder,
+  kLeftElbow,
+  kRightElbow,
+  kLeftWrist,
+  kRightWrist,
+  kLeftHand,
+  kRightHand,
+  kLeftKnee,
+  kRightKnee,
+  kLeftAnkle,
+  kRightAnkle,
+  kLeftToe,
+  kRightToe,
+  kLeftEye,
+  kRightEye,
+  kNose,
+  kChin,
   kKeypointCount
 };
 inline constexpr int kBodyKeypointCount = 19;
@@ -24,9 +43,9 @@ inline constexpr int kFaceKeypointCount = 4;
 extern const std::array<std::string_view, kKeypointCount> kKeypointNames;
 
 struct KeypointDetection {
-  float x_px = 0;        // undistorted image, pixel centres at integers
+  float x_px = 0;  // undistorted image, pixel centres at integers
   float y_px = 0;
-  float x_mm = 0;        // relative to the mid-hip, camera axes (x right, y down, z away), the network's own scale
+  float x_mm = 0;  // relative to the mid-hip, camera axes (x right, y down, z away), the network's own scale
   float y_mm = 0;
   float z_mm = 0;
   float confidence = 0;  // in [0,1]; 0 = the network does not know this keypoint
@@ -42,8 +61,8 @@ struct PersonMask {
 
 struct Detections {
   int64_t frame_index = 0;
-  bool person = false;   // score >= 0.5
-  float score = 0;       // probability that the crop holds a person
+  bool person = false;  // score >= 0.5
+  float score = 0;      // probability that the crop holds a person
   std::array<KeypointDetection, kKeypointCount> keypoints{};
   PersonMask mask;
 };

@@ -19,7 +19,8 @@ class ConfigError : public Error {
   using Error::Error;
 };
 
-// An input that is missing, truncated, malformed or of the wrong size, or an output that cannot be written. Exit code 2.
+// An input that is missing, truncated, malformed or of the wrong size, or an output that cannot be written. Exit
+// code 2.
 class IoError : public Error {
  public:
   using Error::Error;

@@ -1,6 +1,6 @@
-// CONV_2D, NHWC: y[p, n] = clamp(bias[n] + sum over kernel taps and input channels of x[p + tap, k] * w[n, tap, k] + residual).
-// On a CPU one work-item is a register tile of NN_TILE pixels x NN_PANEL channels; on a GPU 4 work-items share a panel
-// (see also conv_split.cl).
+// CONV_2D, NHWC: y[p, n] = clamp(bias[n] + sum over kernel taps and input channels of x[p + tap, k] * w[n, tap, k] +
+// residual). On a CPU one work-item is a register tile of NN_TILE pixels x NN_PANEL channels; on a GPU 4 work-items
+// share a panel (see also conv_split.cl).
 #include "nn/panel.h"
 
 #define NN_MAD(x, w, sum) mad((float16)(x), w, sum)
@@ -57,8 +57,8 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_pointwise(NnOp o
   if (first + 7 <= last) nn_store_panel(op, arena, at + 7 * stride, a7, n);
 }
 
-// Any kernel, stride, dilation and padding. The tile is NN_TILE neighbours in one row; pixels outside the image are read
-// from the zeros at the beginning of the arena. count = rows * tiles per row * panels.
+// Any kernel, stride, dilation and padding. The tile is NN_TILE neighbours in one row; pixels outside the image are
+// read from the zeros at the beginning of the arena. count = rows * tiles per row * panels.
 kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_window(NnOp op, global const float* restrict weights,
                                                                        global float* arena) {
   const int id = get_global_id(0);
@@ -142,15 +142,16 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_narrow(NnOp op, 
       }
       const float4 half_sum = sum.lo + sum.hi;
       const float2 quarter = half_sum.lo + half_sum.hi;
-      nn_store(op, arena, (y * op.out_width + x) * op.out_channels + n, weights[op.bias_offset + n] + quarter.x + quarter.y);
+      nn_store(op, arena, (y * op.out_width + x) * op.out_channels + n,
+               weights[op.bias_offset + n] + quarter.x + quarter.y);
     }
   }
 }
 
 #else
 
-#define NN_LANES 4         // work-items of one panel
-#define NN_PIXELS_GPU 4    // pixels of one work-item
+#define NN_LANES 4       // work-items of one panel
+#define NN_PIXELS_GPU 4  // pixels of one work-item
 
 // One work-item = 4 pixels x 4 channels. count = ceil(pixels / 4) * panels * 4.
 kernel void conv_pointwise(NnOp op, global const float* restrict weights, global float* arena) {

@@ -1,12 +1,13 @@
-// CONV_2D on GPUs where the output is small and the sums are long: a work-group of 64 shares one pixel x NN_PANEL channels.
-// Each of 16 slices sums every 16th input channel of every tap, the slices are added as a tree: the order is fixed.
+// CONV_2D on GPUs where the output is small and the sums are long: a work-group of 64 shares one pixel x NN_PANEL
+// channels. Each of 16 slices sums every 16th input channel of every tap, the slices are added as a tree: the order is
+// fixed.
 #include "nn/panel.h"
 
-#define NN_LANES 4    // work-items of one panel, 4 channels each
+#define NN_LANES 4  // work-items of one panel, 4 channels each
 #define NN_SLICES 16
 
 // count = pixels * panels * 64, work-groups of 64.
-kernel __attribute__((reqd_work_group_size(NN_LANES* NN_SLICES, 1, 1))) void conv_split(
+kernel __attribute__((reqd_work_group_size(NN_LANES * NN_SLICES, 1, 1))) void conv_split(
     NnOp op, global const float* restrict weights, global float* arena) {
   local float4 sums[NN_LANES * NN_SLICES];
   const int id = get_local_id(0);

@@ -3,13 +3,13 @@
 #ifndef LC_NN_OP_PARAMS_H
 #define LC_NN_OP_PARAMS_H
 
-// Weights of a convolution are packed in panels of this many output channels: [cout/16][kh][kw][cin][16], of a depthwise
-// one [c/16][kh][kw][16], biases [c/16][16], the last panel filled up with zeros.
+// Weights of a convolution are packed in panels of this many output channels: [cout/16][kh][kw][cin][16], of a
+// depthwise one [c/16][kh][kw][16], biases [c/16][16], the last panel filled up with zeros.
 #define NN_PANEL 16
 // Output pixels in the register tile of a convolution.
 #define NN_TILE 8
-// The arena begins with zeros for reads outside an image and ends with slack, so that a vector of NN_PANEL channels may be
-// read (never written) past the last channel of the last pixel.
+// The arena begins with zeros for reads outside an image and ends with slack, so that a vector of NN_PANEL channels may
+// be read (never written) past the last channel of the last pixel.
 #define NN_SLACK 64
 
 typedef struct {
@@ -18,14 +18,14 @@ typedef struct {
   int kernel_h, kernel_w;
   int stride_h, stride_w;
   int dilation_h, dilation_w;
-  int pad_top, pad_left, pad_front;  // front: channels (PAD only)
-  int in_offset, out_offset;         // into the arena
-  int residual_offset;               // into the arena, shape of the output, added before the clamp; -1 = none
-  int weight_offset, bias_offset;    // into the weights; unused without
-  int count;                         // work-items of this step
-  int panels_innermost;              // 1: work-items run over panels first (few weights), 0: over pixels first
+  int pad_top, pad_left, pad_front;       // front: channels (PAD only)
+  int in_offset, out_offset;              // into the arena
+  int residual_offset;                    // into the arena, shape of the output, added before the clamp; -1 = none
+  int weight_offset, bias_offset;         // into the weights; unused without
+  int count;                              // work-items of this step
+  int panels_innermost;                   // 1: work-items run over panels first (few weights), 0: over pixels first
   int align_corners, half_pixel_centers;  // RESIZE_BILINEAR
-  float low, high;                   // the activation clamps to these
+  float low, high;                        // the activation clamps to these
 } NnOp;
 
 #endif

@@ -48,6 +48,8 @@ static inline void nn_store4(NnOp op, global float* arena, int pixel, int channe
   if (channel + 3 < op.out_channels) nn_store(op, arena, at + 3, v.w);
 }
 
-static inline float4 nn_broadcast_mad(float x, float4 w, float4 sum) { return mad((float4)(x), w, sum); }
+static inline float4 nn_broadcast_mad(float x, float4 w, float4 sum) {
+  return mad((float4)(x), w, sum);
+}
 
 #endif

@@ -7,7 +7,8 @@ typedef struct {
 } NnSample;
 
 static inline NnSample nn_sample(NnOp op, int i, int in_size, int out_size) {
-  const float scale = op.align_corners && out_size > 1 ? (float)(in_size - 1) / (float)(out_size - 1) : (float)in_size / (float)out_size;
+  const float scale = op.align_corners && out_size > 1 ? (float)(in_size - 1) / (float)(out_size - 1)
+                                                       : (float)in_size / (float)out_size;
   const float at = op.half_pixel_centers ? ((float)i + 0.5f) * scale - 0.5f : (float)i * scale;
   const float below = floor(at);
   NnSample s;
@@ -38,7 +39,8 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void resize_bilinear(NnOp 
       const float16 v11 = vload16(0, arena + row1 + right + c);
       const float16 top = mad((float16)(sx.t), v01 - v00, v00);
       const float16 bottom = mad((float16)(sx.t), v11 - v10, v10);
-      nn_store_panel(op, arena, (y * op.out_width + x) * channels + c, mad((float16)(sy.t), bottom - top, top), channels - c);
+      nn_store_panel(op, arena, (y * op.out_width + x) * channels + c, mad((float16)(sy.t), bottom - top, top),
+                     channels - c);
     }
   }
 }

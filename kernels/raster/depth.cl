@@ -1,6 +1,6 @@
 // Depth buffer and triangle-id buffer of a mesh. Nearest triangle wins, at equal depth the lower id.
-#include "shared/camera.h"
 #include "raster/triangle.h"
+#include "shared/camera.h"
 
 #ifdef LC_DEVICE
 
@@ -25,8 +25,8 @@ kernel void project_vertices(int n, Pinhole camera, global const float* restrict
 
 // One work-item per band of rows, which it alone writes. depth: [w*h] mm, INFINITY = empty; ids: [w*h], -1 = empty.
 kernel void raster_bands(int n_triangles, int width, int height, int n_bands, int cull,
-                         global const float* restrict projected,
-                         global const int* restrict triangles, global float* restrict depth, global int* restrict ids) {
+                         global const float* restrict projected, global const int* restrict triangles,
+                         global float* restrict depth, global int* restrict ids) {
   const int band = get_global_id(0);
   if (band >= n_bands) return;
   const int first_row = (int)((long)height * band / n_bands);
@@ -96,7 +96,8 @@ kernel void raster_nearest(int n_triangles, int width, int height, int cull, glo
 
 // Second pass: the lowest triangle that has the winning depth. -1 (all bits set) stays where there is none.
 kernel void raster_ids(int n_triangles, int width, int height, int cull, global const float* restrict projected,
-                       global const int* restrict triangles, global const uint* restrict depth, global uint* restrict ids) {
+                       global const int* restrict triangles, global const uint* restrict depth,
+                       global uint* restrict ids) {
   const int t = get_global_id(0);
   if (t >= n_triangles) return;
   const RasterTriangle tri = raster_triangle(t, width, height, cull, projected, triangles);

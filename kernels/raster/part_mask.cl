@@ -29,8 +29,9 @@ kernel void part_grow_rows(int n_groups, int height, int stride, int radius, glo
 
 // Grows along columns and decides: the torso (part 1) where it reaches, else the part drawn there, else the lowest part
 // that reaches it. part_image: [w*h], 0 = none.
-kernel void part_grow_columns(int n_groups, int width, int height, int stride, int radius, global const uchar* restrict bits,
-                              global const uchar* restrict grown, global uchar* restrict part_image) {
+kernel void part_grow_columns(int n_groups, int width, int height, int stride, int radius,
+                              global const uchar* restrict bits, global const uchar* restrict grown,
+                              global uchar* restrict part_image) {
   const int group = get_global_id(0);
   const int y = get_global_id(1);
   if (group >= n_groups || y >= height) return;

@@ -1,6 +1,6 @@
 // One projected triangle over the pixel grid. CPU bodies look at eight neighbouring pixels at once, GPU bodies at one;
-// the formulas are the same. Contraction is explicit (fma), so that two kernels and the two triangles of an edge get the
-// same bits: edges are evaluated from their lower vertex index and leave no gap.
+// the formulas are the same. Contraction is explicit (fma), so that two kernels and the two triangles of an edge get
+// the same bits: edges are evaluated from their lower vertex index and leave no gap.
 #ifndef LC_RASTER_TRIANGLE_H
 #define LC_RASTER_TRIANGLE_H
 #pragma OPENCL FP_CONTRACT OFF
@@ -14,13 +14,14 @@ typedef float pix_t;
 typedef struct {
   float ax[3], ay[3], dx[3], dy[3];  // edge k lies opposite corner k; positive inside
   float inv_z[3];
-  float near_z, far_z;               // mm
-  int x0, x1, y0, y1;                // pixels of the image it may cover, inclusive; empty when x0 > x1 or y0 > y1
+  float near_z, far_z;  // mm
+  int x0, x1, y0, y1;   // pixels of the image it may cover, inclusive; empty when x0 > x1 or y0 > y1
 } RasterTriangle;
 
 // projected: [4*n_vertices] u, v (px), 1/z (1/mm, 0 = not projected), z (mm).
 // cull: leave out triangles that face away.
-static inline RasterTriangle raster_triangle(int t, int width, int height, int cull, global const float* restrict projected,
+static inline RasterTriangle raster_triangle(int t, int width, int height, int cull,
+                                             global const float* restrict projected,
                                              global const int* restrict triangles) {
   RasterTriangle tri;
   int index[3];

@@ -1,8 +1,8 @@
 // Which vertices the camera sees, and which of them make the outer silhouette (paper, "Dense Silhouette Alignment").
 #ifdef LC_DEVICE
 
-// visible[i] = 1 when vertex i projects into the image, its normal faces the camera, and nothing in the 3x3 pixels around
-// it lies in front of it by more than the tolerance everywhere (an empty pixel hides nothing).
+// visible[i] = 1 when vertex i projects into the image, its normal faces the camera, and nothing in the 3x3 pixels
+// around it lies in front of it by more than the tolerance everywhere (an empty pixel hides nothing).
 kernel void visible_vertices(int n, int width, int height, float tolerance_mm,
                              global const float* restrict positions,  // [3*n] mm, camera frame
                              global const float* restrict normals,    // [3*n]
@@ -28,8 +28,8 @@ kernel void visible_vertices(int n, int width, int height, float tolerance_mm,
 }
 
 // facing[t]: 1 towards the camera, -1 away, 0 edge-on or not projected.
-kernel void triangle_facing(int n_triangles, global const float* restrict projected, global const int* restrict triangles,
-                            global int* restrict facing) {
+kernel void triangle_facing(int n_triangles, global const float* restrict projected,
+                            global const int* restrict triangles, global int* restrict facing) {
   const int t = get_global_id(0);
   if (t >= n_triangles) return;
   const int3 index = vload3(t, triangles);
@@ -42,9 +42,10 @@ kernel void triangle_facing(int n_triangles, global const float* restrict projec
   facing[t] = !projects ? 0 : area < 0.0f ? 1 : area > 0.0f ? -1 : 0;
 }
 
-// contour[i] = 1 when vertex i lies on an edge between a front and a back face (or on an open edge of the mesh), the disc
-// of radius_px around its pixel leaves the rendered mask inside the image, and it is not behind the rendered surface.
-// Only such vertices project onto the outline itself; others near it would be pulled outwards by their distance to it.
+// contour[i] = 1 when vertex i lies on an edge between a front and a back face (or on an open edge of the mesh), the
+// disc of radius_px around its pixel leaves the rendered mask inside the image, and it is not behind the rendered
+// surface. Only such vertices project onto the outline itself; others near it would be pulled outwards by their
+// distance to it.
 kernel void contour_vertices(int n, int width, int height, int radius_px, float tolerance_mm,
                              global const float* restrict projected,    // [4*n]
                              global const int* restrict fan_offsets,    // [n+1]

@@ -1,5 +1,6 @@
 // The dialect of files that both compilers read. On the device REAL is float; the host includes the same files through
-// src/geometry/reference.h with REAL = double. Values in, struct out: no address-space pointers, no float3, no recursion.
+// src/geometry/reference.h with REAL = double. Values in, struct out: no address-space pointers, no float3, no
+// recursion.
 #ifndef LC_SHARED_DIALECT_H
 #define LC_SHARED_DIALECT_H
 #ifdef LC_DEVICE

@@ -1,5 +1,5 @@
-// E_anatomic = lambda_anatomic sum_i Psi(theta_i), Psi a quadratic barrier outside [min, max]   (paper, "Joint Angle Limits")
-// r in rad. Unknown: one joint angle.
+// E_anatomic = lambda_anatomic sum_i Psi(theta_i), Psi a quadratic barrier outside [min, max]   (paper, "Joint Angle
+// Limits") r in rad. Unknown: one joint angle.
 #include "shared/dialect.h"
 
 typedef struct {

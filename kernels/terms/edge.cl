@@ -1,5 +1,5 @@
-// E_edge = w_edge sum_i sum_{j in N_i} s_ij / |N_i| ( |V_i - V_j| - |Vhat_i - Vhat_j| )^2      (paper, "Spatial Smoothness")
-// r in mm. Unknowns: V_i, V_j. Vhat is the template's rest pose.
+// E_edge = w_edge sum_i sum_{j in N_i} s_ij / |N_i| ( |V_i - V_j| - |Vhat_i - Vhat_j| )^2      (paper, "Spatial
+// Smoothness") r in mm. Unknowns: V_i, V_j. Vhat is the template's rest pose.
 #include "shared/vec.h"
 
 typedef struct {

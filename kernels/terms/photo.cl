@@ -1,5 +1,6 @@
-// E_photo = w_photo sum_{i in visible} || sigma_c( I_Gauss(pi(V_i)) - C_i ) ||^2      (paper, "Dense Photometric Alignment")
-// r in colour units ([0,1] per channel). Unknown: the vertex V_i (mm). sigma_c sets residuals longer than a threshold to zero.
+// E_photo = w_photo sum_{i in visible} || sigma_c( I_Gauss(pi(V_i)) - C_i ) ||^2      (paper, "Dense Photometric
+// Alignment") r in colour units ([0,1] per channel). Unknown: the vertex V_i (mm). sigma_c sets residuals longer than a
+// threshold to zero.
 #include "shared/camera.h"
 
 typedef struct {
@@ -24,7 +25,8 @@ LC_FN PhotoRow photo_row(Vec3 v, Pinhole cam, Vec3 color, Vec3 du, Vec3 dv, Vec3
   return row;
 }
 
-// x = v; params = fx, fy, cx, cy, then the image as a plane: colour, du, dv at pixel (u0, v0), template colour, threshold.
+// x = v; params = fx, fy, cx, cy, then the image as a plane: colour, du, dv at pixel (u0, v0), template colour,
+// threshold.
 LC_FN void photo_flat(const REAL* x, const REAL* params, REAL* r, REAL* J) {
   Pinhole cam = {params[0], params[1], params[2], params[3]};
   Vec3 v = vec3(x[0], x[1], x[2]);

@@ -1,7 +1,7 @@
 // E_silhouette = w sum_{i in B} b_i [ I_DT(pi(V_i)) ]^2    (paper, "Dense Silhouette Alignment", both stages)
-// r in px. Unknown: the vertex V_i (mm). The distance image is stored signed (positive outside the silhouette): its square
-// and the product r J are those of the unsigned transform, and it stays smooth where the contour is crossed.
-// b_i multiplies the gradient only, so that J^T J stays positive.
+// r in px. Unknown: the vertex V_i (mm). The distance image is stored signed (positive outside the silhouette): its
+// square and the product r J are those of the unsigned transform, and it stays smooth where the contour is crossed. b_i
+// multiplies the gradient only, so that J^T J stays positive.
 #include "shared/camera.h"
 
 typedef struct {
@@ -18,9 +18,9 @@ LC_FN SilhouetteRow silhouette_row(Vec3 v, Pinhole cam, REAL distance, Vec2 grad
   return row;
 }
 
-// The directional weight b_i. z = -grad I_DT is the direction towards the nearest silhouette contour; inside, the signed
-// gradient points there itself. normal_px: the vertex normal projected to the image (any length).
-// Outside always +1; inside -1 when the normal points away from z (the contour found is the wrong one).
+// The directional weight b_i. z = -grad I_DT is the direction towards the nearest silhouette contour; inside, the
+// signed gradient points there itself. normal_px: the vertex normal projected to the image (any length). Outside always
+// +1; inside -1 when the normal points away from z (the contour found is the wrong one).
 LC_FN REAL silhouette_direction(REAL distance, Vec2 gradient_px, Vec2 normal_px) {
   if (distance > LC_LIT(0.0)) return LC_LIT(1.0);
   return normal_px.x * gradient_px.x + normal_px.y * gradient_px.y < LC_LIT(0.0) ? LC_LIT(-1.0) : LC_LIT(1.0);

@@ -1,5 +1,5 @@
-// E_smooth = w_smooth sum_i sum_{j in N_i} s_ij / |N_i| || (V_i - V_j) - (V^S_i - V^S_j) ||^2      (paper, "Spatial Smoothness")
-// r in mm. Unknowns: V_i, V_j. V^S is the skinned mesh of stage I.
+// E_smooth = w_smooth sum_i sum_{j in N_i} s_ij / |N_i| || (V_i - V_j) - (V^S_i - V^S_j) ||^2      (paper, "Spatial
+// Smoothness") r in mm. Unknowns: V_i, V_j. V^S is the skinned mesh of stage I.
 #include "shared/vec.h"
 
 typedef struct {

@@ -1,4 +1,5 @@
-// The actor model: a skinned, textured, labelled template mesh with a LiveCap-27 skeleton (paper, "Actor Model Acquisition").
+// The actor model: a skinned, textured, labelled template mesh with a LiveCap-27 skeleton (paper, "Actor Model
+// Acquisition").
 #pragma once
 
 #include <Eigen/Core>
@@ -21,8 +22,8 @@ inline constexpr int kMaxVertices = 50000;
 
 // At most four bones per vertex, strongest first, weights sum to one, unused slots have weight 0 and bone 0.
 struct SkinWeights {
-  std::vector<int32_t> bones;   // [4*n_vertices]
-  std::vector<float> weights;   // [4*n_vertices]
+  std::vector<int32_t> bones;  // [4*n_vertices]
+  std::vector<float> weights;  // [4*n_vertices]
 };
 
 // A point fixed to a bone that a network may observe.
@@ -40,22 +41,23 @@ struct RenderMesh {
 
 struct Actor {
   std::string name;
-  Mesh mesh;                            // welded template, rest frame (see geometry/skeleton.h), mm
+  Mesh mesh;  // welded template, rest frame (see geometry/skeleton.h), mm
   Skeleton skeleton;
   SkinWeights skin;
   std::array<KeypointAnchor, kKeypointCount> keypoints;
-  std::vector<float> colors;            // [3*n_vertices] sRGB in [0,1]: C_i
-  std::vector<uint8_t> labels;          // [n_vertices] LIP id 0..19
-  std::vector<float> rigidity;          // [n_vertices] paper Table 1
+  std::vector<float> colors;    // [3*n_vertices] sRGB in [0,1]: C_i
+  std::vector<uint8_t> labels;  // [n_vertices] LIP id 0..19
+  std::vector<float> rigidity;  // [n_vertices] paper Table 1
   RenderMesh render;
-  ImageRgb texture;                     // empty when the file has none
-  std::vector<std::string> notes;       // what was defaulted or looks wrong, one line each
+  ImageRgb texture;                // empty when the file has none
+  std::vector<std::string> notes;  // what was defaulted or looks wrong, one line each
 
   int n_vertices() const { return mesh.n_vertices(); }
 };
 
 // Reads an actor.glb. height_mm > 0 scales it so that the template (top to sole) has that height.
-// Throws IoError naming the file and what is wrong (not a GLB, no skin, no mapped bones, vertex count out of range ...).
+// Throws IoError naming the file and what is wrong (not a GLB, no skin, no mapped bones, vertex count out of range
+// ...).
 Actor load_actor(const std::filesystem::path& path, double height_mm = 0);
 
 // The same from the bytes of a GLB; `name` stands for the file in messages.

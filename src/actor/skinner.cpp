@@ -44,7 +44,9 @@ Skinner::Skinner(ocl::DeviceContext& device, const Actor& actor)
   fan_triangles_ = ocl::Buffer<int32_t>(device, corners);
 }
 
-void Skinner::set_pose(std::span<const float> dual_quats) { dual_quats_.write(dual_quats); }
+void Skinner::set_pose(std::span<const float> dual_quats) {
+  dual_quats_.write(dual_quats);
+}
 
 void Skinner::skin(const ocl::Buffer<float>& displacement_rest, ocl::Buffer<float>& out_camera) {
   skin_.launch(n_vertices_, kGroup, n_vertices_, rest_, displacement_rest, bones_, weights_, dual_quats_, out_camera);
@@ -52,8 +54,8 @@ void Skinner::skin(const ocl::Buffer<float>& displacement_rest, ocl::Buffer<floa
 
 void Skinner::unskin_displacement(const ocl::Buffer<float>& deformed_camera, const ocl::Buffer<float>& skinned_camera,
                                   const ocl::Buffer<float>& share, ocl::Buffer<float>& out_displacement_rest) {
-  unskin_.launch(n_vertices_, kGroup, n_vertices_, deformed_camera, skinned_camera, share, bones_, weights_, dual_quats_,
-                 out_displacement_rest);
+  unskin_.launch(n_vertices_, kGroup, n_vertices_, deformed_camera, skinned_camera, share, bones_, weights_,
+                 dual_quats_, out_displacement_rest);
 }
 
 void Skinner::normals(const ocl::Buffer<float>& positions_camera, ocl::Buffer<float>& out_normals) {
@@ -76,7 +78,8 @@ std::vector<ocl::SelfTestResult> skinner_self_test(ocl::DeviceContext& device) {
 
   Skinner skinner(device, actor);
   skinner.set_pose(quats);
-  ocl::Buffer<float> d(device, displacement), skinned(device, 12), bare(device, 12), back(device, 12), normals(device, 12);
+  ocl::Buffer<float> d(device, displacement), skinned(device, 12), bare(device, 12), back(device, 12),
+      normals(device, 12);
   skinner.skin(d, skinned);
   d.fill(0);
   skinner.skin(d, bare);
@@ -92,11 +95,13 @@ std::vector<ocl::SelfTestResult> skinner_self_test(ocl::DeviceContext& device) {
   const auto got = skinned.read_all();
   for (int i = 0; i < 4; ++i) {
     DualQuat sum = dual_quat_zero();
-    for (int k = 0; k < 4; ++k) sum = dual_quat_add_scaled(sum, bone(actor.skin.bones[4 * i + k]), actor.skin.weights[4 * i + k]);
+    for (int k = 0; k < 4; ++k)
+      sum = dual_quat_add_scaled(sum, bone(actor.skin.bones[4 * i + k]), actor.skin.weights[4 * i + k]);
     const Vec3 p = dual_quat_transform(sum, vec3(actor.mesh.positions[3 * i] + displacement[3 * i],
                                                  actor.mesh.positions[3 * i + 1] + displacement[3 * i + 1],
                                                  actor.mesh.positions[3 * i + 2] + displacement[3 * i + 2]));
-    skin_error = std::max({skin_error, std::abs(p.x - got[3 * i]), std::abs(p.y - got[3 * i + 1]), std::abs(p.z - got[3 * i + 2])});
+    skin_error = std::max(
+        {skin_error, std::abs(p.x - got[3 * i]), std::abs(p.y - got[3 * i + 1]), std::abs(p.z - got[3 * i + 2])});
   }
   auto largest_difference = [](const std::vector<float>& a, const std::vector<float>& b) {
     double worst = 0;
@@ -104,7 +109,8 @@ std::vector<ocl::SelfTestResult> skinner_self_test(ocl::DeviceContext& device) {
     return worst;
   };
   const double back_error = largest_difference(back.read_all(), half_of_third);
-  const double normal_error = largest_difference(normals.read_all(), vertex_normals(actor.mesh.positions, actor.mesh.triangles));
+  const double normal_error =
+      largest_difference(normals.read_all(), vertex_normals(actor.mesh.positions, actor.mesh.triangles));
   auto result = [](const char* kernel, double error, double bound) {
     return ocl::SelfTestResult{kernel, error <= bound, format("largest error %.3g, allowed %.3g", error, bound)};
   };

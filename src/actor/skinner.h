@@ -35,12 +35,12 @@ class Skinner {
 
  private:
   int n_vertices_ = 0;
-  ocl::Buffer<float> rest_;              // [3*n] mm
-  ocl::Buffer<int32_t> bones_;           // [4*n]
-  ocl::Buffer<float> weights_;           // [4*n]
-  ocl::Buffer<float> dual_quats_;        // [8*n_bones]
-  ocl::Buffer<int32_t> fan_offsets_;     // [n+1] triangles around each vertex, compressed rows
-  ocl::Buffer<int32_t> fan_triangles_;   // [3*sum] the three corners of each
+  ocl::Buffer<float> rest_;             // [3*n] mm
+  ocl::Buffer<int32_t> bones_;          // [4*n]
+  ocl::Buffer<float> weights_;          // [4*n]
+  ocl::Buffer<float> dual_quats_;       // [8*n_bones]
+  ocl::Buffer<int32_t> fan_offsets_;    // [n+1] triangles around each vertex, compressed rows
+  ocl::Buffer<int32_t> fan_triangles_;  // [3*sum] the three corners of each
   ocl::Kernel skin_;
   ocl::Kernel unskin_;
   ocl::Kernel normals_;

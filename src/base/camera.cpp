@@ -42,7 +42,8 @@ Camera load_camera(const std::filesystem::path& path) {
   auto integer = [&](const char* field) -> int {
     const double value = number(field);
     if (!(value >= 1 && value <= 65536) || value != std::floor(value))
-      throw IoError(path.string() + format(": field \"%s\" is %g, must be a whole number of pixels in 1..65536", field, value));
+      throw IoError(path.string() +
+                    format(": field \"%s\" is %g, must be a whole number of pixels in 1..65536", field, value));
     return static_cast<int>(value);
   };
   Camera camera;
@@ -57,7 +58,8 @@ Camera load_camera(const std::filesystem::path& path) {
     if (!list.is_array() || list.size() > 5)
       throw IoError(path.string() + ": field \"distortion\" must be a list of at most 5 numbers k1, k2, p1, p2, k3");
     for (size_t i = 0; i < list.size(); ++i) {
-      if (!list[i].is_number()) throw IoError(path.string() + format(": field \"distortion\"[%zu] must be a number", i));
+      if (!list[i].is_number())
+        throw IoError(path.string() + format(": field \"distortion\"[%zu] must be a number", i));
       camera.distortion[i] = list[i].get<double>();
     }
   }
@@ -70,7 +72,8 @@ Camera load_camera(const std::filesystem::path& path) {
 }
 
 Camera camera_from_fov(int width, int height, double fov_deg) {
-  if (!(fov_deg > 1 && fov_deg < 170)) throw ConfigError(format("--fov %g: must be degrees between 1 and 170", fov_deg));
+  if (!(fov_deg > 1 && fov_deg < 170))
+    throw ConfigError(format("--fov %g: must be degrees between 1 and 170", fov_deg));
   Camera camera;
   camera.width = width;
   camera.height = height;

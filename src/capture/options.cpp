@@ -36,17 +36,22 @@ void CaptureOptions::validate() const {
   if (actor.empty()) throw ConfigError("--actor is missing: an actor.glb or builtin:skirt, builtin:trousers");
   if (out.empty()) throw ConfigError("--out is missing: the folder to write");
   if (camera.empty() == (fov_deg == 0)) throw ConfigError("give either --camera FILE or --fov DEGREES");
-  if (fov_deg != 0 && !(fov_deg > 1 && fov_deg < 170)) throw ConfigError(format("--fov %g: must be between 1 and 170 degrees", fov_deg));
-  if (!background.empty() && background_frames > 0) throw ConfigError("give either --background or --background-frames, not both");
-  if (background_frames < 0) throw ConfigError(format("--background-frames %d: must not be negative", background_frames));
+  if (fov_deg != 0 && !(fov_deg > 1 && fov_deg < 170))
+    throw ConfigError(format("--fov %g: must be between 1 and 170 degrees", fov_deg));
+  if (!background.empty() && background_frames > 0)
+    throw ConfigError("give either --background or --background-frames, not both");
+  if (background_frames < 0)
+    throw ConfigError(format("--background-frames %d: must not be negative", background_frames));
   if (height_mm != 0 && !(height_mm >= 500 && height_mm <= 3000))
     throw ConfigError(format("--height %g m: must be between 0.5 and 3 metres", height_mm / 1000));
   if (first < 0) throw ConfigError(format("--first %lld: must not be negative", static_cast<long long>(first)));
   if (frames == 0 || frames < -1) throw ConfigError("--frames: must be at least 1");
   if (!detections.empty() && background.empty() && background_frames == 0)
-    throw ConfigError("--detections needs --background or --background-frames: without the network there is no person mask");
+    throw ConfigError(
+        "--detections needs --background or --background-frames: without the network there is no person mask");
   if (sequential && realtime) throw ConfigError("--sequential and --pace realtime exclude each other");
-  if (!(bvh_unit_m > 0) || !std::isfinite(bvh_unit_m)) throw ConfigError("--bvh-unit: must be a positive length in metres");
+  if (!(bvh_unit_m > 0) || !std::isfinite(bvh_unit_m))
+    throw ConfigError("--bvh-unit: must be a positive length in metres");
   for (const std::string& name : without) require_component(name);
 }
 

@@ -19,8 +19,8 @@ struct PipelineStages {
 
 void run_sequential(const PipelineStages& stages);
 
-// newest_wins: the reader never waits for the network; an item still waiting is replaced by a newer one and is published
-// with it as dropped.
+// newest_wins: the reader never waits for the network; an item still waiting is replaced by a newer one and is
+// published with it as dropped.
 void run_pipelined(const PipelineStages& stages, bool newest_wins);
 
 }  // namespace livecap

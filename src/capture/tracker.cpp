@@ -53,7 +53,8 @@ Tracker::Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& c
     buffer->fill(0);
   }
   std::vector<float> share(n_vertices_);
-  for (int i = 0; i < n_vertices_; ++i) share[i] = actor.rigidity[i] <= options.max_carried_rigidity ? options.carried_share : 0.0f;
+  for (int i = 0; i < n_vertices_; ++i)
+    share[i] = actor.rigidity[i] <= options.max_carried_rigidity ? options.carried_share : 0.0f;
   carried_share_ = ocl::Buffer<float>(device, share);
 }
 
@@ -154,7 +155,8 @@ void Tracker::solve_surface(const Pose& pose, bool has_picture, TrackResult& res
                             .vertex_part = vertex_part},
                   vertices_);
   }
-  if (options_.warp_displacements) skinner_.unskin_displacement(vertices_, skinned_, carried_share_, displacement_rest_);
+  if (options_.warp_displacements)
+    skinner_.unskin_displacement(vertices_, skinned_, carried_share_, displacement_rest_);
 }
 
 TrackResult Tracker::track(const TrackInput& input) {

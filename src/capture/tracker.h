@@ -24,29 +24,29 @@ struct TrackerOptions {
   SurfaceOptions surface;
   SnapOptions snap;
   VisibilityOptions visibility;
-  bool enable_surface = true;       // false: the result is the skinned template of stage I
-  bool warp_displacements = true;   // carry the non-rigid displacement to the next frame
+  bool enable_surface = true;      // false: the result is the skinned template of stage I
+  bool warp_displacements = true;  // carry the non-rigid displacement to the next frame
   // Only cloth keeps its displacement: what skin, hair and shoes seem to be displaced by is an error of the pose, and
   // carried on it would hold the pose there. Half of it is carried: all of it (the paper) cost accuracy on every
   // sequence with ground truth, because what one frame explains wrongly the next one starts from.
   float max_carried_rigidity = 3;
   float carried_share = 0.5f;
-  // The paper also adds the carried displacement to the contour of stage I. That ties the pose to what the surface made of
-  // an earlier pose; without it the pose was as good or better on every sequence with ground truth.
+  // The paper also adds the carried displacement to the contour of stage I. That ties the pose to what the surface made
+  // of an earlier pose; without it the pose was as good or better on every sequence with ground truth.
   bool displaced_contour = false;
-  bool part_mask = true;            // b_i = 0 on another body part's region
+  bool part_mask = true;  // b_i = 0 on another body part's region
   bool snapping = true;
-  bool ignore_confidence = false;   // true: every keypoint the network knows counts fully
+  bool ignore_confidence = false;  // true: every keypoint the network knows counts fully
   // A pose whose mean keypoint error exceeds this fraction of the person's height in the picture is not believed: the
   // frame is solved again from the detections alone, and lost when that does not help.
   double lost_error_fraction = 0.08;
 };
 
 struct TrackInput {
-  const ImageRgb& image;          // undistorted
+  const ImageRgb& image;  // undistorted
   const Detections& detections;
   const Silhouette& silhouette;
-  const ImageGray& mask;          // the silhouette as pixels, for the IoU
+  const ImageGray& mask;  // the silhouette as pixels, for the IoU
 };
 
 struct TrackResult {
@@ -56,7 +56,7 @@ struct TrackResult {
   double pose_energy = 0;
   double surface_energy = 0;
   double keypoint_error_px = 0;
-  double iou = 0;                  // rendered mesh against the mask
+  double iou = 0;  // rendered mesh against the mask
   double pose_ms = 0;
   double surface_ms = 0;
 };
@@ -102,10 +102,10 @@ class Tracker {
   ocl::Buffer<float> start_;              // V^S + d^S
   ocl::Buffer<float> skinned_;            // V^S
   ocl::Buffer<float> normals_;
-  ocl::Buffer<float> vertices_;           // the result
-  ocl::Buffer<float> previous_;           // V^{t-1}
-  ocl::Buffer<float> before_previous_;    // V^{t-2}
-  int n_history_ = 0;                     // how many of the two are valid
+  ocl::Buffer<float> vertices_;         // the result
+  ocl::Buffer<float> previous_;         // V^{t-1}
+  ocl::Buffer<float> before_previous_;  // V^{t-2}
+  int n_history_ = 0;                   // how many of the two are valid
 
   std::optional<Pose> last_pose_;
   std::optional<Pose> pose_before_last_;

@@ -36,7 +36,8 @@ void warm_up_tracker(Tracker& tracker, const Actor& actor, const Camera& camera)
   for (int y = camera.height / 4; y < camera.height * 3 / 4; ++y) {
     for (int x = camera.width / 3; x < camera.width * 2 / 3; ++x) mask.pixels[size_t(y) * camera.width + x] = 255;
   }
-  const ImageRgb picture{camera.width, camera.height, std::vector<uint8_t>(size_t(3) * camera.width * camera.height, 128)};
+  const ImageRgb picture{camera.width, camera.height,
+                         std::vector<uint8_t>(size_t(3) * camera.width * camera.height, 128)};
   const Silhouette silhouette = make_silhouette(mask);
   for (int frame = 0; frame < 3; ++frame) tracker.track({picture, detections, silhouette, mask});
   tracker.reset();

@@ -63,7 +63,8 @@ void walk_chain(const Skeleton& skeleton, const Pose& pose, PosedSkeleton& out) 
 
 PosedSkeleton forward_kinematics(const Skeleton& skeleton, const Pose& pose) {
   if (pose.angles_rad.size() != skeleton.n_dofs())
-    throw LogicError(format("forward_kinematics: %d angles for %d joints", static_cast<int>(pose.angles_rad.size()), skeleton.n_dofs()));
+    throw LogicError(format("forward_kinematics: %d angles for %d joints", static_cast<int>(pose.angles_rad.size()),
+                            skeleton.n_dofs()));
   PosedSkeleton rest;
   walk_chain(skeleton, rest_pose(skeleton), rest);
   PosedSkeleton posed;

@@ -13,28 +13,28 @@ namespace livecap {
 
 struct Bone {
   std::string name;
-  int parent = -1;                                          // -1 for bone 0, the root (pelvis)
-  Eigen::Vector3d offset_mm = Eigen::Vector3d::Zero();      // its origin in the parent's frame
+  int parent = -1;                                      // -1 for bone 0, the root (pelvis)
+  Eigen::Vector3d offset_mm = Eigen::Vector3d::Zero();  // its origin in the parent's frame
 };
 
 // One joint angle. Angles of one bone are applied in listed order, the first closest to the parent.
 struct Dof {
-  std::string name;                                         // "left_shoulder_z"
-  int bone = 0;                                             // the bone it turns
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();          // unit, in the bone's frame
+  std::string name;                                 // "left_shoulder_z"
+  int bone = 0;                                     // the bone it turns
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // unit, in the bone's frame
   double min_rad = 0;
   double max_rad = 0;
-  double rest_rad = 0;                                      // angle in which the template is bound
+  double rest_rad = 0;  // angle in which the template is bound
 };
 
 struct Skeleton {
-  std::vector<Bone> bones;                                  // parents before children; bone 0 is the root
-  std::vector<Dof> dofs;                                    // grouped by bone, at most kMaxDofs
-  Eigen::Vector3d root_rest_mm = Eigen::Vector3d::Zero();   // origin of bone 0 in the template's rest frame
+  std::vector<Bone> bones;                                 // parents before children; bone 0 is the root
+  std::vector<Dof> dofs;                                   // grouped by bone, at most kMaxDofs
+  Eigen::Vector3d root_rest_mm = Eigen::Vector3d::Zero();  // origin of bone 0 in the template's rest frame
 
   int n_bones() const { return static_cast<int>(bones.size()); }
   int n_dofs() const { return static_cast<int>(dofs.size()); }
-  int bone_index(const std::string& name) const;            // -1 when there is none
+  int bone_index(const std::string& name) const;  // -1 when there is none
   // Throws LogicError when parents do not precede children, an axis is not unit or a limit pair is reversed.
   void validate() const;
 };
@@ -43,9 +43,9 @@ inline constexpr int kMaxDofs = 64;
 
 // S = {theta, R, t}: where the skeleton is. The root's rotation and translation map bone 0's frame to the camera.
 struct Pose {
-  Eigen::Matrix3d root_rotation = Eigen::Matrix3d::Identity();       // camera_from_root
-  Eigen::Vector3d root_translation_mm = Eigen::Vector3d::Zero();     // origin of bone 0 in the camera frame
-  Eigen::VectorXd angles_rad;                                        // [n_dofs]
+  Eigen::Matrix3d root_rotation = Eigen::Matrix3d::Identity();    // camera_from_root
+  Eigen::Vector3d root_translation_mm = Eigen::Vector3d::Zero();  // origin of bone 0 in the camera frame
+  Eigen::VectorXd angles_rad;                                     // [n_dofs]
 };
 
 // The pose in which the template is bound, in the rest frame.

@@ -86,7 +86,8 @@ void VideoWriter::Encoder::allocate_pictures() {
   check(av_frame_get_buffer(frame, 0), "allocating a picture");
   // Converter and encoder may read the padding of a plane: it must not hold what was in memory before.
   for (AVFrame* each : {picture, frame}) {
-    for (int i = 0; i < AV_NUM_DATA_POINTERS && each->buf[i]; ++i) std::fill_n(each->buf[i]->data, each->buf[i]->size, uint8_t{0});
+    for (int i = 0; i < AV_NUM_DATA_POINTERS && each->buf[i]; ++i)
+      std::fill_n(each->buf[i]->data, each->buf[i]->size, uint8_t{0});
   }
 }
 

@@ -23,7 +23,8 @@ class Buffer {
   Buffer() = default;
   Buffer(DeviceContext& device, size_t count) : queue_(device.queue()), count_(count) {
     cl_int status = CL_SUCCESS;
-    memory_ = clCreateBuffer(device.context(), CL_MEM_READ_WRITE, (count > 0 ? count : 1) * sizeof(T), nullptr, &status);
+    memory_ =
+        clCreateBuffer(device.context(), CL_MEM_READ_WRITE, (count > 0 ? count : 1) * sizeof(T), nullptr, &status);
     check(status, "clCreateBuffer", std::to_string(count * sizeof(T)) + " bytes on " + device.info().label());
   }
   Buffer(DeviceContext& device, std::span<const T> values) : Buffer(device, values.size()) { write(values); }
@@ -50,14 +51,16 @@ class Buffer {
   void write(std::span<const T> values, size_t offset = 0) {
     if (values.empty()) return;
     require(values.size() + offset <= count_);
-    check(clEnqueueWriteBuffer(queue_, memory_, CL_TRUE, offset * sizeof(T), values.size_bytes(), values.data(), 0, nullptr, nullptr),
+    check(clEnqueueWriteBuffer(queue_, memory_, CL_TRUE, offset * sizeof(T), values.size_bytes(), values.data(), 0,
+                               nullptr, nullptr),
           "clEnqueueWriteBuffer");
   }
   void write(const std::vector<T>& values, size_t offset = 0) { write(std::span<const T>(values), offset); }
   void read(std::span<T> values, size_t offset = 0) const {
     if (values.empty()) return;
     require(values.size() + offset <= count_);
-    check(clEnqueueReadBuffer(queue_, memory_, CL_TRUE, offset * sizeof(T), values.size_bytes(), values.data(), 0, nullptr, nullptr),
+    check(clEnqueueReadBuffer(queue_, memory_, CL_TRUE, offset * sizeof(T), values.size_bytes(), values.data(), 0,
+                              nullptr, nullptr),
           "clEnqueueReadBuffer");
   }
   std::vector<T> read_all() const {
@@ -68,7 +71,8 @@ class Buffer {
   // In-order, not blocking.
   void fill(T value) {
     if (count_ == 0) return;
-    check(clEnqueueFillBuffer(queue_, memory_, &value, sizeof(T), 0, count_ * sizeof(T), 0, nullptr, nullptr), "clEnqueueFillBuffer");
+    check(clEnqueueFillBuffer(queue_, memory_, &value, sizeof(T), 0, count_ * sizeof(T), 0, nullptr, nullptr),
+          "clEnqueueFillBuffer");
   }
   void copy_from(const Buffer& other) {
     if (other.count_ == 0) return;

@@ -12,7 +12,8 @@ namespace {
 
 std::string build_log(cl_program program, cl_device_id device) {
   size_t size = 0;
-  if (clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size) != CL_SUCCESS || size == 0) return {};
+  if (clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size) != CL_SUCCESS || size == 0)
+    return {};
   std::string log(size, '\0');
   clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, size, log.data(), nullptr);
   while (!log.empty() && (log.back() == '\0' || log.back() == '\n')) log.pop_back();
@@ -23,7 +24,8 @@ std::string build_log(cl_program program, cl_device_id device) {
 
 DeviceContext::DeviceContext(const DeviceInfo& info) : info_(info) {
   cl_int status = CL_SUCCESS;
-  const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM, reinterpret_cast<cl_context_properties>(info.platform), 0};
+  const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM,
+                                              reinterpret_cast<cl_context_properties>(info.platform), 0};
   context_ = clCreateContext(properties, 1, &info_.device, nullptr, nullptr, &status);
   check(status, "clCreateContext", info_.label());
   queue_ = clCreateCommandQueue(context_, info_.device, 0, &status);
@@ -59,8 +61,8 @@ cl_program DeviceContext::program(const std::string& path, const std::string& ex
     if (status != CL_SUCCESS) {
       const std::string log = build_log(program, info_.device);
       clReleaseProgram(program);
-      throw OclError("clBuildProgram failed: " + status_name(status) + " (kernels/" + path + " on " + info_.label() + ", options " +
-                     options + ")\n" + log);
+      throw OclError("clBuildProgram failed: " + status_name(status) + " (kernels/" + path + " on " + info_.label() +
+                     ", options " + options + ")\n" + log);
     }
     store_cached_program(cache_file, program);
   }
@@ -68,6 +70,8 @@ cl_program DeviceContext::program(const std::string& path, const std::string& ex
   return program;
 }
 
-void DeviceContext::finish() { check(clFinish(queue_), "clFinish", info_.label()); }
+void DeviceContext::finish() {
+  check(clFinish(queue_), "clFinish", info_.label());
+}
 
 }  // namespace livecap::ocl

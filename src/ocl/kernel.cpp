@@ -32,8 +32,9 @@ void Kernel::set_raw(cl_uint index, size_t size, const void* value) {
 void Kernel::enqueue(const Range& range) {
   const size_t global[2] = {range.global_x, range.global_y};
   const size_t local[2] = {range.local_x, range.local_y};
-  check(clEnqueueNDRangeKernel(queue_, kernel_, 2, nullptr, global, range.local_x ? local : nullptr, 0, nullptr, nullptr),
-        "clEnqueueNDRangeKernel", name_);
+  check(
+      clEnqueueNDRangeKernel(queue_, kernel_, 2, nullptr, global, range.local_x ? local : nullptr, 0, nullptr, nullptr),
+      "clEnqueueNDRangeKernel", name_);
 }
 
 }  // namespace livecap::ocl

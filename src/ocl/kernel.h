@@ -63,7 +63,7 @@ class Kernel {
   }
   void set_arg(cl_uint index, LocalMemory local) { set_raw(index, local.bytes, nullptr); }
   template <typename T>
-    requires std::is_trivially_copyable_v<T>
+  requires std::is_trivially_copyable_v<T>
   void set_arg(cl_uint index, const T& value) {
     static_assert(sizeof(T) % 4 == 0, "kernel arguments are made of 4-byte fields");
     static_assert(!std::is_same_v<T, double> && !std::is_same_v<T, size_t>, "kernels take float and int");

@@ -16,8 +16,8 @@ struct EmbeddedKernel {
 extern const EmbeddedKernel kEmbeddedKernels[];
 extern const int kEmbeddedKernelCount;
 
-// The file with every #include "..." (paths relative to kernels/) expanded once, and #line marks so that build logs show
-// real paths. Throws LogicError when a file does not exist.
+// The file with every #include "..." (paths relative to kernels/) expanded once, and #line marks so that build logs
+// show real paths. Throws LogicError when a file does not exist.
 std::string resolve_kernel_source(const std::string& path);
 
 // Paths of all kernel files, for lint-like tests.

@@ -23,19 +23,21 @@ uint64_t fnv1a(const std::string& text, uint64_t hash) {
 
 std::filesystem::path cache_folder() {
   if (const char* folder = std::getenv("LIVECAP_CACHE_DIR")) return folder;
-  if (const char* folder = std::getenv("XDG_CACHE_HOME"); folder && *folder) return std::filesystem::path(folder) / "livecap";
+  if (const char* folder = std::getenv("XDG_CACHE_HOME"); folder && *folder)
+    return std::filesystem::path(folder) / "livecap";
   if (const char* home = std::getenv("HOME"); home && *home) return std::filesystem::path(home) / ".cache" / "livecap";
   return {};
 }
 
 }  // namespace
 
-std::filesystem::path program_cache_file(const std::string& source, const std::string& options, const DeviceInfo& device) {
+std::filesystem::path program_cache_file(const std::string& source, const std::string& options,
+                                         const DeviceInfo& device) {
   const std::filesystem::path folder = cache_folder();
   if (folder.empty()) return {};
   std::string key;
-  for (const std::string& part : {std::string(kFormatVersion), source, options, device.device_name, device.driver_version,
-                                  device.platform_name, device.platform_version})
+  for (const std::string& part : {std::string(kFormatVersion), source, options, device.device_name,
+                                  device.driver_version, device.platform_name, device.platform_version})
     key += part + '\0';
   return folder / format("%016llx%016llx.bin", static_cast<unsigned long long>(fnv1a(key, 14695981039346656037ull)),
                          static_cast<unsigned long long>(fnv1a(key, 1099511628211ull)));
@@ -66,7 +68,8 @@ void store_cached_program(const std::filesystem::path& file, cl_program program)
   if (file.empty()) return;
   try {
     size_t size = 0;
-    if (clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof(size), &size, nullptr) != CL_SUCCESS || size == 0) return;
+    if (clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof(size), &size, nullptr) != CL_SUCCESS || size == 0)
+      return;
     std::string bytes(size, '\0');
     unsigned char* data = reinterpret_cast<unsigned char*>(bytes.data());
     if (clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof(data), &data, nullptr) != CL_SUCCESS) return;

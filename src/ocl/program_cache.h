@@ -1,5 +1,6 @@
-// Built programs on disk: hash of everything the binary depends on, temporary file, rename; any fault means "not cached".
-// Folder: LIVECAP_CACHE_DIR, else XDG_CACHE_HOME/livecap, else ~/.cache/livecap. Nothing is cached when none is writable.
+// Built programs on disk: hash of everything the binary depends on, temporary file, rename; any fault means "not
+// cached". Folder: LIVECAP_CACHE_DIR, else XDG_CACHE_HOME/livecap, else ~/.cache/livecap. Nothing is cached when none
+// is writable.
 #pragma once
 
 #include <CL/cl.h>
@@ -12,7 +13,8 @@
 namespace livecap::ocl {
 
 // Empty when there is no cache folder.
-std::filesystem::path program_cache_file(const std::string& source, const std::string& options, const DeviceInfo& device);
+std::filesystem::path program_cache_file(const std::string& source, const std::string& options,
+                                         const DeviceInfo& device);
 
 // nullptr unless the file holds a binary that this device accepts and builds.
 cl_program load_cached_program(const std::filesystem::path& file, cl_context context, cl_device_id device,

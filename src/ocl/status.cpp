@@ -7,7 +7,7 @@ namespace livecap::ocl {
 std::string status_name(cl_int status) {
   switch (status) {
 #define LC_STATUS(code) \
-  case code:          \
+  case code:            \
     return #code;
     LC_STATUS(CL_SUCCESS)
     LC_STATUS(CL_DEVICE_NOT_FOUND)

@@ -27,8 +27,8 @@ std::array<double, kKeypointCount> default_keypoint_2d_weights();
 std::array<double, kKeypointCount> default_temporal_weights();
 
 // lambda_i of E_3D: torso (neck, pelvis, hips, shoulders) 10, limbs 1, face 0.326 as in E_2D (seen from behind, the
-// face's 2D points alone cannot tell front from back). The paper has none and no face here. The torso's directions are the
-// network's most reliable ones, and without this some 450 contour vertices outweigh them: in a turn the trunk lags
+// face's 2D points alone cannot tell front from back). The paper has none and no face here. The torso's directions are
+// the network's most reliable ones, and without this some 450 contour vertices outweigh them: in a turn the trunk lags
 // behind while hips, clavicles and neck twist against their limits.
 std::array<double, kKeypointCount> default_keypoint_3d_weights();
 

@@ -53,7 +53,8 @@ TEST(Skeleton, IncrementsMatchFiniteDifferencesOfBonePoints) {
         Eigen::VectorXd delta = Eigen::VectorXd::Zero(6 + s.n_dofs());
         delta[column] = h;
         const Eigen::Vector3d plus = forward_kinematics(s, add_increment(pose, delta)).camera_from_rest[b] * rest_point;
-        const Eigen::Vector3d minus = forward_kinematics(s, add_increment(pose, -delta)).camera_from_rest[b] * rest_point;
+        const Eigen::Vector3d minus =
+            forward_kinematics(s, add_increment(pose, -delta)).camera_from_rest[b] * rest_point;
         Eigen::Vector3d expected;
         if (column < 3) {
           expected = Eigen::Vector3d::Unit(column).cross(p - pose.root_translation_mm);
@@ -61,9 +62,11 @@ TEST(Skeleton, IncrementsMatchFiniteDifferencesOfBonePoints) {
           expected = Eigen::Vector3d::Unit(column - 3);
         } else {
           const int k = column - 6;
-          expected = (masks[b] >> k & 1) ? posed.dof_axis[k].cross(p - posed.dof_origin_mm[k]).eval() : Eigen::Vector3d::Zero().eval();
+          expected = (masks[b] >> k & 1) ? posed.dof_axis[k].cross(p - posed.dof_origin_mm[k]).eval()
+                                         : Eigen::Vector3d::Zero().eval();
         }
-        EXPECT_LT(((plus - minus) / (2 * h) - expected).norm(), test::kFiniteDifference * std::max(1.0, expected.norm()))
+        EXPECT_LT(((plus - minus) / (2 * h) - expected).norm(),
+                  test::kFiniteDifference * std::max(1.0, expected.norm()))
             << "bone " << b << " column " << column;
       }
     }
@@ -140,7 +143,8 @@ TEST(Skeleton, DualQuaternionSkinningDerivativeMatchesFiniteDifferences) {
         const Vec3 d = dual_quat_transform_derivative(all, dq, rest);
         analytic = {d.x, d.y, d.z};
       }
-      EXPECT_LT((numeric - analytic).norm(), test::kFiniteDifference * std::max(1.0, analytic.norm())) << "column " << column;
+      EXPECT_LT((numeric - analytic).norm(), test::kFiniteDifference * std::max(1.0, analytic.norm()))
+          << "column " << column;
     }
   }
 }

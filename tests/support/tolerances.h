@@ -26,7 +26,8 @@ inline constexpr double kNetworkRelative = 1e-3;
 inline constexpr double kHandComputed = 1e-6;
 // Pixels are bytes: half a step of rounding on either side.
 inline constexpr double kByteRounding = 1.0;
-// Landmarks of a network run whose outputs agree to kNetworkRelative (1e-3 of coordinates up to 256 px and 900 mm); seen 1e-3.
+// Landmarks of a network run whose outputs agree to kNetworkRelative (1e-3 of coordinates up to 256 px and 900 mm);
+// seen 1e-3.
 inline constexpr double kLandmarkPx = 0.05;
 inline constexpr double kLandmarkMm = 0.5;
 

@@ -40,16 +40,18 @@ void run_sequential(const PipelineStages& stages) {
     WorkItem item;
     if (!stages.read(item)) return;
     stages.detect(item);
+    stages.segment(item);
     stages.solve(item);
     if (!stages.publish(item)) return;
   }
 }
 
 void run_pipelined(const PipelineStages& stages, bool newest_wins) {
-  Channel<WorkItem> to_detect, to_solve, to_publish;
+  Channel<WorkItem> to_detect, to_segment, to_solve, to_publish;
   FirstError error;
   auto abort_all = [&] {
     to_detect.abort();
+    to_segment.abort();
     to_solve.abort();
     to_publish.abort();
   };
@@ -76,20 +78,19 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins) {
     }
     to_detect.close();
   });
-  std::thread detector = guarded([&] {
-    while (auto item = to_detect.pop()) {
-      stages.detect(*item);
-      if (!to_solve.push(std::move(*item))) return;
-    }
-    to_solve.close();
-  });
-  std::thread solver = guarded([&] {
-    while (auto item = to_solve.pop()) {
-      stages.solve(*item);
-      if (!to_publish.push(std::move(*item))) return;
-    }
-    to_publish.close();
-  });
+  // A stage between two channels.
+  auto between = [&](const std::function<void(WorkItem&)>& stage, Channel<WorkItem>& from, Channel<WorkItem>& to) {
+    return guarded([&stage, &from, &to] {
+      while (auto item = from.pop()) {
+        stage(*item);
+        if (!to.push(std::move(*item))) return;
+      }
+      to.close();
+    });
+  };
+  std::thread detector = between(stages.detect, to_detect, to_segment);
+  std::thread segmenter = between(stages.segment, to_segment, to_solve);
+  std::thread solver = between(stages.solve, to_solve, to_publish);
 
   try {
     while (auto item = to_publish.pop()) {
@@ -101,6 +102,7 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins) {
   abort_all();
   reader.join();
   detector.join();
+  segmenter.join();
   solver.join();
   error.rethrow();
 }

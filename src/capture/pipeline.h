@@ -1,5 +1,7 @@
-// The three-thread pipeline of the paper ("Pipelined Implementation"): read | network | solvers, with publishing on the
-// caller's thread. Hand-over of depth one, so a result is about two frames behind its input.
+// The pipeline of the paper ("Pipelined Implementation"): read | network | segmentation | solvers, with publishing on
+// the caller's thread. The paper subtracts the background in the reading thread; here the network's mask gates it, so
+// it follows the network, in a thread of its own: beside the network it would lengthen the longest thread of a CPU
+// machine, beside the solvers that of a GPU machine. Hand-over of depth one.
 #pragma once
 
 #include <functional>
@@ -13,7 +15,8 @@ namespace livecap {
 struct PipelineStages {
   std::function<bool(WorkItem&)> read;     // thread 1; false at the end of the input
   std::function<void(WorkItem&)> detect;   // thread 2, network context
-  std::function<void(WorkItem&)> solve;    // thread 3, solver context
+  std::function<void(WorkItem&)> segment;  // thread 3
+  std::function<void(WorkItem&)> solve;    // thread 4, solver context
   std::function<bool(WorkItem&)> publish;  // caller's thread, in input order; false to stop early
 };
 

@@ -67,27 +67,27 @@ class DetectionSource {
   size_t next_ = 0;
 };
 
-// Thread 3: silhouette, both stages.
+// Thread 3: which pixels are the person.
+void segment(const ForegroundModel& foreground, WorkItem& item) {
+  Timer timer;
+  if (item.detections.person) {
+    item.mask = foreground.segment(item.image, item.detections.mask);
+    item.silhouette = make_silhouette(item.mask);
+  }
+  item.report.stage_ms[static_cast<int>(CaptureStage::kSegment)] = timer.elapsed_ms();
+}
+
+// Thread 4: both stages.
 class Solver {
  public:
-  Solver(const CaptureOptions& options, ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
-         const std::vector<ImageRgb>& empty_plates)
+  Solver(const CaptureOptions& options, ocl::DeviceContext& device, const Actor& actor, const Camera& camera)
       : tracker_(device, actor, camera, tracker_options(options)) {
-    for (const ImageRgb& plate : empty_plates) foreground_.train(plate);
     warm_up_tracker(tracker_, actor, camera);
   }
 
   void solve(WorkItem& item) {
-    Timer timer;
-    ImageGray mask;
-    Silhouette silhouette;
-    if (item.detections.person) {
-      mask = foreground_.segment(item.image, item.detections.mask);
-      silhouette = make_silhouette(mask);
-    }
+    item.result = tracker_.track({item.image, item.detections, item.silhouette, item.mask});
     auto& stage_ms = item.report.stage_ms;
-    stage_ms[static_cast<int>(CaptureStage::kSegment)] = timer.elapsed_ms();
-    item.result = tracker_.track({item.image, item.detections, silhouette, mask});
     stage_ms[static_cast<int>(CaptureStage::kPose)] = item.result.pose_ms;
     stage_ms[static_cast<int>(CaptureStage::kSurface)] = item.result.surface_ms;
     item.report.status = item.result.status;
@@ -105,7 +105,6 @@ class Solver {
     return tracker;
   }
 
-  ForegroundModel foreground_;
   Tracker tracker_;
 };
 
@@ -119,7 +118,8 @@ CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& 
   const bool builtin = options.actor.rfind(kBuiltin, 0) == 0;
   Actor actor = load_actor_bytes(glb, options.actor, builtin ? 0 : options.height_mm);
   use_mediapipe_anchors(actor);
-  const std::vector<ImageRgb> plates = reader.empty_plates();
+  ForegroundModel foreground;
+  for (const ImageRgb& plate : reader.empty_plates()) foreground.train(plate);
   CaptureOutput output(options, actor, glb, reader.camera(), reader.info().fps);
 
   const ocl::DevicePair devices = ocl::select_device_pair(options.cnn_device, options.solver_device);
@@ -127,7 +127,7 @@ CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& 
   ocl::DeviceContext solver_device(devices.solver);
   DetectionSource detection(options, cnn, reader.info().fps);
   detection.warm_up(reader.camera());
-  Solver solver(options, solver_device, actor, reader.camera(), plates);
+  Solver solver(options, solver_device, actor, reader.camera());
 
   PipelineStages stages;
   stages.read = [&](WorkItem& item) { return reader.read(item); };
@@ -137,6 +137,9 @@ CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& 
     item.detections = detection.detect(item.image, reader.camera(), item.report.index);
     item.report.score = item.detections.score;
     item.report.stage_ms[static_cast<int>(CaptureStage::kNetwork)] = timer.elapsed_ms();
+  };
+  stages.segment = [&](WorkItem& item) {
+    if (item.report.status != TrackStatus::kDamaged) segment(foreground, item);
   };
   stages.solve = [&](WorkItem& item) {
     if (item.report.status != TrackStatus::kDamaged) solver.solve(item);

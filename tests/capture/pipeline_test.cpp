@@ -25,7 +25,8 @@ struct Recorder {
       return true;
     };
     s.detect = [](WorkItem& item) { item.detections.frame_index = item.report.index; };
-    s.solve = [](WorkItem& item) { item.report.score = static_cast<double>(item.detections.frame_index); };
+    s.segment = [](WorkItem& item) { item.silhouette.area_px = static_cast<int>(item.detections.frame_index); };
+    s.solve = [](WorkItem& item) { item.report.score = static_cast<double>(item.silhouette.area_px); };
     s.publish = [this](WorkItem& item) {
       EXPECT_EQ(item.report.score, static_cast<double>(item.report.index));
       for (const auto& report : item.dropped_before) {
@@ -64,7 +65,7 @@ TEST(Pipeline, NewestWinsAndDropsAreCounted) {
 }
 
 TEST(Pipeline, AnErrorInAnyStageEndsTheRunWithItsMessage) {
-  for (int failing = 0; failing < 4; ++failing) {
+  for (int failing = 0; failing < 5; ++failing) {
     Recorder recorder{1000};
     PipelineStages stages = recorder.stages();
     auto fail_at_ten = [](WorkItem& item) {
@@ -78,8 +79,9 @@ TEST(Pipeline, AnErrorInAnyStageEndsTheRunWithItsMessage) {
       };
     }
     if (failing == 1) stages.detect = fail_at_ten;
-    if (failing == 2) stages.solve = fail_at_ten;
-    if (failing == 3) {
+    if (failing == 2) stages.segment = fail_at_ten;
+    if (failing == 3) stages.solve = fail_at_ten;
+    if (failing == 4) {
       stages.publish = [&](WorkItem& item) {
         fail_at_ten(item);
         return true;

@@ -19,8 +19,49 @@ constexpr float kTypicalValue = 128;
 constexpr size_t kGainMinPixels = 200;
 constexpr float kGainLimit = 0.35f;  // more than this is not drift but another scene
 
+constexpr float kFar = 1e9f;
+
 float squared(float x) {
   return x * x;
+}
+
+// Three planes of one row.
+struct Row {
+  const float* red;
+  const float* green;
+  const float* blue;
+};
+
+struct Nearest {
+  float* difference;  // squared, not divided by a variance
+  float* plain;       // squared, in deviations
+  float* shadow;      // the same with shadows taken for background
+};
+
+// Takes one Gaussian of each pixel into the minima over all of them.
+void compare_row(const Row& value, const Row& mean, const float* variance_trained, const float* edge_variance,
+                 float least_variance, float shadow_darkest, int n, const Nearest& nearest) {
+  const float* __restrict r = value.red, * __restrict g = value.green, * __restrict b = value.blue;
+  const float* __restrict mr = mean.red, * __restrict mg = mean.green, * __restrict mb = mean.blue;
+  float* __restrict difference = nearest.difference, * __restrict plain = nearest.plain;
+  float* __restrict shadow = nearest.shadow;
+  for (int x = 0; x < n; ++x) {
+    const float variance = std::max(variance_trained[x], least_variance) + edge_variance[x];
+    const float squares = squared(r[x] - mr[x]) + squared(g[x] - mg[x]) + squared(b[x] - mb[x]);
+    difference[x] = std::min(difference[x], squares);
+    plain[x] = std::min(plain[x], squares / variance);
+    // A shadow is the background darkened by one factor in all channels.
+    const float factor =
+        (r[x] * mr[x] + g[x] * mg[x] + b[x] * mb[x] + 1) / (mr[x] * mr[x] + mg[x] * mg[x] + mb[x] * mb[x] + 1);
+    const float colour =
+        squared(r[x] - factor * mr[x]) + squared(g[x] - factor * mg[x]) + squared(b[x] - factor * mb[x]);
+    const float in_shadow = factor < shadow_darkest || factor > 1 ? kFar : colour / variance;
+    shadow[x] = std::min(std::min(shadow[x], plain[x]), in_shadow);
+  }
+}
+
+void quantize(const float* __restrict value, float scale, int n, uint8_t* __restrict out) {
+  for (int x = 0; x < n; ++x) out[x] = static_cast<uint8_t>(static_cast<int>(std::min(255.f, scale * value[x])));
 }
 
 }  // namespace
@@ -82,6 +123,26 @@ void BackgroundModel::learn(Gaussian* mixture, const uint8_t* pixel, float rate)
 }
 
 void BackgroundModel::finish_training() {
+  const size_t n = size_t(width_) * height_;
+  layers_.clear();
+  for (int k = 0; k < kGaussians; ++k) {
+    Layer layer;
+    for (auto& mean : layer.mean) mean.resize(n);
+    layer.variance.resize(n);
+    bool any = false;
+    for (size_t p = 0; p < n; ++p) {
+      const Gaussian* mixture = &mixtures_[kGaussians * p];
+      float share = 0;
+      int last = 0;
+      for (; last < k && (share += mixture[last].weight) < kBackgroundShare && mixture[last + 1].weight > 0; ++last) {
+      }
+      any |= last == k;
+      for (int c = 0; c < 3; ++c) layer.mean[c][p] = mixture[last].mean[c];
+      layer.variance[p] = frames_ > 1 ? mixture[last].variance : 0;
+    }
+    if (!any) break;
+    layers_.push_back(std::move(layer));
+  }
   // Local contrast of the heaviest means: the largest step to a neighbour in any channel.
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) {
@@ -89,8 +150,7 @@ void BackgroundModel::finish_training() {
       float contrast = 0;
       auto compare = [&](size_t q) {
         for (int c = 0; c < 3; ++c)
-          contrast =
-              std::max(contrast, std::abs(mixtures_[kGaussians * p].mean[c] - mixtures_[kGaussians * q].mean[c]));
+          contrast = std::max(contrast, std::abs(layers_[0].mean[c][p] - layers_[0].mean[c][q]));
       };
       if (x > 0) compare(p - 1);
       if (x + 1 < width_) compare(p + 1);
@@ -101,7 +161,7 @@ void BackgroundModel::finish_training() {
   }
 }
 
-FrameChange BackgroundModel::estimate_change(const ImageRgb& frame, const std::vector<uint8_t>& ignore) const {
+FrameChange BackgroundModel::estimate_change(const ImageRgb& frame, const ImageGray& ignore, int ignore_step) const {
   FrameChange change;
   std::vector<float> ratios;
   double squares = 0;
@@ -111,8 +171,8 @@ FrameChange BackgroundModel::estimate_change(const ImageRgb& frame, const std::v
     for (int y = 0; y < height_; y += kGainStep) {
       for (int x = 0; x < width_; x += kGainStep) {
         const size_t p = size_t(y) * width_ + x;
-        if (!ignore.empty() && ignore[p]) continue;
-        const float mean = mixtures_[kGaussians * p].mean[c];
+        if (!ignore.empty() && ignore.pixels[size_t(y / ignore_step) * ignore.width + x / ignore_step]) continue;
+        const float mean = layers_[0].mean[c][p];
         const uint8_t value = frame.pixels[3 * p + c];
         if (mean < kGainDarkest || mean > kGainBrightest || value < kGainDarkest || value > kGainBrightest) continue;
         ratios.push_back(value / mean);
@@ -139,43 +199,39 @@ FrameChange BackgroundModel::estimate_change(const ImageRgb& frame, const std::v
 
 BackgroundDistance BackgroundModel::distance(const ImageRgb& frame, const FrameChange& change, int x0, int y0, int x1,
                                              int y1) const {
-  const size_t n = size_t(std::max(0, x1 - x0)) * std::max(0, y1 - y0);
+  const int width = std::max(0, x1 - x0);
   BackgroundDistance result;
-  result.plain.resize(n);
-  result.shadow.resize(n);
-  result.contrast.resize(n);
-  const float at_threshold = 128 / squared(options_.match_sigmas);
-  const float inverse[3] = {1 / change.gain[0], 1 / change.gain[1], 1 / change.gain[2]};
+  result.plain.resize(size_t(width) * std::max(0, y1 - y0));
+  result.shadow.resize(result.plain.size());
+  result.contrast.resize(result.plain.size());
   const float least_variance = squared(std::clamp(change.sigma, options_.min_sigma, options_.initial_sigma));
-  size_t out = 0;
+  float level[3][256];  // an 8-bit value as it would be in the plate's light
+  for (int c = 0; c < 3; ++c) {
+    for (int v = 0; v < 256; ++v) level[c][v] = static_cast<float>(v) * (1 / change.gain[c]);
+  }
+  std::vector<float> red(width), green(width), blue(width), nearest(width), nearest_shadow(width), difference(width);
   for (int y = y0; y < y1; ++y) {
-    for (int x = x0; x < x1; ++x, ++out) {
-      const size_t p = size_t(y) * width_ + x;
-      const uint8_t* pixel = &frame.pixels[3 * p];
-      const float value[3] = {pixel[0] * inverse[0], pixel[1] * inverse[1], pixel[2] * inverse[2]};
-      float nearest = 1e9f, nearest_shadow = 1e9f, difference = 1e9f, share = 0;
-      const Gaussian* end = &mixtures_[kGaussians * p] + kGaussians;
-      for (const Gaussian* g = end - kGaussians; g < end && share < kBackgroundShare && g->weight > 0; ++g) {
-        share += g->weight;
-        // One plate says nothing about noise: then the frame's own counts.
-        const float variance = std::max(frames_ > 1 ? g->variance : 0, least_variance) + edge_variance_[p];
-        const float* m = g->mean;
-        const float squares = squared(value[0] - m[0]) + squared(value[1] - m[1]) + squared(value[2] - m[2]);
-        difference = std::min(difference, squares);
-        nearest = std::min(nearest, squares / variance);
-        // A shadow is the background darkened by one factor in all channels.
-        const float factor =
-            (value[0] * m[0] + value[1] * m[1] + value[2] * m[2] + 1) / (m[0] * m[0] + m[1] * m[1] + m[2] * m[2] + 1);
-        if (factor < options_.shadow_darkest || factor > 1) continue;
-        const float colour =
-            squared(value[0] - factor * m[0]) + squared(value[1] - factor * m[1]) + squared(value[2] - factor * m[2]);
-        nearest_shadow = std::min(nearest_shadow, colour / variance);
-      }
-      const float scaled = std::min(255.f, at_threshold * nearest);
-      result.plain[out] = static_cast<uint8_t>(scaled);
-      result.shadow[out] = static_cast<uint8_t>(std::min(scaled, at_threshold * nearest_shadow));
-      result.contrast[out] = static_cast<uint8_t>(std::min(255.f, 0.5f * std::sqrt(difference)));
+    const size_t begin = size_t(y) * width_ + x0;
+    const uint8_t* pixel = &frame.pixels[3 * begin];
+    for (int x = 0; x < width; ++x) {
+      red[x] = level[0][pixel[3 * x]];
+      green[x] = level[1][pixel[3 * x + 1]];
+      blue[x] = level[2][pixel[3 * x + 2]];
     }
+    std::fill(nearest.begin(), nearest.end(), kFar);
+    std::fill(nearest_shadow.begin(), nearest_shadow.end(), kFar);
+    std::fill(difference.begin(), difference.end(), kFar);
+    for (const Layer& layer : layers_)
+      compare_row({red.data(), green.data(), blue.data()},
+                  {&layer.mean[0][begin], &layer.mean[1][begin], &layer.mean[2][begin]}, &layer.variance[begin],
+                  &edge_variance_[begin], least_variance, options_.shadow_darkest, width,
+                  {difference.data(), nearest.data(), nearest_shadow.data()});
+    const float at_threshold = 128 / squared(options_.match_sigmas);
+    const size_t out = size_t(y - y0) * width;
+    quantize(nearest.data(), at_threshold, width, &result.plain[out]);
+    quantize(nearest_shadow.data(), at_threshold, width, &result.shadow[out]);
+    for (float& d : difference) d = std::sqrt(d);
+    quantize(difference.data(), 0.5f, width, &result.contrast[out]);
   }
   return result;
 }

@@ -44,8 +44,9 @@ class BackgroundModel {
   int width() const { return width_; }
   int height() const { return height_; }
 
-  // From the pixels that agree best with each other. ignore: [w*h], nonzero = not looked at (the person); may be empty.
-  FrameChange estimate_change(const ImageRgb& frame, const std::vector<uint8_t>& ignore) const;
+  // From the pixels that agree best with each other. ignore: the person, nonzero = not looked at, each of its pixels
+  // for ignore_step x ignore_step of the frame's; may be empty.
+  FrameChange estimate_change(const ImageRgb& frame, const ImageGray& ignore, int ignore_step) const;
 
   // Over the pixels of [x0, x1) x [y0, y1).
   BackgroundDistance distance(const ImageRgb& frame, const FrameChange& change, int x0, int y0, int x1, int y1) const;
@@ -57,6 +58,11 @@ class BackgroundModel {
     float variance;
     float weight;  // 0 = unused
   };
+  // One Gaussian of every pixel, as frames are compared with it: planes, so that the comparison runs on whole vectors.
+  struct Layer {
+    std::vector<float> mean[3];   // [w*h] each
+    std::vector<float> variance;  // [w*h] as trained; 0 after one plate, which says nothing about noise
+  };
 
   void learn(Gaussian* mixture, const uint8_t* pixel, float rate) const;
   void finish_training();
@@ -65,7 +71,9 @@ class BackgroundModel {
   int width_ = 0;
   int height_ = 0;
   int frames_ = 0;
-  std::vector<Gaussian> mixtures_;    // [kGaussians*w*h] heaviest first
+  std::vector<Gaussian> mixtures_;  // [kGaussians*w*h] heaviest first
+  // Those that are background; a pixel with fewer than others repeats its last. At least one once trained.
+  std::vector<Layer> layers_;
   std::vector<float> edge_variance_;  // [w*h]
 };
 

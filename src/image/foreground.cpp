@@ -27,8 +27,11 @@ cv::Rect grown(const cv::Rect& box, int margin, const cv::Size& size) {
 }
 
 // Drops pieces smaller than min_part of the largest, then closes holes smaller than max_hole of what is left.
-void clean(cv::Mat& mask, float min_part, float max_hole) {
-  cv::Mat labels, stats, centers;
+void clean(cv::Mat& whole, float min_part, float max_hole) {
+  // The ring of background around the person tells holes from what is outside.
+  const cv::Rect box = grown(cv::boundingRect(whole), 1, whole.size());
+  if (box.empty()) return;
+  cv::Mat mask = whole(box), labels, stats, centers;
   int n = cv::connectedComponentsWithStats(mask, labels, stats, centers, 8, CV_32S);
   int largest = 0;
   for (int k = 1; k < n; ++k) largest = std::max(largest, stats.at<int>(k, cv::CC_STAT_AREA));
@@ -40,7 +43,9 @@ void clean(cv::Mat& mask, float min_part, float max_hole) {
     if (keep[k]) area += stats.at<int>(k, cv::CC_STAT_AREA);
   }
   for (int y = 0; y < mask.rows; ++y) {
-    for (int x = 0; x < mask.cols; ++x) mask.at<uint8_t>(y, x) = keep[labels.at<int>(y, x)];
+    uint8_t* row = mask.ptr<uint8_t>(y);
+    const int* label = labels.ptr<int>(y);
+    for (int x = 0; x < mask.cols; ++x) row[x] = keep[label[x]];
   }
   cv::Mat background;
   cv::bitwise_not(mask, background);
@@ -56,7 +61,36 @@ void clean(cv::Mat& mask, float min_part, float max_hole) {
             : 0;
   }
   for (int y = 0; y < mask.rows; ++y) {
-    for (int x = 0; x < mask.cols; ++x) mask.at<uint8_t>(y, x) |= fill[labels.at<int>(y, x)];
+    uint8_t* row = mask.ptr<uint8_t>(y);
+    const int* label = labels.ptr<int>(y);
+    for (int x = 0; x < mask.cols; ++x) row[x] |= fill[label[x]];
+  }
+}
+
+// Row y of a coarse picture, as wide as the box.
+void spread(const cv::Mat& coarse, const cv::Rect& box, int y, std::vector<uint8_t>& row) {
+  const uint8_t* from = coarse.ptr<uint8_t>(y / kCoarse);
+  for (int x = 0; x < box.width; ++x) row[x] = from[(box.x + x) / kCoarse];
+}
+
+// What the network calls person is no shadow and needs less of a difference; nobody is outside the gate (coarse), and
+// the core (coarse) is the person in any case. plain: [box] distances that take shadows for differences.
+void trust_network(const cv::Mat& network, const cv::Mat& gate, const cv::Mat& core, const cv::Rect& box,
+                   const std::vector<uint8_t>& plain, float trust, cv::Mat& score) {
+  std::vector<uint8_t> gate_row(box.width), core_row(box.width);
+  for (int y = 0; y < box.height; ++y) {
+    if (y == 0 || (box.y + y) % kCoarse == 0) {
+      spread(gate, box, box.y + y, gate_row);
+      spread(core, box, box.y + y, core_row);
+    }
+    uint8_t* __restrict s = score.ptr<uint8_t>(y);
+    const uint8_t* m = network.ptr<uint8_t>(y);
+    const uint8_t* d = plain.data() + size_t(y) * box.width;
+    for (int x = 0; x < box.width; ++x) {
+      const int gain = 256 + static_cast<int>(static_cast<float>((m[x] - kHalf) * 2) * trust);  // in 1/256
+      const int trusted = m[x] >= kHalf ? std::min(255, (d[x] * gain) >> 8) : s[x];
+      s[x] = static_cast<uint8_t>((trusted & gate_row[x]) | core_row[x]);
+    }
   }
 }
 
@@ -139,34 +173,11 @@ ImageGray ForegroundModel::segment(const ImageRgb& frame, const PersonMask& netw
   if (!has_background()) {
     cv::GaussianBlur(probability(box), score, cv::Size(0, 0), std::max(0.5f, options_.smooth_px));
   } else {
-    std::vector<uint8_t> ignore;
-    if (!gate.empty()) {
-      cv::Mat fine;
-      cv::resize(gate, fine, size, 0, 0, cv::INTER_NEAREST);
-      ignore.assign(fine.begin<uint8_t>(), fine.end<uint8_t>());
-    }
-    const FrameChange change = background_.estimate_change(frame, ignore);
+    const ImageGray ignore{gate.cols, gate.rows, std::vector<uint8_t>(gate.datastart, gate.dataend)};
+    const FrameChange change = background_.estimate_change(frame, ignore, kCoarse);
     distance = background_.distance(frame, change, box.x, box.y, box.x + box.width, box.y + box.height);
-    score = cv::Mat(box.size(), CV_8UC1, distance.shadow.data()).clone();
-    if (!probability.empty()) {
-      const cv::Mat network = probability(box);
-      int gain[256];  // in 1/256
-      for (int m = 0; m < 256; ++m) gain[m] = 256 + static_cast<int>(std::max(0, m - kHalf) * 2 * options_.trust);
-      for (int y = 0; y < box.height; ++y) {
-        uint8_t* s = score.ptr<uint8_t>(y);
-        const uint8_t* m = network.ptr<uint8_t>(y);
-        const uint8_t* plain = distance.plain.data() + size_t(y) * box.width;
-        const uint8_t* gate_row = gate.ptr<uint8_t>((box.y + y) / kCoarse);
-        const uint8_t* core_row = core.ptr<uint8_t>((box.y + y) / kCoarse);
-        for (int x = 0; x < box.width; ++x) {
-          const int coarse_x = (box.x + x) / kCoarse;
-          // What the network calls person is no shadow, and needs less of a difference.
-          if (m[x] >= kHalf) s[x] = static_cast<uint8_t>(std::min(255, plain[x] * gain[m[x]] / 256));
-          if (!gate_row[coarse_x]) s[x] = 0;
-          if (core_row[coarse_x]) s[x] = 255;
-        }
-      }
-    }
+    score = cv::Mat(box.size(), CV_8UC1, distance.shadow.data());
+    if (!probability.empty()) trust_network(probability(box), gate, core, box, distance.plain, options_.trust, score);
     if (options_.smooth_px > 0) cv::GaussianBlur(score, score, cv::Size(0, 0), options_.smooth_px);
   }
   cv::Mat mask;

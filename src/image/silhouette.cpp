@@ -6,13 +6,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/text.h"
+#include "image/distance_field.h"
 #include "livecap/error.h"
 
 namespace livecap {
 namespace {
 
-// Distances are measured between pixel centres; the contour runs half a pixel from the last centre of either side.
-constexpr float kHalfPixel = 0.5f;
 // A model further out than this has been lost; there it only matters which way is back.
 constexpr int kSmallestMarginPx = 32;
 constexpr int kMarginShare = 8;  // of the longer side of the person's box: one part in this many
@@ -55,7 +54,7 @@ Silhouette make_silhouette(const ImageGray& mask) {
   result.height = mask.height;
   if (mask.empty()) return result;
   const cv::Mat gray(mask.height, mask.width, CV_8UC1, const_cast<uint8_t*>(mask.pixels.data()));
-  cv::Mat inside, outside;
+  cv::Mat inside;
   cv::threshold(gray, inside, 127, 255, cv::THRESH_BINARY);
   result.area_px = cv::countNonZero(inside);
   if (result.empty()) return result;
@@ -71,19 +70,8 @@ Silhouette make_silhouette(const ImageGray& mask) {
   };
   const cv::Rect person = cv::boundingRect(inside);
   const cv::Rect exact = grown(person, silhouette_margin_px(person.width, person.height));
-  cv::bitwise_not(inside(exact), outside);
-  cv::Mat outer;
-  cv::distanceTransform(outside, outer, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-  cv::subtract(outer, cv::Scalar(kHalfPixel), distance(exact));
-  // Inside needs only the person's box and the ring of background around it.
-  const cv::Rect box = grown(person, 1);
-  cv::Mat depth;
-  cv::distanceTransform(inside(box), depth, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-  for (int y = 0; y < box.height; ++y) {
-    float* row = distance.ptr<float>(box.y + y) + box.x;
-    const float* depth_row = depth.ptr<float>(y);
-    for (int x = 0; x < box.width; ++x) row[x] = depth_row[x] > 0 ? kHalfPixel - depth_row[x] : row[x];
-  }
+  cv::Mat distance_exact = distance(exact);
+  signed_distance(inside(exact), distance_exact);
   extend_outwards(distance, exact);
   return result;
 }

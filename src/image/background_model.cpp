@@ -38,25 +38,24 @@ struct Nearest {
   float* shadow;      // the same with shadows taken for background
 };
 
-// Takes one Gaussian of each pixel into the minima over all of them.
-void compare_row(const Row& value, const Row& mean, const float* variance_trained, const float* edge_variance,
+// Takes one Gaussian of each pixel into the minima over all of them. None of the rows overlap.
+void compare_row(const Row& value, const Row& mean, const float* trained_variance, const float* edge_variance,
                  float least_variance, float shadow_darkest, int n, const Nearest& nearest) {
-  const float* __restrict r = value.red, * __restrict g = value.green, * __restrict b = value.blue;
-  const float* __restrict mr = mean.red, * __restrict mg = mean.green, * __restrict mb = mean.blue;
-  float* __restrict difference = nearest.difference, * __restrict plain = nearest.plain;
-  float* __restrict shadow = nearest.shadow;
+  const auto [r, g, b] = value;
+  const auto [mr, mg, mb] = mean;
+#pragma GCC ivdep
   for (int x = 0; x < n; ++x) {
-    const float variance = std::max(variance_trained[x], least_variance) + edge_variance[x];
+    const float variance = std::max(trained_variance[x], least_variance) + edge_variance[x];
     const float squares = squared(r[x] - mr[x]) + squared(g[x] - mg[x]) + squared(b[x] - mb[x]);
-    difference[x] = std::min(difference[x], squares);
-    plain[x] = std::min(plain[x], squares / variance);
+    nearest.difference[x] = std::min(nearest.difference[x], squares);
+    nearest.plain[x] = std::min(nearest.plain[x], squares / variance);
     // A shadow is the background darkened by one factor in all channels.
     const float factor =
         (r[x] * mr[x] + g[x] * mg[x] + b[x] * mb[x] + 1) / (mr[x] * mr[x] + mg[x] * mg[x] + mb[x] * mb[x] + 1);
     const float colour =
         squared(r[x] - factor * mr[x]) + squared(g[x] - factor * mg[x]) + squared(b[x] - factor * mb[x]);
-    const float in_shadow = factor < shadow_darkest || factor > 1 ? kFar : colour / variance;
-    shadow[x] = std::min(std::min(shadow[x], plain[x]), in_shadow);
+    const float in_shadow = (factor < shadow_darkest) | (factor > 1) ? kFar : colour / variance;
+    nearest.shadow[x] = std::min({nearest.shadow[x], nearest.plain[x], in_shadow});
   }
 }
 

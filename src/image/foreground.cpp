@@ -83,13 +83,15 @@ void trust_network(const cv::Mat& network, const cv::Mat& gate, const cv::Mat& c
       spread(gate, box, box.y + y, gate_row);
       spread(core, box, box.y + y, core_row);
     }
-    uint8_t* __restrict s = score.ptr<uint8_t>(y);
+    uint8_t* s = score.ptr<uint8_t>(y);
     const uint8_t* m = network.ptr<uint8_t>(y);
     const uint8_t* d = plain.data() + size_t(y) * box.width;
+    const uint8_t *may_be = gate_row.data(), *is = core_row.data();
+#pragma GCC ivdep
     for (int x = 0; x < box.width; ++x) {
       const int gain = 256 + static_cast<int>(static_cast<float>((m[x] - kHalf) * 2) * trust);  // in 1/256
-      const int trusted = m[x] >= kHalf ? std::min(255, (d[x] * gain) >> 8) : s[x];
-      s[x] = static_cast<uint8_t>((trusted & gate_row[x]) | core_row[x]);
+      const int without = s[x], trusted = std::min(255, (d[x] * gain) >> 8);
+      s[x] = static_cast<uint8_t>(((m[x] >= kHalf ? trusted : without) & may_be[x]) | is[x]);
     }
   }
 }

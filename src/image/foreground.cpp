@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/text.h"
+#include "image/pieces.h"
 #include "livecap/error.h"
 
 namespace livecap {
@@ -27,44 +28,24 @@ cv::Rect grown(const cv::Rect& box, int margin, const cv::Size& size) {
 }
 
 // Drops pieces smaller than min_part of the largest, then closes holes smaller than max_hole of what is left.
-void clean(cv::Mat& whole, float min_part, float max_hole) {
-  // The ring of background around the person tells holes from what is outside.
-  const cv::Rect box = grown(cv::boundingRect(whole), 1, whole.size());
-  if (box.empty()) return;
-  cv::Mat mask = whole(box), labels, stats, centers;
-  int n = cv::connectedComponentsWithStats(mask, labels, stats, centers, 8, CV_32S);
+void clean(cv::Mat& mask, float min_part, float max_hole) {
+  const Pieces parts(mask, 255, true);
   int largest = 0;
-  for (int k = 1; k < n; ++k) largest = std::max(largest, stats.at<int>(k, cv::CC_STAT_AREA));
+  for (const Piece& part : parts.all()) largest = std::max(largest, part.area);
   const int smallest = std::max(kMinPiecePx, static_cast<int>(min_part * static_cast<float>(largest)));
+  std::vector<bool> drop;
   int area = 0;
-  std::vector<uint8_t> keep(n, 0);
-  for (int k = 1; k < n; ++k) {
-    keep[k] = stats.at<int>(k, cv::CC_STAT_AREA) >= smallest ? 255 : 0;
-    if (keep[k]) area += stats.at<int>(k, cv::CC_STAT_AREA);
+  for (const Piece& part : parts.all()) {
+    drop.push_back(part.area < smallest);
+    if (!drop.back()) area += part.area;
   }
-  for (int y = 0; y < mask.rows; ++y) {
-    uint8_t* row = mask.ptr<uint8_t>(y);
-    const int* label = labels.ptr<int>(y);
-    for (int x = 0; x < mask.cols; ++x) row[x] = keep[label[x]];
-  }
-  cv::Mat background;
-  cv::bitwise_not(mask, background);
-  n = cv::connectedComponentsWithStats(background, labels, stats, centers, 4, CV_32S);
-  std::vector<uint8_t> fill(n, 0);
-  for (int k = 1; k < n; ++k) {
-    const int x = stats.at<int>(k, cv::CC_STAT_LEFT), y = stats.at<int>(k, cv::CC_STAT_TOP);
-    const bool touches_border = x == 0 || y == 0 || x + stats.at<int>(k, cv::CC_STAT_WIDTH) == mask.cols ||
-                                y + stats.at<int>(k, cv::CC_STAT_HEIGHT) == mask.rows;
-    fill[k] =
-        !touches_border && static_cast<float>(stats.at<int>(k, cv::CC_STAT_AREA)) < max_hole * static_cast<float>(area)
-            ? 255
-            : 0;
-  }
-  for (int y = 0; y < mask.rows; ++y) {
-    uint8_t* row = mask.ptr<uint8_t>(y);
-    const int* label = labels.ptr<int>(y);
-    for (int x = 0; x < mask.cols; ++x) row[x] |= fill[label[x]];
-  }
+  parts.paint(mask, drop, 0);
+
+  const Pieces gaps(mask, 0, false);
+  std::vector<bool> close;
+  for (const Piece& gap : gaps.all())
+    close.push_back(!gap.touches_border && static_cast<float>(gap.area) < max_hole * static_cast<float>(area));
+  gaps.paint(mask, close, 255);
 }
 
 // Row y of a coarse picture, as wide as the box.

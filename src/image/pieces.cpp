@@ -1,0 +1,64 @@
+#include "image/pieces.h"
+
+#include <algorithm>
+
+namespace livecap {
+
+Pieces::Pieces(const cv::Mat& mask, uint8_t value, bool diagonal) {
+  size_t above_begin = 0;
+  for (int y = 0; y < mask.rows; ++y) {
+    const uint8_t* row = mask.ptr<uint8_t>(y);
+    const size_t begin = runs_.size();
+    for (int x = 0; x < mask.cols;) {
+      if (row[x] != value) {
+        ++x;
+        continue;
+      }
+      int end = x + 1;
+      while (end < mask.cols && row[end] == value) ++end;
+      runs_.push_back({y, x, end, static_cast<int>(runs_.size())});
+      x = end;
+    }
+    connect(above_begin, begin, diagonal);
+    above_begin = begin;
+  }
+  // Roots come before the runs that point to them.
+  for (size_t i = 0; i < runs_.size(); ++i) {
+    Run& run = runs_[i];
+    if (run.piece == static_cast<int>(i)) {
+      run.piece = static_cast<int>(pieces_.size());
+      pieces_.emplace_back();
+    } else {
+      run.piece = runs_[run.piece].piece;
+    }
+    Piece& piece = pieces_[run.piece];
+    piece.area += run.end - run.begin;
+    piece.touches_border |= run.y == 0 || run.y == mask.rows - 1 || run.begin == 0 || run.end == mask.cols;
+  }
+}
+
+int Pieces::root(int run) {
+  while (runs_[run].piece != run) run = runs_[run].piece = runs_[runs_[run].piece].piece;
+  return run;
+}
+
+// The runs of one row, [begin, end of the list), with those of the row above, [above_begin, begin).
+void Pieces::connect(size_t above_begin, size_t begin, bool diagonal) {
+  const int reach = diagonal ? 1 : 0;
+  size_t above = above_begin;
+  for (size_t i = begin; i < runs_.size(); ++i) {
+    while (above < begin && runs_[above].end + reach <= runs_[i].begin) ++above;
+    for (size_t a = above; a < begin && runs_[a].begin < runs_[i].end + reach; ++a) {
+      const int one = root(static_cast<int>(a)), other = root(static_cast<int>(i));
+      runs_[std::max(one, other)].piece = std::min(one, other);
+    }
+  }
+}
+
+void Pieces::paint(cv::Mat& mask, const std::vector<bool>& chosen, uint8_t value) const {
+  for (const Run& run : runs_) {
+    if (chosen[run.piece]) std::fill_n(mask.ptr<uint8_t>(run.y) + run.begin, run.end - run.begin, value);
+  }
+}
+
+}  // namespace livecap

@@ -46,7 +46,7 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
       options_(options),
       width_(camera.width),
       height_(camera.height),
-      pinhole_{float(camera.fx), float(camera.fy), float(camera.cx), float(camera.cy)},
+      pinhole_(pinhole_arg(camera)),
       n_vertices_(actor.n_vertices()) {
   check_actor(actor);
   camera.validate();

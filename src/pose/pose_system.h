@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "actor/actor.h"
+#include "geometry/pinhole_arg.h"
 #include "image/device_frame.h"
 #include "livecap/camera.h"
 #include "ocl/buffer.h"
@@ -58,10 +59,6 @@ class PoseSystem {
   double contour_weight() const { return contour_weight_; }
 
  private:
-  struct DevicePinhole {
-    float fx, fy, cx, cy;
-  };
-
   void upload(const PoseState& state);
   void launch_records();
   void launch_rows();
@@ -71,7 +68,7 @@ class PoseSystem {
   PoseOptions options_;
   int width_ = 0;
   int height_ = 0;
-  DevicePinhole pinhole_{};
+  PinholeArg pinhole_{};
   PoseLayout layout_{};
   int n_vertices_ = 0;
   int n_point_rows_ = 0;

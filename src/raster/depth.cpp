@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/text.h"
+#include "geometry/pinhole_arg.h"
 #include "livecap/error.h"
 
 namespace livecap {

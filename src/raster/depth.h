@@ -12,15 +12,6 @@
 
 namespace livecap {
 
-// Pinhole of kernels/shared/camera.h as the device reads it. Distortion is ignored: images are undistorted.
-struct PinholeArg {
-  float fx, fy, cx, cy;  // px
-};
-inline PinholeArg pinhole_arg(const Camera& camera) {
-  return {static_cast<float>(camera.fx), static_cast<float>(camera.fy), static_cast<float>(camera.cx),
-          static_cast<float>(camera.cy)};
-}
-
 // Both faces of a triangle count; on a closed mesh the far ones are left out, which covers the same pixels. Pixel
 // centres are at integers, a pixel is covered when its centre lies in the triangle or on its edge. A triangle with a
 // corner nearer than 100 mm, behind the camera, not finite or more than 1e6 px away is left out. Results repeat bit for

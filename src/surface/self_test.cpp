@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "geometry/pinhole_arg.h"
 #include "surface/sell.h"
 #include "surface/surface_solver.h"
 
@@ -10,10 +11,6 @@ namespace livecap {
 namespace {
 
 constexpr double kTolerance = 1e-4;  // relative to the largest answer; the answers are short float sums
-
-struct Pinhole {
-  float fx, fy, cx, cy;
-};
 
 using Floats = std::vector<float>;
 
@@ -115,7 +112,7 @@ class Bench {
         energy(device_, constant({7}));
     kernel("photo_system.cl", "photo_system")
         .launch(rows_, device_.is_cpu() ? 1 : 64, graph_.n, rows_, stride_, kWidth, kHeight, 4, inv_sigma2, 100.0f,
-                0.5f, Pinhole{100, 100, 16, 16}, ocl::Buffer<int32_t>(device_, graph_.order),
+                0.5f, PinholeArg{100, 100, 16, 16}, ocl::Buffer<int32_t>(device_, graph_.order),
                 ocl::Buffer<int32_t>(device_, std::vector<int32_t>{1, 0, 0}), rgb,
                 ocl::Buffer<float>(device_, constant({64 * inv, 0.1f, 168 * inv})),
                 ocl::Buffer<float>(device_, graph_.planes(vertices_, 3)), blocks, rhs, energy);
@@ -134,7 +131,7 @@ class Bench {
     Floats distance;
     for (int k = 0; k < kWidth * kHeight; ++k) distance.push_back(float(k % kWidth) - 19);
     kernel("silhouette_system.cl", "silhouette_system")
-        .launch(rows_, 64, graph_.n, rows_, stride_, kWidth, kHeight, 10.0f, 0, Pinhole{100, 100, 16, 16},
+        .launch(rows_, 64, graph_.n, rows_, stride_, kWidth, kHeight, 10.0f, 0, PinholeArg{100, 100, 16, 16},
                 ocl::Buffer<int32_t>(device_, graph_.order),
                 ocl::Buffer<int32_t>(device_, std::vector<int32_t>{0, 1, 0}), ocl::Buffer<float>(device_, vertices_),
                 ocl::Buffer<float>(device_, distance), ocl::Buffer<uint8_t>(device_, 1),
@@ -230,8 +227,8 @@ class Bench {
     const ocl::Buffer<int32_t> order(device_, graph_.order);
     ocl::Buffer<float> moves(device_, constant({7, 7})), rings(device_, constant({7})), vertices(device_, vertices_);
     kernel("snap_targets.cl", "snap_targets")
-        .launch(rows_, 64, graph_.n, rows_, stride_, kWidth, kHeight, 3.0f, 15.0f, 0, Pinhole{100, 100, 16, 16}, order,
-                ocl::Buffer<float>(device_, graph_.planes({2, 2, 50}, 1)),
+        .launch(rows_, 64, graph_.n, rows_, stride_, kWidth, kHeight, 3.0f, 15.0f, 0, PinholeArg{100, 100, 16, 16},
+                order, ocl::Buffer<float>(device_, graph_.planes({2, 2, 50}, 1)),
                 ocl::Buffer<int32_t>(device_, std::vector<int32_t>{0, 1, 1}), ocl::Buffer<float>(device_, vertices_),
                 ocl::Buffer<float>(device_, distance), ocl::Buffer<uint8_t>(device_, 1),
                 ocl::Buffer<int32_t>(device_, 3), vertices, moves, rings);

@@ -29,7 +29,7 @@ void SnapOptions::validate() const {
 Snapper::Snapper(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const SnapOptions& options)
     : options_(options),
       graph_(make_sell_graph(actor.mesh)),
-      camera_{float(camera.fx), float(camera.fy), float(camera.cx), float(camera.cy)},
+      camera_(pinhole_arg(camera)),
       width_(camera.width),
       height_(camera.height) {
   options.validate();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "actor/actor.h"
+#include "geometry/pinhole_arg.h"
 #include "livecap/camera.h"
 #include "ocl/kernel.h"
 #include "surface/sell.h"
@@ -42,12 +43,9 @@ class Snapper {
   std::vector<float> rings() const;
 
  private:
-  struct Pinhole {
-    float fx, fy, cx, cy;
-  };
   SnapOptions options_;
   SellGraph graph_;
-  Pinhole camera_;
+  PinholeArg camera_;
   int width_;
   int height_;
   size_t lane_items_, lane_local_;

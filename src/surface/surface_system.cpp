@@ -66,7 +66,7 @@ SurfaceSystem::SurfaceSystem(ocl::DeviceContext& device, const Actor& actor, con
     : device_(&device),
       options_(options),
       graph_(make_sell_graph(actor.mesh)),
-      camera_{float(camera.fx), float(camera.fy), float(camera.cx), float(camera.cy)},
+      camera_(pinhole_arg(camera)),
       width_(camera.width),
       height_(camera.height) {
   options.validate();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "actor/actor.h"
+#include "geometry/pinhole_arg.h"
 #include "livecap/camera.h"
 #include "ocl/kernel.h"
 #include "surface/sell.h"
@@ -45,16 +46,13 @@ class SurfaceSystem {
   const SellGraph& graph() const { return graph_; }
 
  private:
-  struct Pinhole {
-    float fx, fy, cx, cy;
-  };
   void apply();
   std::vector<float> from_planes(const ocl::Buffer<float>& planes, int width) const;
 
   ocl::DeviceContext* device_;
   SurfaceOptions options_;
   SellGraph graph_;
-  Pinhole camera_;
+  PinholeArg camera_;
   int width_;
   int height_;
   bool first_ = true;  // the next linearize() is the first of its frame

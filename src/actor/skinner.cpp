@@ -11,22 +11,6 @@ namespace {
 constexpr const char* kSource = "surface/skin.cl";
 constexpr size_t kGroup = 64;
 
-// The triangles around each vertex in compressed rows.
-void triangle_fans(const Mesh& mesh, std::vector<int32_t>& offsets, std::vector<int32_t>& corners) {
-  std::vector<int32_t> counts(mesh.n_vertices() + 1, 0);
-  for (int32_t v : mesh.triangles) ++counts[v + 1];
-  offsets.assign(counts.begin(), counts.end());
-  for (size_t i = 1; i < offsets.size(); ++i) offsets[i] += offsets[i - 1];
-  corners.resize(3 * mesh.triangles.size());
-  std::vector<int32_t> next(offsets.begin(), offsets.end() - 1);
-  for (int t = 0; t < mesh.n_triangles(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const int32_t slot = next[mesh.triangles[3 * t + k]]++;
-      for (int c = 0; c < 3; ++c) corners[3 * slot + c] = mesh.triangles[3 * t + c];
-    }
-  }
-}
-
 }  // namespace
 
 Skinner::Skinner(ocl::DeviceContext& device, const Actor& actor)
@@ -38,9 +22,11 @@ Skinner::Skinner(ocl::DeviceContext& device, const Actor& actor)
       skin_(device, kSource, "skin_vertices"),
       unskin_(device, kSource, "unskin_displacement"),
       normals_(device, kSource, "vertex_normals") {
-  std::vector<int32_t> offsets, corners;
-  triangle_fans(actor.mesh, offsets, corners);
-  fan_offsets_ = ocl::Buffer<int32_t>(device, offsets);
+  const TriangleFans fans = triangle_fans(actor.n_vertices(), actor.mesh.triangles);
+  std::vector<int32_t> corners;
+  for (const int32_t t : fans.triangles)
+    corners.insert(corners.end(), actor.mesh.triangles.begin() + 3 * t, actor.mesh.triangles.begin() + 3 * t + 3);
+  fan_offsets_ = ocl::Buffer<int32_t>(device, fans.offsets);
   fan_triangles_ = ocl::Buffer<int32_t>(device, corners);
 }
 

@@ -27,6 +27,15 @@ OneRing one_ring(int n_vertices, std::span<const int32_t> triangles) {
   return result;
 }
 
+TriangleFans triangle_fans(int n_vertices, std::span<const int32_t> triangles) {
+  TriangleFans fans{std::vector<int32_t>(n_vertices + 1, 0), std::vector<int32_t>(triangles.size())};
+  for (const int32_t v : triangles) ++fans.offsets[v + 1];
+  for (int i = 0; i < n_vertices; ++i) fans.offsets[i + 1] += fans.offsets[i];
+  std::vector<int32_t> next(fans.offsets.begin(), fans.offsets.end() - 1);
+  for (size_t k = 0; k < triangles.size(); ++k) fans.triangles[next[triangles[k]]++] = static_cast<int32_t>(k / 3);
+  return fans;
+}
+
 std::vector<float> vertex_normals(std::span<const float> positions, std::span<const int32_t> triangles) {
   std::vector<float> normals(positions.size(), 0.f);
   auto point = [&](int32_t i) { return Eigen::Map<const Eigen::Vector3f>(positions.data() + 3 * i); };

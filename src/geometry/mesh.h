@@ -22,6 +22,15 @@ struct OneRing {
 
 OneRing one_ring(int n_vertices, std::span<const int32_t> triangles);
 
+// The triangles around each vertex in compressed rows: those of vertex i are triangles[offsets[i] .. offsets[i+1]),
+// ascending.
+struct TriangleFans {
+  std::vector<int32_t> offsets;    // [n_vertices+1]
+  std::vector<int32_t> triangles;  // [3*n_triangles] triangle indices
+};
+
+TriangleFans triangle_fans(int n_vertices, std::span<const int32_t> triangles);
+
 // Area-weighted unit vertex normals [3*n]; zero for a vertex without area.
 std::vector<float> vertex_normals(std::span<const float> positions, std::span<const int32_t> triangles);
 

@@ -42,14 +42,9 @@ void VisibilityOptions::validate() const {
 SurfaceVisibility::SurfaceVisibility(ocl::DeviceContext& device, const Mesh& mesh, const VisibilityOptions& options)
     : options_(options), n_vertices_(mesh.n_vertices()), n_triangles_(mesh.n_triangles()) {
   options_.validate();
-  std::vector<int32_t> offsets(n_vertices_ + 1, 0);
-  for (int32_t index : mesh.triangles) ++offsets[index + 1];
-  for (int i = 0; i < n_vertices_; ++i) offsets[i + 1] += offsets[i];
-  std::vector<int32_t> next(offsets.begin(), offsets.end() - 1);
-  std::vector<int32_t> fans(mesh.triangles.size());
-  for (size_t k = 0; k < mesh.triangles.size(); ++k) fans[next[mesh.triangles[k]]++] = static_cast<int32_t>(k / 3);
-  fan_offsets_ = ocl::Buffer<int32_t>(device, offsets);
-  fan_triangles_ = ocl::Buffer<int32_t>(device, fans);
+  const TriangleFans fans = triangle_fans(n_vertices_, mesh.triangles);
+  fan_offsets_ = ocl::Buffer<int32_t>(device, fans.offsets);
+  fan_triangles_ = ocl::Buffer<int32_t>(device, fans.triangles);
   on_open_edge_ = ocl::Buffer<int32_t>(device, open_edge_vertices(mesh));
   facing_ = ocl::Buffer<int32_t>(device, n_triangles_);
   visible_ = ocl::Buffer<int32_t>(device, n_vertices_);

@@ -44,7 +44,7 @@ Tracker::Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& c
       part_mask_(device, actor.mesh, body_parts_of_vertices(actor.skeleton, actor.skin), camera.width, camera.height),
       pose_solver_(device, actor, camera, options.pose),
       surface_solver_(device, actor, camera, options.surface),
-      snapper_(device, actor, camera, options.snap),
+      snapper_(device, actor, surface_solver_.domain(), options.snap),
       frame_(device, camera.width, camera.height) {
   const size_t size = size_t(3) * n_vertices_;
   for (ocl::Buffer<float>* buffer :

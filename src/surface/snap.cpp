@@ -7,17 +7,7 @@
 #include "livecap/error.h"
 
 namespace livecap {
-namespace {
-
-template <typename T>
-void require_size(const ocl::Buffer<T>& buffer, size_t expected, const char* name) {
-  if (buffer.size() != expected) {
-    throw LogicError(std::string("snap: ") + name + " has " + std::to_string(buffer.size()) + " elements, expected " +
-                     std::to_string(expected));
-  }
-}
-
-}  // namespace
+namespace {}  // namespace
 
 void SnapOptions::validate() const {
   if (!(max_rigidity >= 0.0f)) throw ConfigError("snap option max_rigidity must not be negative");
@@ -26,33 +16,21 @@ void SnapOptions::validate() const {
   if (relaxations < 0) throw ConfigError("snap option relaxations must not be negative");
 }
 
-Snapper::Snapper(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const SnapOptions& options)
-    : options_(options),
-      graph_(make_sell_graph(actor.mesh)),
-      camera_(pinhole_arg(camera)),
-      width_(camera.width),
-      height_(camera.height) {
+Snapper::Snapper(ocl::DeviceContext& device, const Actor& actor, std::shared_ptr<const SurfaceDomain> domain,
+                 const SnapOptions& options)
+    : options_(options), domain_(std::move(domain)) {
   options.validate();
-  camera.validate();
-  if (camera.has_distortion()) throw ConfigError("snap: the camera must be undistorted");
-  if (width_ < 2 || height_ < 2) throw ConfigError("snap: the image must be at least 2x2 px");
-  if (graph_.n == 0) throw ConfigError("snap: the template mesh is empty");
-  if (actor.rigidity.size() != size_t(graph_.n)) throw ConfigError("snap: the actor needs one rigidity per vertex");
-  order_ = {device, graph_.order};
-  slice_offsets_ = {device, graph_.slice_offsets};
-  neighbors_ = {device, graph_.neighbors};
-  rigidity_ = {device, graph_.planes(actor.rigidity, 1)};
-  rings_ = ocl::Buffer<float>(device, graph_.stride);
-  moves_ = ocl::Buffer<float>(device, 2 * size_t(graph_.stride));
-  rings_after_ = ocl::Buffer<float>(device, graph_.stride);
-  moves_after_ = ocl::Buffer<float>(device, 2 * size_t(graph_.stride));
+  if (actor.rigidity.size() != size_t(domain_->graph.n)) throw LogicError("snap: the domain is of another actor");
+  rigidity_ = {device, domain_->graph.planes(actor.rigidity, 1)};
+  rings_ = ocl::Buffer<float>(device, domain_->graph.stride);
+  moves_ = ocl::Buffer<float>(device, 2 * size_t(domain_->graph.stride));
+  rings_after_ = ocl::Buffer<float>(device, domain_->graph.stride);
+  moves_after_ = ocl::Buffer<float>(device, 2 * size_t(domain_->graph.stride));
   no_parts_ = ocl::Buffer<uint8_t>(device, 1);
   rings_.fill(0.0f);
   moves_.fill(0.0f);
   rings_after_.fill(0.0f);
   moves_after_.fill(0.0f);
-  lane_items_ = device.is_cpu() ? graph_.n_rows / kSlice : graph_.n_rows;
-  lane_local_ = device.is_cpu() ? 1 : 64;
   targets_ = {device, "surface/snap_targets.cl", "snap_targets"};
   apply_ = {device, "surface/snap_targets.cl", "snap_apply"};
   spread_ = {device, "surface/snap_warp.cl", "snap_spread"};
@@ -60,47 +38,47 @@ Snapper::Snapper(ocl::DeviceContext& device, const Actor& actor, const Camera& c
 }
 
 void Snapper::snap(const SnapInput& input, ocl::Buffer<float>& vertices) {
-  const size_t n = graph_.n;
-  const size_t pixels = size_t(width_) * height_;
-  require_size(vertices, 3 * n, "vertices");
-  require_size(input.contour_flag, n, "contour_flag");
-  require_size(input.normals, 3 * n, "normals");
-  require_size(input.frame.signed_distance, pixels, "frame.signed_distance");
+  const size_t n = domain_->graph.n;
+  const size_t pixels = size_t(domain_->width) * domain_->height;
+  require_size(vertices, 3 * n, "snap: vertices");
+  require_size(input.contour_flag, n, "snap: contour_flag");
+  require_size(input.normals, 3 * n, "snap: normals");
+  require_size(input.frame.signed_distance, pixels, "snap: frame.signed_distance");
   if ((input.part_image == nullptr) != (input.vertex_part == nullptr)) {
     throw LogicError("snap: part_image and vertex_part go together");
   }
   if (input.part_image) {
-    require_size(*input.part_image, pixels, "part_image");
-    require_size(*input.vertex_part, n, "vertex_part");
+    require_size(*input.part_image, pixels, "snap: part_image");
+    require_size(*input.vertex_part, n, "snap: vertex_part");
   }
 
-  const int n_rows = graph_.n_rows, stride = graph_.stride;
+  const int n_rows = domain_->graph.n_rows, stride = domain_->graph.stride;
   const int has_parts = input.part_image ? 1 : 0;
-  targets_.launch(n_rows, 64, graph_.n, n_rows, stride, width_, height_, options_.max_rigidity, options_.max_move_px,
-                  has_parts, camera_, order_, rigidity_, input.contour_flag, input.normals, input.frame.signed_distance,
-                  has_parts ? *input.part_image : no_parts_, has_parts ? *input.vertex_part : input.contour_flag,
-                  vertices, moves_, rings_);
+  targets_.launch(n_rows, 64, domain_->graph.n, n_rows, stride, domain_->width, domain_->height, options_.max_rigidity,
+                  options_.max_move_px, has_parts, domain_->camera, domain_->order, rigidity_, input.contour_flag,
+                  input.normals, input.frame.signed_distance, has_parts ? *input.part_image : no_parts_,
+                  has_parts ? *input.vertex_part : input.contour_flag, vertices, moves_, rings_);
   for (int ring = 1; ring <= options_.n_rings; ++ring) {
     // Linear fall-off to zero at n_rings + 1.
     const float fall = float(options_.n_rings + 1 - ring) / float(options_.n_rings + 2 - ring);
-    spread_.launch(lane_items_, lane_local_, n_rows, stride, float(ring), fall, slice_offsets_, neighbors_, rings_,
-                   moves_, rings_after_, moves_after_);
+    spread_.launch(domain_->lane_items, domain_->lane_local, n_rows, stride, float(ring), fall, domain_->slice_offsets,
+                   domain_->neighbors, rings_, moves_, rings_after_, moves_after_);
     std::swap(rings_, rings_after_);
     std::swap(moves_, moves_after_);
   }
   // The two sets of moves now differ in the last ring only, which every sweep writes.
   for (int k = 0; options_.n_rings > 0 && k < options_.relaxations; ++k) {
-    relax_.launch(lane_items_, lane_local_, n_rows, stride, float(options_.n_rings), slice_offsets_, neighbors_, rings_,
-                  moves_, moves_after_);
+    relax_.launch(domain_->lane_items, domain_->lane_local, n_rows, stride, float(options_.n_rings),
+                  domain_->slice_offsets, domain_->neighbors, rings_, moves_, moves_after_);
     std::swap(moves_, moves_after_);
   }
-  apply_.launch(n, 64, graph_.n, stride, float(options_.n_rings), order_, rings_, moves_, vertices);
+  apply_.launch(n, 64, domain_->graph.n, stride, float(options_.n_rings), domain_->order, rings_, moves_, vertices);
 }
 
 std::vector<float> Snapper::rings() const {
   const std::vector<float> rows = rings_.read_all();
-  std::vector<float> out(graph_.n);
-  for (int r = 0; r < graph_.n; ++r) out[graph_.order[r]] = rows[r];
+  std::vector<float> out(domain_->graph.n);
+  for (int r = 0; r < domain_->graph.n; ++r) out[domain_->graph.order[r]] = rows[r];
   return out;
 }
 

@@ -2,11 +2,8 @@
 // zero of the distance image, at constant depth; neighbours within a band of edge rings follow by a Laplacian warp.
 #pragma once
 
-#include "actor/actor.h"
-#include "geometry/pinhole_arg.h"
-#include "livecap/camera.h"
 #include "ocl/kernel.h"
-#include "surface/sell.h"
+#include "surface/surface_domain.h"
 #include "surface/surface_input.h"
 
 namespace livecap {
@@ -32,8 +29,10 @@ struct SnapInput {
 
 class Snapper {
  public:
-  // camera: undistorted. Keeps a reference to the device only. Throws ConfigError as SurfaceSolver.
-  Snapper(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const SnapOptions& options = {});
+  // domain: of this actor, on this device. Keeps a reference to neither actor nor device. Throws ConfigError for
+  // options.
+  Snapper(ocl::DeviceContext& device, const Actor& actor, std::shared_ptr<const SurfaceDomain> domain,
+          const SnapOptions& options = {});
 
   // Moves vertices [3n] in place; only x and y, only in the band. Enqueues, does not block. Throws LogicError for
   // buffers of a wrong size.
@@ -44,12 +43,7 @@ class Snapper {
 
  private:
   SnapOptions options_;
-  SellGraph graph_;
-  PinholeArg camera_;
-  int width_;
-  int height_;
-  size_t lane_items_, lane_local_;
-  ocl::Buffer<int32_t> order_, slice_offsets_, neighbors_;
+  std::shared_ptr<const SurfaceDomain> domain_;
   ocl::Buffer<float> rigidity_;             // [stride] rows
   ocl::Buffer<float> rings_, rings_after_;  // [stride]
   ocl::Buffer<float> moves_, moves_after_;  // 2 planes, mm

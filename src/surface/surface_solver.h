@@ -25,6 +25,9 @@ class SurfaceSolver {
   // Enqueues everything, then blocks once to read status and energies. Throws LogicError for buffers of a wrong size.
   SurfaceResult solve(const SurfaceInput& input);
 
+  // For a Snapper of the same template and camera.
+  std::shared_ptr<const SurfaceDomain> domain() const { return system_.domain(); }
+
  private:
   SurfaceOptions options_;
   SurfaceSystem system_;

@@ -11,14 +11,6 @@ namespace {
 
 constexpr int kMaxGaussian = 15;  // 2 r + 2 taps must fit 16 lanes
 
-template <typename T>
-void require_size(const ocl::Buffer<T>& buffer, size_t expected, const char* name) {
-  if (buffer.size() != expected) {
-    throw LogicError(std::string("surface: ") + name + " has " + std::to_string(buffer.size()) +
-                     " elements, expected " + std::to_string(expected));
-  }
-}
-
 void require_weight(float value, const char* name) {
   if (!(value >= 0.0f) || !std::isfinite(value)) {
     throw ConfigError(std::string("surface option ") + name + " is " + std::to_string(value) +
@@ -63,39 +55,20 @@ void SurfaceOptions::validate() const {
 
 SurfaceSystem::SurfaceSystem(ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
                              const SurfaceOptions& options)
-    : device_(&device),
-      options_(options),
-      graph_(make_sell_graph(actor.mesh)),
-      camera_(pinhole_arg(camera)),
-      width_(camera.width),
-      height_(camera.height) {
+    : device_(&device), options_(options), domain_(std::make_shared<SurfaceDomain>(device, actor, camera)) {
   options.validate();
-  camera.validate();
-  if (camera.has_distortion()) throw ConfigError("surface: the camera must be undistorted");
-  if (width_ < 2 || height_ < 2) throw ConfigError("surface: the image must be at least 2x2 px");
-  const size_t n = graph_.n;
-  if (n == 0) throw ConfigError("surface: the template mesh is empty");
-  if (actor.rigidity.size() != n || actor.colors.size() != 3 * n) {
-    throw ConfigError("surface: the actor needs one rigidity and one colour per vertex (" + std::to_string(n) +
-                      "), it has " + std::to_string(actor.rigidity.size()) + " and " +
-                      std::to_string(actor.colors.size() / 3));
-  }
-
-  const size_t plane = graph_.stride;
+  const size_t plane = domain_->graph.stride;
   const auto planes = [&](int count) {
     ocl::Buffer<float> buffer(device, count * plane);
     buffer.fill(0.0f);
     return buffer;
   };
-  order_ = {device, graph_.order};
-  slice_offsets_ = {device, graph_.slice_offsets};
-  neighbors_ = {device, graph_.neighbors};
-  edge_weights_ = {device, graph_.per_entry([&](int i, int j) {
+  edge_weights_ = {device, domain_->graph.per_entry([&](int i, int j) {
                      const double s = 0.5 * (double(actor.rigidity[i]) + actor.rigidity[j]);
-                     return s * (1.0 / graph_.degree[i] + 1.0 / graph_.degree[j]);
+                     return s * (1.0 / domain_->graph.degree[i] + 1.0 / domain_->graph.degree[j]);
                    })};
-  rest_lengths_ = {device, graph_.per_entry([&](int i, int j) { return rest_length(actor.mesh, i, j); })};
-  colors_ = {device, graph_.planes(actor.colors, 3)};
+  rest_lengths_ = {device, domain_->graph.per_entry([&](int i, int j) { return rest_length(actor.mesh, i, j); })};
+  colors_ = {device, domain_->graph.planes(actor.colors, 3)};
   no_parts_ = ocl::Buffer<uint8_t>(device, 1);
   v_ = planes(3);
   skinned_ = planes(3);
@@ -108,7 +81,7 @@ SurfaceSystem::SurfaceSystem(ocl::DeviceContext& device, const Actor& actor, con
   direction_ = planes(3);
   image_of_direction_ = planes(3);
   step_ = planes(3);
-  edges_ = ocl::Buffer<float>(device, 3 * size_t(graph_.n_entries));
+  edges_ = ocl::Buffer<float>(device, 3 * size_t(domain_->graph.n_entries));
   edges_.fill(0.0f);
   products_ = planes(1);
   for (auto& energy : data_energies_) energy = planes(1);
@@ -117,8 +90,6 @@ SurfaceSystem::SurfaceSystem(ocl::DeviceContext& device, const Actor& actor, con
   totals_ = {device, std::vector<float>(4, 0.0f)};
 
   const bool cpu = device.is_cpu();
-  lane_items_ = cpu ? graph_.n_rows / kSlice : graph_.n_rows;
-  lane_local_ = cpu ? 1 : 64;
   row_local_ = 64;
   sum_items_ = cpu ? 1 : std::min<size_t>(256, device.info().max_work_group_size);
 
@@ -138,27 +109,28 @@ SurfaceSystem::SurfaceSystem(ocl::DeviceContext& device, const Actor& actor, con
 }
 
 void SurfaceSystem::begin(const SurfaceInput& input) {
-  const size_t n = graph_.n;
-  require_size(input.skinned, 3 * n, "skinned");
-  require_size(input.start, 3 * n, "start");
-  if (input.previous) require_size(*input.previous, 3 * n, "previous");
-  if (input.before_previous) require_size(*input.before_previous, 3 * n, "before_previous");
-  require_size(input.visible, n, "visible");
-  require_size(input.contour_flag, n, "contour_flag");
-  require_size(input.normals, 3 * n, "normals");
-  const size_t pixels = size_t(width_) * height_;
-  require_size(input.frame.rgb, 3 * pixels, "frame.rgb");
-  require_size(input.frame.signed_distance, pixels, "frame.signed_distance");
+  const size_t n = domain_->graph.n;
+  require_size(input.skinned, 3 * n, "surface: skinned");
+  require_size(input.start, 3 * n, "surface: start");
+  if (input.previous) require_size(*input.previous, 3 * n, "surface: previous");
+  if (input.before_previous) require_size(*input.before_previous, 3 * n, "surface: before_previous");
+  require_size(input.visible, n, "surface: visible");
+  require_size(input.contour_flag, n, "surface: contour_flag");
+  require_size(input.normals, 3 * n, "surface: normals");
+  const size_t pixels = size_t(domain_->width) * domain_->height;
+  require_size(input.frame.rgb, 3 * pixels, "surface: frame.rgb");
+  require_size(input.frame.signed_distance, pixels, "surface: frame.signed_distance");
   if ((input.part_image == nullptr) != (input.vertex_part == nullptr)) {
     throw LogicError("surface: part_image and vertex_part go together");
   }
   if (input.part_image) {
-    require_size(*input.part_image, pixels, "part_image");
-    require_size(*input.vertex_part, n, "vertex_part");
+    require_size(*input.part_image, pixels, "surface: part_image");
+    require_size(*input.vertex_part, n, "surface: vertex_part");
   }
 
   const auto pack = [&](const ocl::Buffer<float>& packed, ocl::Buffer<float>& planes) {
-    pack_.launch(graph_.n_rows, row_local_, graph_.n, graph_.n_rows, graph_.stride, order_, packed, planes);
+    pack_.launch(domain_->graph.n_rows, row_local_, domain_->graph.n, domain_->graph.n_rows, domain_->graph.stride,
+                 domain_->order, packed, planes);
   };
   pack(input.start, v_);
   pack(input.skinned, skinned_);
@@ -170,53 +142,57 @@ void SurfaceSystem::begin(const SurfaceInput& input) {
 }
 
 void SurfaceSystem::linearize(const SurfaceInput& input, int gaussian_kernel) {
-  const int n = graph_.n, n_rows = graph_.n_rows, stride = graph_.stride;
+  const int n = domain_->graph.n, n_rows = domain_->graph.n_rows, stride = domain_->graph.stride;
   const double sigma = gaussian_sigma(gaussian_kernel);
   const size_t data_local = device_->is_cpu() ? 1 : 64;  // a CPU work-item fills its vector registers with taps
-  photo_.launch(n_rows, data_local, n, n_rows, stride, width_, height_, gaussian_kernel / 2,
-                float(1.0 / (sigma * sigma)), options_.w_photo, options_.color_threshold, camera_, order_,
-                input.visible, input.frame.rgb, colors_, v_, blocks_, residual_, data_energies_[0]);
+  photo_.launch(n_rows, data_local, n, n_rows, stride, domain_->width, domain_->height, gaussian_kernel / 2,
+                float(1.0 / (sigma * sigma)), options_.w_photo, options_.color_threshold, domain_->camera,
+                domain_->order, input.visible, input.frame.rgb, colors_, v_, blocks_, residual_, data_energies_[0]);
   const int has_parts = input.part_image ? 1 : 0;
-  silhouette_.launch(n_rows, row_local_, n, n_rows, stride, width_, height_, options_.w_silhouette, has_parts, camera_,
-                     order_, input.contour_flag, input.normals, input.frame.signed_distance,
-                     has_parts ? *input.part_image : no_parts_, has_parts ? *input.vertex_part : input.contour_flag, v_,
-                     blocks_, residual_, data_energies_[1]);
+  silhouette_.launch(n_rows, row_local_, n, n_rows, stride, domain_->width, domain_->height, options_.w_silhouette,
+                     has_parts, domain_->camera, domain_->order, input.contour_flag, input.normals,
+                     input.frame.signed_distance, has_parts ? *input.part_image : no_parts_,
+                     has_parts ? *input.vertex_part : input.contour_flag, v_, blocks_, residual_, data_energies_[1]);
   // Without an earlier frame the term is off; its positions must still be finite.
   const ocl::Buffer<float>& previous = w_velocity_ > 0 || w_acceleration_ > 0 ? previous_ : v_;
   const ocl::Buffer<float>& before = w_acceleration_ > 0 ? before_ : v_;
-  regularizer_.launch(lane_items_, lane_local_, n_rows, stride, options_.w_smooth, options_.w_edge, w_velocity_,
-                      w_acceleration_, options_.damping, slice_offsets_, neighbors_, edge_weights_, rest_lengths_, v_,
-                      skinned_, previous, before, blocks_, residual_, edges_, inverse_, preconditioned_, direction_,
-                      step_, products_, regularizer_energies_);
+  regularizer_.launch(domain_->lane_items, domain_->lane_local, n_rows, stride, options_.w_smooth, options_.w_edge,
+                      w_velocity_, w_acceleration_, options_.damping, domain_->slice_offsets, domain_->neighbors,
+                      edge_weights_, rest_lengths_, v_, skinned_, previous, before, blocks_, residual_, edges_,
+                      inverse_, preconditioned_, direction_, step_, products_, regularizer_energies_);
   start_scalars_.launch(sum_items_, sum_items_, n_rows, first_ ? 1 : 0, products_, scalars_);
   first_ = false;
 }
 
 void SurfaceSystem::apply() {
-  apply_.launch(lane_items_, lane_local_, graph_.n_rows, graph_.stride, options_.w_smooth, slice_offsets_, neighbors_,
-                edge_weights_, edges_, blocks_, direction_, image_of_direction_, products_);
+  apply_.launch(domain_->lane_items, domain_->lane_local, domain_->graph.n_rows, domain_->graph.stride,
+                options_.w_smooth, domain_->slice_offsets, domain_->neighbors, edge_weights_, edges_, blocks_,
+                direction_, image_of_direction_, products_);
 }
 
 void SurfaceSystem::iterate_pcg(int iterations) {
   for (int k = 0; k < iterations; ++k) {
     if (k > 0) {
-      beta_.launch(sum_items_, sum_items_, graph_.n_rows, products_, scalars_);
-      turn_.launch(lane_items_, lane_local_, graph_.n_rows, graph_.stride, scalars_, preconditioned_, direction_);
+      beta_.launch(sum_items_, sum_items_, domain_->graph.n_rows, products_, scalars_);
+      turn_.launch(domain_->lane_items, domain_->lane_local, domain_->graph.n_rows, domain_->graph.stride, scalars_,
+                   preconditioned_, direction_);
     }
     apply();
-    alpha_.launch(sum_items_, sum_items_, graph_.n_rows, products_, scalars_);
-    advance_.launch(lane_items_, lane_local_, graph_.n_rows, graph_.stride, scalars_, inverse_, direction_,
-                    image_of_direction_, step_, residual_, preconditioned_, products_);
+    alpha_.launch(sum_items_, sum_items_, domain_->graph.n_rows, products_, scalars_);
+    advance_.launch(domain_->lane_items, domain_->lane_local, domain_->graph.n_rows, domain_->graph.stride, scalars_,
+                    inverse_, direction_, image_of_direction_, step_, residual_, preconditioned_, products_);
   }
 }
 
 void SurfaceSystem::move() {
-  move_.launch(lane_items_, lane_local_, graph_.n_rows, graph_.stride, options_.max_step_mm, step_, v_);
+  move_.launch(domain_->lane_items, domain_->lane_local, domain_->graph.n_rows, domain_->graph.stride,
+               options_.max_step_mm, step_, v_);
 }
 
 void SurfaceSystem::finish(const SurfaceInput& input, ocl::Buffer<float>& out) {
-  require_size(out, 3 * size_t(graph_.n), "out");
-  unpack_.launch(graph_.n, row_local_, graph_.n, graph_.stride, order_, scalars_, v_, input.start, out);
+  require_size(out, 3 * size_t(domain_->graph.n), "surface: out");
+  unpack_.launch(domain_->graph.n, row_local_, domain_->graph.n, domain_->graph.stride, domain_->order, scalars_, v_,
+                 input.start, out);
 }
 
 SurfaceStatus SurfaceSystem::status() const {
@@ -225,7 +201,8 @@ SurfaceStatus SurfaceSystem::status() const {
 
 SurfaceEnergies SurfaceSystem::energies() {
   const auto sums = [&](const ocl::Buffer<float>& planes, int n_planes) {
-    sum_energies_.launch(sum_items_, sum_items_, graph_.n_rows, graph_.stride, n_planes, planes, totals_);
+    sum_energies_.launch(sum_items_, sum_items_, domain_->graph.n_rows, domain_->graph.stride, n_planes, planes,
+                         totals_);
     return totals_.read_all();
   };
   SurfaceEnergies e;
@@ -241,9 +218,10 @@ SurfaceEnergies SurfaceSystem::energies() {
 
 std::vector<float> SurfaceSystem::from_planes(const ocl::Buffer<float>& planes, int width) const {
   const std::vector<float> values = planes.read_all();
-  std::vector<float> out(size_t(width) * graph_.n);
-  for (int r = 0; r < graph_.n; ++r)
-    for (int a = 0; a < width; ++a) out[size_t(width) * graph_.order[r] + a] = values[size_t(a) * graph_.stride + r];
+  std::vector<float> out(size_t(width) * domain_->graph.n);
+  for (int r = 0; r < domain_->graph.n; ++r)
+    for (int a = 0; a < width; ++a)
+      out[size_t(width) * domain_->graph.order[r] + a] = values[size_t(a) * domain_->graph.stride + r];
   return out;
 }
 
@@ -258,7 +236,7 @@ std::vector<float> SurfaceSystem::diagonal_blocks() const {
 }
 
 std::vector<float> SurfaceSystem::product(const std::vector<float>& direction) {
-  direction_.write(graph_.planes(direction, 3));
+  direction_.write(domain_->graph.planes(direction, 3));
   apply();
   return from_planes(image_of_direction_, 3);
 }

@@ -5,11 +5,8 @@
 
 #include <vector>
 
-#include "actor/actor.h"
-#include "geometry/pinhole_arg.h"
-#include "livecap/camera.h"
 #include "ocl/kernel.h"
-#include "surface/sell.h"
+#include "surface/surface_domain.h"
 #include "surface/surface_input.h"
 
 namespace livecap {
@@ -43,7 +40,9 @@ class SurfaceSystem {
   std::vector<float> diagonal_blocks() const;                       // [6n] xx xy xz yy yz zz
   std::vector<float> product(const std::vector<float>& direction);  // (J^T J + damping) direction; breaks a running PCG
 
-  const SellGraph& graph() const { return graph_; }
+  const SellGraph& graph() const { return domain_->graph; }
+  // For a Snapper of the same template and camera.
+  std::shared_ptr<const SurfaceDomain> domain() const { return domain_; }
 
  private:
   void apply();
@@ -51,17 +50,13 @@ class SurfaceSystem {
 
   ocl::DeviceContext* device_;
   SurfaceOptions options_;
-  SellGraph graph_;
-  PinholeArg camera_;
-  int width_;
-  int height_;
+  std::shared_ptr<const SurfaceDomain> domain_;
   bool first_ = true;  // the next linearize() is the first of its frame
   float w_velocity_ = 0;
   float w_acceleration_ = 0;
-  size_t lane_items_, lane_local_, row_local_, sum_items_;
+  size_t row_local_, sum_items_;
 
   // Constants.
-  ocl::Buffer<int32_t> order_, slice_offsets_, neighbors_;
   ocl::Buffer<float> edge_weights_, rest_lengths_;  // [n_entries]
   ocl::Buffer<float> colors_;                       // 3 planes
   ocl::Buffer<uint8_t> no_parts_;

@@ -26,7 +26,7 @@ double distance_px(const Scene& s, const std::vector<float>& v, int i, double ra
 std::vector<float> snapped(ocl::DeviceContext& device, const Scene& s, const SnapOptions& options = {},
                            bool parts = false, std::vector<float>* rings = nullptr) {
   const test::DeviceScene d(device, s);
-  Snapper snapper(device, s.actor, s.camera, options);
+  Snapper snapper(device, s.actor, std::make_shared<SurfaceDomain>(device, s.actor, s.camera), options);
   ocl::Buffer<float> vertices(device, s.start);
   snapper.snap({.frame = d.frame,
                 .contour_flag = d.contour,

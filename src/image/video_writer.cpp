@@ -84,11 +84,6 @@ void VideoWriter::Encoder::allocate_pictures() {
   frame->width = codec->width;
   frame->height = codec->height;
   check(av_frame_get_buffer(frame, 0), "allocating a picture");
-  // Converter and encoder may read the padding of a plane: it must not hold what was in memory before.
-  for (AVFrame* each : {picture, frame}) {
-    for (int i = 0; i < AV_NUM_DATA_POINTERS && each->buf[i]; ++i)
-      std::fill_n(each->buf[i]->data, each->buf[i]->size, uint8_t{0});
-  }
 }
 
 void VideoWriter::Encoder::open_codec(double fps) {
@@ -110,6 +105,9 @@ void VideoWriter::Encoder::open_codec(double fps) {
   codec->flags |= AV_CODEC_FLAG_BITEXACT;
   av_opt_set(codec->priv_data, "crf", "18", 0);
   av_opt_set(codec->priv_data, "preset", "veryfast", 0);
+  // x264's macroblock tree reads memory that it did not write: the same pictures would give a file that depends on what
+  // the process did before.
+  av_opt_set(codec->priv_data, "mbtree", "0", 0);
   check(avcodec_open2(codec, encoder, nullptr), "opening the H.264 encoder");
 }
 

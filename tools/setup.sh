@@ -78,7 +78,8 @@ ensure_models() {
   scratch=$(mktemp -d "$root/models/.fetch.XXXXXX")
   # shellcheck disable=SC2064
   trap "rm -rf '$scratch'" EXIT
-  (cd "$scratch" && npm pack --silent "$npm_package" >/dev/null) ||
+  (cd "$scratch" && npm pack --silent --prefer-offline --fetch-retry-mintimeout=2000 --fetch-retry-maxtimeout=10000 \
+    "$npm_package" >/dev/null) ||
     fail "npm could not fetch $npm_package; is there a network?"
   for name in "${wrong[@]}"; do
     tar -xzf "$scratch"/*.tgz -C "$scratch" "package/$name" || fail "$npm_package holds no $name"

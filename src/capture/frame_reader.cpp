@@ -39,7 +39,7 @@ std::vector<ImageRgb> FrameReader::empty_plates() {
     plates.push_back(undistorter_->undistort(plate));
   } else if (options_.background_frames > 0) {
     // A reader of its own, so that the plate frames are also captured; a webcam has no second start.
-    const bool live = options_.video.rfind("webcam:", 0) == 0;
+    const bool live = is_webcam();
     std::unique_ptr<VideoReader> own = live ? nullptr : std::make_unique<VideoReader>(options_.video);
     VideoReader& reader = live ? *video_ : *own;
     Frame frame;
@@ -85,7 +85,8 @@ std::vector<std::string> FrameReader::warnings() const {
   if (video_->damaged_frames() > 0)
     list.push_back(options_.video +
                    format(": %lld damaged frame(s)", static_cast<long long>(video_->damaged_frames())));
-  if (video_->truncated()) list.push_back(options_.video + ": ends before the length it promises");
+  if (video_->truncated())
+    list.push_back(options_.video + (is_webcam() ? ": broke off" : ": ends before the length it promises"));
   return list;
 }
 

@@ -39,6 +39,8 @@ class FrameReader {
   std::vector<std::string> warnings() const;
 
  private:
+  bool is_webcam() const { return options_.video.rfind("webcam:", 0) == 0; }
+
   CaptureOptions options_;
   std::unique_ptr<VideoReader> video_;
   VideoInfo info_;

@@ -92,6 +92,10 @@ class GlbBuilder {
   json accessors_ = json::array();
 };
 
+bool all_finite(const std::vector<float>& values) {
+  return std::all_of(values.begin(), values.end(), [](float x) { return std::isfinite(x); });
+}
+
 std::vector<double> numbers(const Eigen::Vector3d& v) {
   return {v.x(), v.y(), v.z()};
 }
@@ -114,7 +118,7 @@ class CaptureGlb {
       : actor_(actor), frames_(frames), options_(options), skinning_(actor) {
     if (!(options.fps > 0)) throw ConfigError(format("capture.glb: fps is %g, must be positive", options.fps));
     if (options.max_morph_targets < 0 || options.max_morph_targets > 1024)
-      throw ConfigError(format("capture.glb: %d morph targets", options.max_morph_targets));
+      throw ConfigError(format("capture.glb: %d morph targets, must be 0 to 1024", options.max_morph_targets));
     for (size_t i = 0; i < frames.size(); ++i) {
       if (frames[i].tracked) keys_.push_back(static_cast<int>(i));
     }
@@ -142,33 +146,49 @@ class CaptureGlb {
     auto residual = [&](int key, Eigen::Ref<Eigen::VectorXd> column) {
       vertices(keys_[key], captured);
       column.setZero();
-      if (!std::all_of(captured.begin(), captured.end(), [](float x) { return std::isfinite(x); })) return false;
+      if (!all_finite(captured)) return;
       skinning_.set_pose(frames_[keys_[key]].pose);
       for (int v = 0; v < actor_.n_vertices(); ++v)
         column.segment<3>(3 * v) =
             skinning_.inverse(v, Eigen::Map<const Eigen::Vector3f>(captured.data() + 3 * v).cast<double>());
-      return true;
     };
-    const Eigen::MatrixXf shapes = residual_basis(n_numbers(), report_.n_keys, options_.max_morph_targets,
+    const Eigen::MatrixXf shapes = residual_basis(n_numbers(), report_.n_keys, options_.max_morph_targets - 1,
                                                   options_.tolerance_mm * kMetresPerMm, residual);
     shapes_ = (shapes * static_cast<float>(kShortOne)).array().round().cast<int16_t>();
-    report_.n_morph_targets = static_cast<int>(shapes_.cols());
+    if (shapes_.cols() == 0) return measure(vertices, Eigen::MatrixXd(n_numbers(), 0));
 
-    // Weights by least squares against the shapes as they are stored; then the error a viewer will show.
+    // Weights by least squares against the shapes as they are stored.
     const Eigen::MatrixXd stored = shapes_.cast<double>() / kShortOne;
     const Eigen::LDLT<Eigen::MatrixXd> normal(Eigen::MatrixXd(stored.transpose() * stored));
+    weights_.resize(shapes_.cols() + 1, report_.n_keys);
     Eigen::VectorXd column(n_numbers());
+    for (int key = 0; key < report_.n_keys; ++key) {
+      residual(key, column);
+      weights_.col(key).head(shapes_.cols()) = normal.solve(stored.transpose() * column).cast<float>();
+    }
+    // Blender cuts weights to [0, 1]. So each is counted from its lowest, and a last shape holds the sum of these.
+    const Eigen::VectorXf lowest = weights_.topRows(shapes_.cols()).rowwise().minCoeff();
+    weights_.topRows(shapes_.cols()).colwise() -= lowest;
+    weights_.bottomRows<1>().setOnes();
+    offset_ = (stored * lowest.cast<double>()).cast<float>();
+    report_.n_morph_targets = static_cast<int>(weights_.rows());
+
+    Eigen::MatrixXd targets(n_numbers(), weights_.rows());
+    targets << stored, offset_.cast<double>();
+    measure(vertices, targets);
+  }
+
+  // The error that a viewer will show.
+  void measure(const FrameVertices& vertices, const Eigen::MatrixXd& targets) {
+    std::vector<float> captured(n_numbers());
     double sum = 0;
     size_t n = 0;
     for (int key = 0; key < report_.n_keys; ++key) {
-      const bool has_surface = residual(key, column);
+      vertices(keys_[key], captured);
+      if (!all_finite(captured)) continue;
+      skinning_.set_pose(frames_[keys_[key]].pose);
       Eigen::VectorXd shown = Eigen::VectorXd::Zero(n_numbers());
-      if (stored.cols() > 0) {
-        const Eigen::VectorXf w = normal.solve(stored.transpose() * column).cast<float>();
-        weights_.insert(weights_.end(), w.data(), w.data() + w.size());
-        shown = stored * w.cast<double>();
-      }
-      if (!has_surface) continue;
+      if (targets.cols() > 0) shown = targets * weights_.col(key).cast<double>();
       for (int v = 0; v < actor_.n_vertices(); ++v, ++n) {
         const Eigen::Vector3d target = Eigen::Map<const Eigen::Vector3f>(captured.data() + 3 * v).cast<double>();
         const double error = (skinning_.forward(v, shown.segment<3>(3 * v)) - target).norm() / kMetresPerMm;
@@ -283,11 +303,20 @@ class CaptureGlb {
       glb_.set_bounds(accessor, target, 4, 3);
       primitive["targets"].push_back({{"POSITION", accessor}});
     }
+    if (shapes_.cols() > 0) {
+      std::vector<float> offset;
+      for (int32_t v : render.template_vertex)
+        offset.insert(offset.end(), offset_.data() + 3 * v, offset_.data() + 3 * v + 3);
+      const int accessor = glb_.add(offset, kFloat, "VEC3", 3, kVertices);
+      glb_.set_bounds(accessor, offset, 3, 3);
+      primitive["targets"].push_back({{"POSITION", accessor}});
+    }
     json mesh = {{"name", "actor"}, {"primitives", json::array({primitive})}, {"extras", {{"livecap", extras()}}}};
     if (shapes_.cols() > 0) {
-      mesh["weights"] = std::vector<double>(shapes_.cols(), 0.0);
+      mesh["weights"] = std::vector<double>(weights_.rows(), 0.0);
       std::vector<std::string> names;
       for (int k = 0; k < shapes_.cols(); ++k) names.push_back(format("cloth_%02d", k));
+      names.push_back("cloth_offset");
       mesh["extras"]["targetNames"] = names;
       for (const char* list : {"extensionsUsed", "extensionsRequired"}) glb_.document[list] = {"KHR_mesh_quantization"};
     }
@@ -362,7 +391,10 @@ class CaptureGlb {
     add_channel(0, "translation", glb_.add(root_translation, kFloat, "VEC3", 3, kNoTarget));
     for (int b = 0; b < skeleton.n_bones(); ++b)
       add_channel(b, "rotation", glb_.add(rotations[b], kFloat, "VEC4", 4, kNoTarget));
-    if (!weights_.empty()) add_channel(mesh_node_, "weights", glb_.add(weights_, kFloat, "SCALAR", 1, kNoTarget));
+    if (weights_.size() > 0) {
+      const std::vector<float> weights(weights_.data(), weights_.data() + weights_.size());
+      add_channel(mesh_node_, "weights", glb_.add(weights, kFloat, "SCALAR", 1, kNoTarget));
+    }
     glb_.document["animations"] = json::array({{{"name", "capture"}, {"samplers", samplers}, {"channels", channels}}});
   }
 
@@ -372,7 +404,8 @@ class CaptureGlb {
   LinearSkinning skinning_;
   std::vector<int> keys_;                                          // tracked frames
   Eigen::Matrix<int16_t, Eigen::Dynamic, Eigen::Dynamic> shapes_;  // [3n x n_morph_targets] of kShortOne metres
-  std::vector<float> weights_;                                     // [n_keys * n_morph_targets] metres
+  Eigen::VectorXf offset_;                                         // [3n] metres, the last target, always in full
+  Eigen::MatrixXf weights_;                                        // [n_morph_targets x n_keys] metres, from 0
   int mesh_node_ = 0;
   GlbBuilder glb_;
   CaptureGlbReport report_;

@@ -18,7 +18,7 @@ struct CapturedFrame {
 
 struct CaptureGlbOptions {
   double fps = 30;             // of the input; frame i is keyed at i / fps seconds
-  int max_morph_targets = 64;  // 0: skeleton only
+  int max_morph_targets = 64;  // 0 or 1: skeleton only
   double tolerance_mm = 0.02;  // shapes stop when what they leave out is below this (root mean square)
 };
 
@@ -34,8 +34,8 @@ struct CaptureGlbReport {
 // Fills vertices_m with the captured surface of input frame `frame`: [3*n_vertices] metres, glTF frame, template order.
 using FrameVertices = std::function<void(int frame, std::span<float> vertices_m)>;
 
-// Each tracked frame's vertices are asked for twice. A tracked frame with non-finite vertices keeps its pose and gets
-// no displacement. An empty `vertices` writes the skeleton alone. Written atomically; the error is logged. Throws
+// Each tracked frame's vertices are asked for three times. A tracked frame with non-finite vertices keeps its pose and
+// gets no displacement. An empty `vertices` writes the skeleton alone. Written atomically; the error is logged. Throws
 // IoError when the file cannot be written, ConfigError for options that make no sense.
 CaptureGlbReport write_capture_glb(const std::filesystem::path& path, const Actor& actor,
                                    std::span<const CapturedFrame> frames, const FrameVertices& vertices,

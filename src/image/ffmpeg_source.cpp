@@ -11,6 +11,7 @@ extern "C" {
 #include <algorithm>
 #include <chrono>
 #include <deque>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -110,8 +111,12 @@ FfmpegSource::FfmpegSource(const std::string& name, const std::string& url, cons
   av_log_set_level(AV_LOG_QUIET);
   AVFormatContext* format = nullptr;
   int status = avformat_open_input(&format, url.c_str(), input_format, nullptr);
-  if (status < 0)
-    throw IoError(name_ + ": not a readable video (truncated, or no video at all): " + error_text(status));
+  if (status < 0) {
+    throw IoError(name_ +
+                  (input_format ? ": cannot be opened as a camera: "
+                                : ": not a readable video (truncated, or no video at all): ") +
+                  error_text(status));
+  }
   format_.reset(format);
   // FFmpeg takes any text for ANSI art.
   if (std::string_view(format->iformat->name) == "tty") throw IoError(name_ + ": not a video file");
@@ -274,9 +279,11 @@ void FfmpegSource::finish() {
   const int64_t damaged = damaged_ + std::count_if(pending_.begin(), pending_.end(), [](auto& p) { return p.damaged; });
   if (damaged > 0) log_warning(name_ + format(": %lld damaged frames", static_cast<long long>(damaged)));
   if (truncated_) {
-    log_warning(name_ + format(": the file is truncated: %lld frames of about %lld",
-                               static_cast<long long>(delivered_ + static_cast<int64_t>(pending_.size())),
-                               static_cast<long long>(info_.frame_count_hint)));
+    const auto frames = static_cast<long long>(delivered_ + static_cast<int64_t>(pending_.size()));
+    const auto promised = static_cast<long long>(info_.frame_count_hint);
+    log_warning(name_ + (promised < 0
+                             ? format(": broke off after %lld frames", frames)
+                             : format(": the file is truncated: %lld frames of about %lld", frames, promised)));
   }
 }
 
@@ -309,7 +316,9 @@ std::unique_ptr<FrameSource> open_webcam(int index) {
   const AVInputFormat* v4l2 = av_find_input_format("v4l2");
   if (!v4l2) throw ConfigError(format("webcam:%d: this FFmpeg has no video4linux2 input", index));
   const std::string device = format("/dev/video%d", index);
-  return std::make_unique<FfmpegSource>(device, device, v4l2);
+  if (!std::filesystem::exists(device))
+    throw IoError(format("webcam:%d: there is no %s; connect a camera or give another number", index, device.c_str()));
+  return std::make_unique<FfmpegSource>(format("webcam:%d (%s)", index, device.c_str()), device, v4l2);
 #else
   throw ConfigError(format("webcam:%d: this build has no libavdevice; install libavdevice-dev and build again", index));
 #endif

@@ -191,6 +191,27 @@ TEST(CaptureGlb, AViewerShowsTheCapturedSurface) {
   EXPECT_NEAR(error.max_mm, report.max_error_mm, test::kGlbReportMm);
 }
 
+// Blender cuts the weights of shape keys to [0, 1] and thereby shows a wrong surface when a file has others.
+TEST(CaptureGlb, WeightsAreBetweenZeroAndOne) {
+  const Actor actor = test::small_actor();
+  const std::vector<Pose> poses = test::smooth_motion(actor.skeleton, 24);
+  const auto surface = wavy_surface(actor, poses);
+  const auto path = scratch("weights.glb");
+  write_capture_glb(path, actor, tracked(poses), from(surface));
+  const Viewer viewer(path);
+  const auto& animation = viewer.model().animations[0];
+  size_t n = 0;
+  for (const auto& channel : animation.channels) {
+    if (channel.target_path != "weights") continue;
+    for (double w : viewer.values(animation.samplers[channel.sampler].output)) {
+      EXPECT_GE(w, 0);
+      EXPECT_LE(w, 1);
+      ++n;
+    }
+  }
+  EXPECT_EQ(n, viewer.primitive().targets.size() * poses.size());
+}
+
 TEST(CaptureGlb, FewerTargetsShowMoreErrorAndTheReportSaysSo) {
   const Actor actor = test::small_actor();
   const std::vector<Pose> poses = test::smooth_motion(actor.skeleton, 24);

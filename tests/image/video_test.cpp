@@ -63,7 +63,7 @@ class Video : public ::testing::Test {
   static std::string refusal(const std::string& source) {
     try {
       VideoReader reader(source);
-    } catch (const IoError& e) {
+    } catch (const Error& e) {
       return e.what();
     }
     ADD_FAILURE() << source << " was accepted";
@@ -183,6 +183,8 @@ TEST_F(Video, BadFilesAreRefusedInOneLineThatNamesThem) {
   EXPECT_NE(refusal(path("folder")).find("no .png"), std::string::npos);
   EXPECT_THROW(VideoReader(""), ConfigError);
   EXPECT_THROW(VideoReader("webcam:x"), ConfigError);
+  // No camera has this number. The message tells it, whether or not webcams are compiled in.
+  EXPECT_NE(refusal("webcam:987654").find("webcam:987654"), std::string::npos);
 }
 
 TEST_F(Video, ATruncatedFileGivesItsReadableFramesAndSaysSo) {

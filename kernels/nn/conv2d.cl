@@ -150,7 +150,6 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_narrow(NnOp op, 
 
 #else
 
-#define NN_LANES 4       // work-items of one panel
 #define NN_PIXELS_GPU 4  // pixels of one work-item
 
 // One work-item = 4 pixels x 4 channels. count = ceil(pixels / 4) * panels * 4.
@@ -191,23 +190,8 @@ kernel void conv_window(NnOp op, global const float* restrict weights, global fl
   const int n_lanes = (op.out_channels + NN_PANEL - 1) / NN_PANEL * NN_LANES;
   const int lane = id % n_lanes;
   const int pixel = id / n_lanes;
-  const int panel = lane / NN_LANES;
-  const int channels = op.in_channels;
-  float4 sum = vload4(lane, weights + op.bias_offset);
-  for (int ky = 0; ky < op.kernel_h; ++ky) {
-    const int in_y = pixel / op.out_width * op.stride_h - op.pad_top + ky * op.dilation_h;
-    if (in_y < 0 || in_y >= op.in_height) continue;
-    for (int kx = 0; kx < op.kernel_w; ++kx) {
-      const int in_x = pixel % op.out_width * op.stride_w - op.pad_left + kx * op.dilation_w;
-      if (in_x < 0 || in_x >= op.in_width) continue;
-      global const float* x = arena + op.in_offset + (in_y * op.in_width + in_x) * channels;
-      global const float* restrict w = weights + op.weight_offset +
-                                       ((panel * op.kernel_h + ky) * op.kernel_w + kx) * channels * NN_PANEL +
-                                       lane % NN_LANES * 4;
-      for (int k = 0; k < channels; ++k) sum = nn_broadcast_mad(x[k], vload4(0, w + k * NN_PANEL), sum);
-    }
-  }
-  nn_store4(op, arena, pixel, lane * 4, sum);
+  const float4 bias = vload4(lane, weights + op.bias_offset);
+  nn_store4(op, arena, pixel, lane * 4, nn_window_sum(op, weights, arena, pixel, lane, 0, 1, bias));
 }
 
 #endif

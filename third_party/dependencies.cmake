@@ -6,13 +6,14 @@
 # Eigen           libeigen3-dev                          3.4      MPL-2.0        small dense algebra, QR, reference solvers
 # OpenCV          libopencv-dev                          4.6      Apache-2.0     background model, distance transform, PNG/JPEG
 # FFmpeg          libav{codec,device,format,util}-dev, libswscale-dev  5.1  LGPL/GPL  video and webcams in, video out, every damaged frame reported
-# CLBlast         libclblast-dev                         1.5.3    Apache-2.0     large GEMMs on GPUs
+# CLBlast         libclblast-dev                         1.5.3    Apache-2.0     optional: what bench_pointwise compares convolutions with
 # OpenMesh        libopenmesh-dev                        9.0      BSD-3-Clause   quadric edge-collapse decimation
 # TinyGLTF        libtinygltf-dev                        2.7      MIT            GLB parsing and writing
 # nlohmann json   nlohmann-json3-dev                     3.11     MIT            JSON files
 # FlatBuffers     libflatbuffers-dev, flatbuffers-compiler  2.0.8  Apache-2.0  verified reading of .tflite files
 # CLI11           libcli11-dev                           2.1      BSD-3-Clause   command line and TOML configuration
 # GoogleTest      libgtest-dev, libgmock-dev             1.12     BSD-3-Clause   tests
+# Google Benchmark  libbenchmark-dev                     1.7      Apache-2.0     optional: bench_pointwise
 # Ceres           libceres-dev                           2.1      BSD-3-Clause   tests only: a trusted solver to compare with
 find_package(OpenCL 1.2 REQUIRED)
 find_package(Threads REQUIRED)
@@ -33,6 +34,7 @@ find_path(CLBLAST_INCLUDE_DIR clblast.h)
 find_library(CLBLAST_LIBRARY clblast)
 if(LIVECAP_BUILD_TESTS)
   find_package(GTest REQUIRED)
+  find_package(benchmark QUIET)
 endif()
 
 add_library(livecap_openmesh INTERFACE)

@@ -29,11 +29,11 @@ void triangle_fans(const Mesh& mesh, std::vector<int32_t>& offsets, std::vector<
 
 }  // namespace
 
-Skinner::Skinner(ocl::DeviceContext& device, const Actor& actor)
+Skinner::Skinner(ocl::DeviceContext& device, const Actor& actor, const SkinWeights& skin)
     : n_vertices_(actor.n_vertices()),
       rest_(device, actor.mesh.positions),
-      bones_(device, actor.skin.bones),
-      weights_(device, actor.skin.weights),
+      bones_(device, skin.bones),
+      weights_(device, skin.weights),
       dual_quats_(device, size_t(8) * actor.skeleton.n_bones()),
       skin_(device, kSource, "skin_vertices"),
       unskin_(device, kSource, "unskin_displacement"),

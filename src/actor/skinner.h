@@ -14,7 +14,9 @@ namespace livecap {
 class Skinner {
  public:
   // Keeps no reference to the actor.
-  Skinner(ocl::DeviceContext& device, const Actor& actor);
+  Skinner(ocl::DeviceContext& device, const Actor& actor) : Skinner(device, actor, actor.skin) {}
+  // The same mesh and skeleton with other weights.
+  Skinner(ocl::DeviceContext& device, const Actor& actor, const SkinWeights& skin);
 
   // dual_quats: [8*n_bones] of geometry/skeleton.h's bone_dual_quats.
   void set_pose(std::span<const float> dual_quats);

@@ -29,12 +29,12 @@ void triangle_fans(const Mesh& mesh, std::vector<int32_t>& offsets, std::vector<
 
 }  // namespace
 
-Skinner::Skinner(ocl::DeviceContext& device, const Actor& actor, const SkinWeights& skin)
+Skinner::Skinner(ocl::DeviceContext& device, const Actor& actor, const SkinWeights& skin, int n_bones)
     : n_vertices_(actor.n_vertices()),
       rest_(device, actor.mesh.positions),
       bones_(device, skin.bones),
       weights_(device, skin.weights),
-      dual_quats_(device, size_t(8) * actor.skeleton.n_bones()),
+      dual_quats_(device, size_t(8) * n_bones),
       skin_(device, kSource, "skin_vertices"),
       unskin_(device, kSource, "unskin_displacement"),
       normals_(device, kSource, "vertex_normals") {

@@ -5,7 +5,6 @@
 
 #include "base/log.h"
 #include "base/timer.h"
-#include "surface/hanging_cloth.h"
 
 namespace livecap {
 namespace {
@@ -40,7 +39,8 @@ Tracker::Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& c
       options_(options),
       n_vertices_(actor.n_vertices()),
       skinner_(device, actor),
-      surface_skinner_(device, actor, hanging_cloth_weights(actor, options.leg_share)),
+      hanging_(actor, options.hanging),
+      surface_skinner_(device, actor, hanging_.weights(), actor.skeleton.n_bones() + 1),
       rasterizer_(device, actor.mesh, camera.width, camera.height),
       visibility_(device, actor.mesh, options.visibility),
       part_mask_(device, actor.mesh, body_parts_of_vertices(actor.skeleton, actor.skin), camera.width, camera.height),
@@ -117,7 +117,8 @@ Tracker::Solved Tracker::solve_pose(const TrackInput& input) {
 
 void Tracker::solve_surface(const Pose& pose, bool has_picture, TrackResult& result) {
   Skinner& skinner = options_.enable_surface ? surface_skinner_ : skinner_;
-  skinner.set_pose(bone_dual_quats(forward_kinematics(actor_.skeleton, pose)));
+  const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);
+  skinner.set_pose(options_.enable_surface ? hanging_.dual_quats(posed) : bone_dual_quats(posed));
   skinner.skin(zero_, skinned_);
   if (!options_.enable_surface || !has_picture) {
     vertices_.copy_from(skinned_);

@@ -27,10 +27,11 @@ static inline void store_planes(Vec3 value, global float* restrict planes, int s
 
 // slice_offsets [n_rows/16+1], neighbors (rows), edge_weights, rest_lengths: SELL-16 entries, padding has weight zero.
 // v, skinned, previous, before: 3 planes mm. blocks: 6 planes, in: data terms, out: complete. rhs: 3 planes, likewise.
+// rest_share: how far an edge's length is drawn from the skinned template's to the rest pose's.
 // edges: sqrt(w_edge c_ij) times the unit edge, 3 per entry, 16 of each axis together. inverse: 6 planes.
 // z, p: 3 planes, preconditioned rhs; step: 3 planes, zero. products: rhs . z per row.
 // energies: planes smooth, edge, velocity, acceleration.
-kernel void regularizer_system(int n_rows, int stride, float w_smooth, float w_edge, float w_velocity,
+kernel void regularizer_system(int n_rows, int stride, float rest_share, float w_smooth, float w_edge, float w_velocity,
                                float w_acceleration, float damping, global const int* restrict slice_offsets,
                                global const int* restrict neighbors, global const float* restrict edge_weights,
                                global const float* restrict rest_lengths, global const float* restrict v,
@@ -71,14 +72,17 @@ kernel void regularizer_system(int n_rows, int stride, float w_smooth, float w_e
     LaneInt j = LOAD(neighbors, at);
     REAL c = LOAD(edge_weights, at);
     Vec3 v_j = gather_planes(v, stride, j);
-    SmoothRow smooth = smooth_row(v_i, v_j, skinned_i, gather_planes(skinned, stride, j));
+    Vec3 skinned_j = gather_planes(skinned, stride, j);
+    SmoothRow smooth = smooth_row(v_i, v_j, skinned_i, skinned_j);
     Vec3 r_smooth = vec3(smooth.r[0], smooth.r[1], smooth.r[2]);
     REAL k = w_smooth * c;
     s.rhs = sub3(s.rhs, scale3(r_smooth, k * smooth.J[0][0]));
     diagonal += k * smooth.J[0][0] * smooth.J[0][0];
     e_smooth += k * dot3(r_smooth, r_smooth);
 
-    EdgeRow edge = edge_row(v_i, v_j, LOAD(rest_lengths, at));
+    REAL skinned_length = norm3(sub3(skinned_i, skinned_j));
+    REAL length = skinned_length + rest_share * (LOAD(rest_lengths, at) - skinned_length);
+    EdgeRow edge = edge_row(v_i, v_j, length);
     Vec3 direction = scale3(vec3(edge.J[0][0], edge.J[0][1], edge.J[0][2]), sqrt(w_edge * c));
     s = add_row(s, w_edge * c, edge.r, vec3(edge.J[0][0], edge.J[0][1], edge.J[0][2]));
     e_edge += w_edge * c * edge.r * edge.r;

@@ -13,12 +13,12 @@ constexpr size_t kGroup = 64;
 
 }  // namespace
 
-Skinner::Skinner(ocl::DeviceContext& device, const Actor& actor)
+Skinner::Skinner(ocl::DeviceContext& device, const Actor& actor, const SkinWeights& skin, int n_bones)
     : n_vertices_(actor.n_vertices()),
       rest_(device, actor.mesh.positions),
-      bones_(device, actor.skin.bones),
-      weights_(device, actor.skin.weights),
-      dual_quats_(device, size_t(8) * actor.skeleton.n_bones()),
+      bones_(device, skin.bones),
+      weights_(device, skin.weights),
+      dual_quats_(device, size_t(8) * n_bones),
       skin_(device, kSource, "skin_vertices"),
       unskin_(device, kSource, "unskin_displacement"),
       normals_(device, kSource, "vertex_normals") {

@@ -14,7 +14,10 @@ namespace livecap {
 class Skinner {
  public:
   // Keeps no reference to the actor.
-  Skinner(ocl::DeviceContext& device, const Actor& actor);
+  Skinner(ocl::DeviceContext& device, const Actor& actor)
+      : Skinner(device, actor, actor.skin, actor.skeleton.n_bones()) {}
+  // The same mesh with other weights on n_bones bones.
+  Skinner(ocl::DeviceContext& device, const Actor& actor, const SkinWeights& skin, int n_bones);
 
   // dual_quats: [8*n_bones] of geometry/skeleton.h's bone_dual_quats.
   void set_pose(std::span<const float> dual_quats);

@@ -39,6 +39,8 @@ Tracker::Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& c
       options_(options),
       n_vertices_(actor.n_vertices()),
       skinner_(device, actor),
+      hanging_(actor, options.hanging),
+      surface_skinner_(device, actor, hanging_.weights(), actor.skeleton.n_bones() + 1),
       rasterizer_(device, actor.mesh, camera.width, camera.height),
       visibility_(device, actor.mesh, options.visibility),
       part_mask_(device, actor.mesh, body_parts_of_vertices(actor.skeleton, actor.skin), camera.width, camera.height),
@@ -48,7 +50,7 @@ Tracker::Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& c
       frame_(device, camera.width, camera.height) {
   const size_t size = size_t(3) * n_vertices_;
   for (ocl::Buffer<float>* buffer :
-       {&displacement_rest_, &zero_, &start_, &skinned_, &normals_, &vertices_, &previous_, &before_previous_}) {
+       {&displacement_rest_, &before_displacement_rest_, &zero_, &start_, &skinned_, &normals_, &vertices_, &before_}) {
     *buffer = ocl::Buffer<float>(device, size);
     buffer->fill(0);
   }
@@ -63,17 +65,14 @@ void Tracker::reset() {
   pose_before_last_.reset();
   n_history_ = 0;
   displacement_rest_.fill(0);
-}
-
-void Tracker::skin_at(const Pose& pose, ocl::Buffer<float>& displacement_rest, ocl::Buffer<float>& out) {
-  skinner_.set_pose(bone_dual_quats(forward_kinematics(actor_.skeleton, pose)));
-  skinner_.skin(displacement_rest, out);
+  before_displacement_rest_.fill(0);
 }
 
 PoseResult Tracker::solve_pose_from(const TrackInput& input, const Pose& initial, int n_steps, const Pose* previous) {
   std::vector<int32_t> contour;
   if (!input.silhouette.empty()) {
-    skin_at(initial, options_.displaced_contour ? displacement_rest_ : zero_, start_);
+    skinner_.set_pose(bone_dual_quats(forward_kinematics(actor_.skeleton, initial)));
+    skinner_.skin(options_.displaced_contour ? displacement_rest_ : zero_, start_);
     rasterizer_.render(start_, camera_);
     visibility_.find_contour(rasterizer_);
     contour = visibility_.read_contour();
@@ -117,13 +116,17 @@ Tracker::Solved Tracker::solve_pose(const TrackInput& input) {
 }
 
 void Tracker::solve_surface(const Pose& pose, bool has_picture, TrackResult& result) {
-  skin_at(pose, zero_, skinned_);
-  skinner_.skin(displacement_rest_, start_);
+  Skinner& skinner = options_.enable_surface ? surface_skinner_ : skinner_;
+  const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);
+  skinner.set_pose(options_.enable_surface ? hanging_.dual_quats(posed) : bone_dual_quats(posed));
+  skinner.skin(zero_, skinned_);
   if (!options_.enable_surface || !has_picture) {
     vertices_.copy_from(skinned_);
     return;
   }
-  skinner_.normals(start_, normals_);
+  skinner.skin(displacement_rest_, start_);
+  if (n_history_ >= 2) skinner.skin(before_displacement_rest_, before_);
+  skinner.normals(start_, normals_);
   rasterizer_.render(start_, camera_);
   visibility_.find_visible(start_, normals_, rasterizer_);
   visibility_.find_contour(rasterizer_);
@@ -135,8 +138,8 @@ void Tracker::solve_surface(const Pose& pose, bool has_picture, TrackResult& res
       surface_solver_.solve(SurfaceInput{.frame = frame_,
                                          .skinned = skinned_,
                                          .start = start_,
-                                         .previous = n_history_ >= 1 ? &previous_ : nullptr,
-                                         .before_previous = n_history_ >= 2 ? &before_previous_ : nullptr,
+                                         .previous = n_history_ >= 1 ? &start_ : nullptr,
+                                         .before_previous = n_history_ >= 2 ? &before_ : nullptr,
                                          .visible = visibility_.visible(),
                                          .contour_flag = visibility_.contour(),
                                          .normals = normals_,
@@ -145,7 +148,7 @@ void Tracker::solve_surface(const Pose& pose, bool has_picture, TrackResult& res
   result.surface_energy = surface.energies.total();
   vertices_.copy_from(*surface.vertices);
   if (options_.snapping) {
-    skinner_.normals(vertices_, normals_);
+    skinner.normals(vertices_, normals_);
     rasterizer_.render(vertices_, camera_);
     visibility_.find_contour(rasterizer_);
     snapper_.snap(SnapInput{.frame = frame_,
@@ -155,8 +158,12 @@ void Tracker::solve_surface(const Pose& pose, bool has_picture, TrackResult& res
                             .vertex_part = vertex_part},
                   vertices_);
   }
-  if (options_.warp_displacements)
-    skinner_.unskin_displacement(vertices_, skinned_, carried_share_, displacement_rest_);
+  // The temporal terms compare displacements, not positions (docs/paper_map.md): `previous` is the warped start itself.
+  if (options_.warp_displacements) {
+    std::swap(before_displacement_rest_, displacement_rest_);
+    skinner.unskin_displacement(vertices_, skinned_, carried_share_, displacement_rest_);
+  }
+  n_history_ = std::min(n_history_ + 1, 2);
 }
 
 TrackResult Tracker::track(const TrackInput& input) {
@@ -188,9 +195,6 @@ TrackResult Tracker::track(const TrackInput& input) {
   rasterizer_.render(vertices_, camera_);
   result.iou = intersection_over_union(rasterizer_.read_mask(), input.mask);
 
-  std::swap(before_previous_, previous_);
-  previous_.copy_from(vertices_);
-  n_history_ = std::min(n_history_ + 1, 2);
   pose_before_last_ = last_pose_;
   last_pose_ = result.pose;
   return result;

@@ -145,8 +145,9 @@ class Bench {
     expect("silhouette_system", found, {-7, 0, 0.7f, 490, 0, 0.1f});
   }
 
-  // Triangle with right angle at vertex 0, s = 2 so c = 2 for each edge; edges 0-1 and 0-2 are 1 mm too long; V^S of
-  // vertex 0 is 1 mm nearer; everything moved by 2 mm on each axis since the last frame.
+  // Triangle with right angle at vertex 0, s = 2 so c = 2 for each edge; edges 0-1 and 0-2 are 1 mm longer than the
+  // mean of rest and skinned length (sqrt(10001)); V^S of vertex 0 is 1 mm nearer; everything moved by 2 mm on each
+  // axis since the last frame.
   void system() {
     Floats skinned = vertices_, previous = vertices_;
     skinned[2] -= 1;
@@ -155,14 +156,15 @@ class Bench {
     const auto zero = [&](int count) { return ocl::Buffer<float>(device_, constant(Floats(count, 0))); };
     const ocl::Buffer<int32_t> offsets(device_, graph_.slice_offsets), neighbors(device_, graph_.neighbors);
     const ocl::Buffer<float> weights(device_, graph_.per_entry([](int, int) { return 2.0; }));
-    const ocl::Buffer<float> lengths(device_,
-                                     graph_.per_entry([](int i, int j) { return i && j ? std::sqrt(20000.0) : 99.0; }));
+    const ocl::Buffer<float> lengths(device_, graph_.per_entry([](int i, int j) {
+      return i && j ? std::sqrt(20000.0) : 2 * 99.0 - std::sqrt(10001.0);
+    }));
     ocl::Buffer<float> blocks = zero(6), rhs = zero(3), inverse = zero(6), z = zero(3), p = zero(3), step = zero(3);
     ocl::Buffer<float> products = zero(1), energies = zero(4), edges(device_, 3 * size_t(graph_.n_entries));
     kernel("regularizer_system.cl", "regularizer_system")
-        .launch(lane_items_, lane_local(), rows_, stride_, 10.0f, 30.0f, 0.25f, 0.0f, 0.5f, offsets, neighbors, weights,
-                lengths, planes(vertices_), planes(skinned), planes(previous), planes(previous), blocks, rhs, edges,
-                inverse, z, p, step, products, energies);
+        .launch(lane_items_, lane_local(), rows_, stride_, 0.5f, 10.0f, 30.0f, 0.25f, 0.0f, 0.5f, offsets, neighbors,
+                weights, lengths, planes(vertices_), planes(skinned), planes(previous), planes(previous), blocks, rhs,
+                edges, inverse, z, p, step, products, energies);
     Floats found = at(rhs, 0, 3);
     for (const float x : at(blocks, 0, 6)) found.push_back(x);
     // Energies at vertex 0: half of 2 edges * 20 * 1, half of 2 * 60 * 1, 0.25 * 12, none.

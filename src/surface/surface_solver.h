@@ -1,5 +1,5 @@
 // Stage II: the non-rigid surface of one frame (paper, "Non-rigid Surface Registration"). Three Gauss-Newton steps, one
-// per Gaussian level, four preconditioned conjugate gradient iterations each, all on the device.
+// per Gaussian level, twelve preconditioned conjugate gradient iterations each, all on the device.
 #pragma once
 
 #include <vector>

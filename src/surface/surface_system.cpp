@@ -43,6 +43,9 @@ void SurfaceOptions::validate() const {
   require_weight(color_threshold, "color_threshold");
   if (!(damping > 0.0f) || !std::isfinite(damping)) throw ConfigError("surface option damping must be positive");
   if (!(max_step_mm > 0.0f)) throw ConfigError("surface option max_step_mm must be positive");
+  if (!(edge_rest_share >= 0.0f && edge_rest_share <= 1.0f))
+    throw ConfigError("surface option edge_rest_share is " + std::to_string(edge_rest_share) +
+                      ": it must be from 0 to 1");
   if (pcg_iterations < 1) throw ConfigError("surface option pcg_iterations must be at least 1");
   if (gaussian_kernels.empty()) throw ConfigError("surface option gaussian_kernels is empty: give one size per step");
   for (const int size : gaussian_kernels) {
@@ -156,8 +159,9 @@ void SurfaceSystem::linearize(const SurfaceInput& input, int gaussian_kernel) {
   // Without an earlier frame the term is off; its positions must still be finite.
   const ocl::Buffer<float>& previous = w_velocity_ > 0 || w_acceleration_ > 0 ? previous_ : v_;
   const ocl::Buffer<float>& before = w_acceleration_ > 0 ? before_ : v_;
-  regularizer_.launch(domain_->lane_items, domain_->lane_local, n_rows, stride, options_.w_smooth, options_.w_edge,
-                      w_velocity_, w_acceleration_, options_.damping, domain_->slice_offsets, domain_->neighbors,
+  regularizer_.launch(domain_->lane_items, domain_->lane_local, n_rows, stride, options_.edge_rest_share,
+                      options_.w_smooth, options_.w_edge, w_velocity_, w_acceleration_, options_.damping,
+                      domain_->slice_offsets, domain_->neighbors,
                       edge_weights_, rest_lengths_, v_, skinned_, previous, before, blocks_, residual_, edges_,
                       inverse_, preconditioned_, direction_, step_, products_, regularizer_energies_);
   start_scalars_.launch(sum_items_, sum_items_, n_rows, first_ ? 1 : 0, products_, scalars_);

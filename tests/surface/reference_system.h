@@ -141,7 +141,9 @@ inline ReferenceSystem reference_system(const Scene& s, const SurfaceOptions& o,
         J.emplace_back(k, 3 * i + a, ws);
         J.emplace_back(k, 3 * j + a, -ws);
       }
-      const double stretch = edge.norm() - (point(s.actor.mesh.positions, i) - point(s.actor.mesh.positions, j)).norm();
+      const double rest = (point(s.actor.mesh.positions, i) - point(s.actor.mesh.positions, j)).norm();
+      const double skinned = (point(s.skinned, i) - point(s.skinned, j)).norm();
+      const double stretch = edge.norm() - (o.edge_rest_share * rest + (1 - o.edge_rest_share) * skinned);
       const int k = row(we * stretch);
       for (int a = 0; a < 3; ++a) {
         J.emplace_back(k, 3 * i + a, we * edge[a] / edge.norm());

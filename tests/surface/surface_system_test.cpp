@@ -260,6 +260,11 @@ TEST(SurfaceSystem, OptionsAndSizesAreChecked) {
     o = {};
     o.w_edge = -1;
     EXPECT_THROW(SurfaceSystem(device, s.actor, s.camera, o), ConfigError);
+    for (const float share : {-0.1f, 1.1f, std::nanf("")}) {
+      o = {};
+      o.edge_rest_share = share;
+      EXPECT_THROW(SurfaceSystem(device, s.actor, s.camera, o), ConfigError) << share;
+    }
     SurfaceSystem system(device, s.actor, s.camera, {});
     s.visible.resize(3);
     const test::DeviceScene d(device, s);

@@ -1,0 +1,93 @@
+#include "surface/hanging_cloth.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "livecap/error.h"
+
+namespace livecap {
+namespace {
+
+constexpr float kHangingRigidity = 1.0f;
+
+// Which bones are part of a leg.
+std::vector<char> leg_bones(const Skeleton& skeleton) {
+  std::vector<char> leg(skeleton.n_bones(), 0);
+  for (int b = 1; b < skeleton.n_bones(); ++b) {
+    const std::string& name = skeleton.bones[b].name;
+    leg[b] = leg[skeleton.bones[b].parent] || name == "left_hip" || name == "right_hip";
+  }
+  return leg;
+}
+
+SkinWeights hanging_weights(const Actor& actor, float leg_share) {
+  SkinWeights out = actor.skin;
+  const std::vector<char> leg = leg_bones(actor.skeleton);
+  const int hanging_bone = actor.skeleton.n_bones();
+  std::vector<std::pair<float, int>> influences;
+  for (int i = 0; i < actor.n_vertices(); ++i) {
+    if (actor.rigidity[i] > kHangingRigidity) continue;
+    float legs = 0;
+    for (int k = 4 * i; k < 4 * i + 4; ++k) {
+      if (leg[actor.skin.bones[k]]) legs += actor.skin.weights[k];
+    }
+    if (legs <= 0 || leg_share == 1) continue;
+    const float scale = leg_share / (leg_share + (1 - leg_share) * legs);
+    influences = {{(1 - scale) * legs, hanging_bone}};
+    for (int k = 4 * i; k < 4 * i + 4; ++k) {
+      const int bone = actor.skin.bones[k];
+      influences.emplace_back((leg[bone] ? scale : 1) * actor.skin.weights[k], bone);
+    }
+    std::stable_sort(influences.begin(), influences.end(), [](auto& a, auto& b) { return a.first > b.first; });
+    influences.resize(kMaxInfluences);
+    float sum = 0;
+    for (const auto& [weight, bone] : influences) sum += weight;
+    for (size_t k = 0; k < kMaxInfluences; ++k) {
+      const bool used = influences[k].first > 0;
+      out.bones[4 * i + k] = used ? influences[k].second : 0;
+      out.weights[4 * i + k] = used ? influences[k].first / sum : 0;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+void HangingClothOptions::validate() const {
+  if (!(leg_share > 0.0f && leg_share <= 1.0f)) {
+    throw ConfigError("hanging cloth: leg_share is " + std::to_string(leg_share) + ", must be above 0 and at most 1");
+  }
+  if (!(gravity_share >= 0.0f && gravity_share <= 1.0f)) {
+    throw ConfigError("hanging cloth: gravity_share is " + std::to_string(gravity_share) + ", must be from 0 to 1");
+  }
+}
+
+HangingCloth::HangingCloth(const Actor& actor, const HangingClothOptions& options) : options_(options) {
+  options.validate();
+  weights_ = hanging_weights(actor, options.leg_share);
+  const int left = actor.skeleton.bone_index("left_hip"), right = actor.skeleton.bone_index("right_hip");
+  if (left < 1 || right < 1) return;
+  const PosedSkeleton rest = forward_kinematics(actor.skeleton, rest_pose(actor.skeleton));
+  pivot_rest_ = (rest.camera_from_bone[left].translation() + rest.camera_from_bone[right].translation()) / 2;
+  base_ = actor.skeleton.bones[left].parent;
+}
+
+std::vector<float> HangingCloth::dual_quats(PosedSkeleton posed) const {
+  Eigen::Isometry3d bone = posed.camera_from_rest[base_];
+  // The template's downward axis against the picture's; a body that lies or hangs upside down is left as it is.
+  const Eigen::Vector3d body_down = -bone.linear().col(1), down = Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d axis = body_down.cross(down);
+  const double sine = axis.norm(), cosine = body_down.dot(down);
+  if (sine > 1e-9 && cosine > 0) {
+    const double angle = options_.gravity_share * cosine * std::atan2(sine, cosine);
+    const Eigen::Vector3d pivot = bone * pivot_rest_;
+    bone = Eigen::Translation3d(pivot) * Eigen::AngleAxisd(angle, axis / sine) * Eigen::Translation3d(-pivot) * bone;
+  }
+  posed.camera_from_rest.push_back(bone);
+  return bone_dual_quats(posed);
+}
+
+}  // namespace livecap

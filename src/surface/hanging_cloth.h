@@ -1,0 +1,43 @@
+// How cloth that hangs from the waist follows the body in stage II. Its skinning weights come from the nearest leg, but
+// it is not fastened there: when a thigh moves forward, the back of a skirt stays hanging. E_smooth keeps the surface
+// close to the skinned one wherever the picture says nothing, so V^S must not carry the back along.
+#pragma once
+
+#include <vector>
+
+#include "actor/actor.h"
+
+namespace livecap {
+
+struct HangingClothOptions {
+  // A vertex whose weights on the legs sum to L keeps c L / (c + (1 - c) L) of them, c = leg_share in (0,1]: all of a
+  // small L, c of L = 1. The rest goes to the hanging bone. 1 = the actor's own skinning (the paper).
+  float leg_share = 0.4f;
+  // The hanging bone is the bone the legs hang from, turned this far towards the picture's vertical (0..1): a camera
+  // stands about level, and pelvis tilt is what a pose network sees worst.
+  float gravity_share = 0.9f;
+
+  void validate() const;  // throws ConfigError
+};
+
+// Only hanging cloth changes (dress, coat, jumpsuit, skirt: the softest class of the paper's Table 1, rigidity <= 1).
+class HangingCloth {
+ public:
+  // Keeps no reference to the actor. A skeleton without left_hip and right_hip has nothing to change. Throws
+  // ConfigError.
+  HangingCloth(const Actor& actor, const HangingClothOptions& options);
+
+  // The actor's weights with the hanging bone as bone n_bones.
+  const SkinWeights& weights() const { return weights_; }
+
+  // camera_from_rest of every bone and of the hanging bone as dual quaternions, [8*(n_bones+1)].
+  std::vector<float> dual_quats(PosedSkeleton posed) const;
+
+ private:
+  HangingClothOptions options_;
+  SkinWeights weights_;
+  int base_ = 0;                                          // the bone the legs hang from
+  Eigen::Vector3d pivot_rest_ = Eigen::Vector3d::Zero();  // mm, between the hips
+};
+
+}  // namespace livecap

@@ -1,0 +1,157 @@
+#include "surface/hanging_cloth.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "livecap/error.h"
+
+namespace livecap {
+namespace {
+
+constexpr int kRoot = 0, kHip = 1, kKnee = 2, kNeck = 3, kOtherHip = 4, kHanging = 5;
+
+// One vertex per row of weights.
+Actor actor_with(const std::vector<std::array<std::pair<int, float>, 4>>& rows, const std::vector<float>& rigidity) {
+  Actor actor;
+  actor.skeleton.bones = {{"root", -1, {0, 0, 0}},
+                          {"left_hip", 0, {100, -50, 0}},
+                          {"left_knee", 1, {0, 0, 0}},
+                          {"neck", 0, {0, 0, 0}},
+                          {"right_hip", 0, {-100, -50, 0}}};
+  for (const auto& row : rows) {
+    for (const auto& [bone, weight] : row) {
+      actor.skin.bones.push_back(bone);
+      actor.skin.weights.push_back(weight);
+    }
+  }
+  actor.mesh.positions.assign(3 * rows.size(), 0.0f);
+  actor.rigidity = rigidity;
+  return actor;
+}
+
+SkinWeights weights(const Actor& actor, float leg_share) {
+  return HangingCloth(actor, {.leg_share = leg_share}).weights();
+}
+
+std::map<int, float> weights_of(const SkinWeights& skin, int vertex) {
+  std::map<int, float> out;
+  for (int k = 4 * vertex; k < 4 * vertex + 4; ++k) {
+    if (skin.weights[k] == 0) {
+      EXPECT_EQ(skin.bones[k], 0) << "unused slots name bone 0";
+    } else {
+      EXPECT_TRUE(out.emplace(skin.bones[k], skin.weights[k]).second) << "a bone twice";
+    }
+    if (k > 4 * vertex) EXPECT_LE(skin.weights[k], skin.weights[k - 1]) << "strongest first";
+  }
+  return out;
+}
+
+TEST(HangingCloth, LegsGiveTheirShareToTheHangingBone) {
+  // L = 1 keeps 0.4; L = 0.5 keeps 0.4 / (0.4 + 0.6 * 0.5) = 4/7 of itself.
+  const Actor actor = actor_with({{{{kHip, 0.75f}, {kKnee, 0.25f}, {0, 0}, {0, 0}}},
+                                  {{{kRoot, 0.5f}, {kOtherHip, 0.5f}, {0, 0}, {0, 0}}},
+                                  {{{kNeck, 0.6f}, {kRoot, 0.4f}, {0, 0}, {0, 0}}}},
+                                 {1, 1, 1});
+  const SkinWeights skin = weights(actor, 0.4f);
+  const auto hem = weights_of(skin, 0), middle = weights_of(skin, 1), waist = weights_of(skin, 2);
+  ASSERT_EQ(hem.size(), 3u);
+  EXPECT_NEAR(hem.at(kHanging), 0.6f, 1e-6f);
+  EXPECT_NEAR(hem.at(kHip), 0.3f, 1e-6f);
+  EXPECT_NEAR(hem.at(kKnee), 0.1f, 1e-6f);
+  ASSERT_EQ(middle.size(), 3u);
+  EXPECT_NEAR(middle.at(kRoot), 0.5f, 1e-6f);
+  EXPECT_NEAR(middle.at(kHanging), 1.5f / 7, 1e-6f);
+  EXPECT_NEAR(middle.at(kOtherHip), 2.0f / 7, 1e-6f);
+  EXPECT_EQ(waist, (std::map<int, float>{{kNeck, 0.6f}, {kRoot, 0.4f}}));
+}
+
+TEST(HangingCloth, FiveInfluencesBecomeTheFourStrongest) {
+  const Actor actor = actor_with({{{{kHip, 0.4f}, {kNeck, 0.3f}, {kKnee, 0.2f}, {kOtherHip, 0.1f}}}}, {1});
+  const auto kept = weights_of(weights(actor, 0.5f), 0);
+  // L = 0.7 keeps 0.5 / 0.85 of itself; the weakest (right hip, 0.1 / 1.7) goes, the others sum to one.
+  const float left = 1 - 0.1f / 1.7f;
+  ASSERT_EQ(kept.size(), 4u);
+  EXPECT_EQ(kept.count(kOtherHip), 0u);
+  EXPECT_NEAR(kept.at(kNeck), 0.3f / left, 1e-6f);
+  EXPECT_NEAR(kept.at(kHip), 0.4f / 1.7f / left, 1e-6f);
+  EXPECT_NEAR(kept.at(kKnee), 0.2f / 1.7f / left, 1e-6f);
+  EXPECT_NEAR(kept.at(kHanging), (0.7f - 0.7f / 1.7f) / left, 1e-6f);
+}
+
+TEST(HangingCloth, OtherMaterialAndAShareOfOneChangeNothing) {
+  const Actor actor =
+      actor_with({{{{kHip, 1}, {0, 0}, {0, 0}, {0, 0}}}, {{{kHip, 0.5f}, {kKnee, 0.5f}, {0, 0}, {0, 0}}}}, {2.5f, 50});
+  const SkinWeights trousers = weights(actor, 0.4f);
+  EXPECT_EQ(trousers.bones, actor.skin.bones);
+  EXPECT_EQ(trousers.weights, actor.skin.weights);
+  Actor skirt = actor;
+  skirt.rigidity = {1, 1};
+  EXPECT_EQ(weights(skirt, 1).weights, actor.skin.weights);
+  EXPECT_NE(weights(skirt, 0.9f).weights, actor.skin.weights);
+}
+
+// Rotation and translation of bone b from its dual quaternion, written out: t = 2 dual conj(real).
+Eigen::Isometry3d motion_of(const std::vector<float>& quats, int b) {
+  const float* q = quats.data() + 8 * b;
+  const Eigen::Quaterniond real(q[0], q[1], q[2], q[3]), dual(q[4], q[5], q[6], q[7]);
+  Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
+  out.linear() = real.toRotationMatrix();
+  out.translation() = 2 * (dual * real.conjugate()).vec();
+  return out;
+}
+
+// The body upright in the camera frame (y down), then tilted by `tilt` rad about the camera's x axis.
+PosedSkeleton tilted(const Actor& actor, double tilt) {
+  Pose pose;
+  pose.root_rotation =
+      (Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()))
+          .toRotationMatrix();
+  pose.root_translation_mm = {30, -20, 3000};
+  pose.angles_rad = Eigen::VectorXd::Zero(0);
+  return forward_kinematics(actor.skeleton, pose);
+}
+
+TEST(HangingCloth, TheHangingBoneTurnsTowardsTheVerticalAboutTheHips) {
+  const Actor actor = actor_with({{{{kHip, 1}, {0, 0}, {0, 0}, {0, 0}}}}, {1});
+  const Eigen::Vector3d hips(0, -50, 0), hem(0, -450, 0);  // rest frame
+  for (const double tilt : {0.4, -0.2}) {
+    const PosedSkeleton posed = tilted(actor, tilt);
+    for (const float share : {0.0f, 0.5f, 1.0f}) {
+      const auto quats = HangingCloth(actor, {.leg_share = 0.4f, .gravity_share = share}).dual_quats(posed);
+      ASSERT_EQ(quats.size(), 8u * 6);
+      const Eigen::Isometry3d root = motion_of(quats, kRoot), hanging = motion_of(quats, kHanging);
+      EXPECT_LT((root.matrix() - posed.camera_from_rest[kRoot].matrix()).norm(), 1e-2);
+      EXPECT_LT((hanging * hips - root * hips).norm(), 1e-2) << "the hips stay";
+      const Eigen::Vector3d line = hanging * hem - hanging * hips;
+      EXPECT_NEAR(std::atan2(line.z(), line.y()), tilt * (1 - share * std::cos(tilt)), 1e-4);
+      EXPECT_NEAR(line.norm(), 400, 1e-2);
+      EXPECT_NEAR(line.x(), 0, 1e-2);
+    }
+  }
+}
+
+TEST(HangingCloth, ABodyUpsideDownIsLeftAsItIs) {
+  const Actor actor = actor_with({{{{kHip, 1}, {0, 0}, {0, 0}, {0, 0}}}}, {1});
+  for (const double tilt : {1.7, 3.0, M_PI}) {
+    const auto quats = HangingCloth(actor, {}).dual_quats(tilted(actor, tilt));
+    EXPECT_EQ(std::vector<float>(quats.begin() + 8 * kHanging, quats.end()),
+              std::vector<float>(quats.begin(), quats.begin() + 8));
+  }
+}
+
+TEST(HangingCloth, OptionsAreChecked) {
+  const Actor actor = actor_with({{{{kHip, 1}, {0, 0}, {0, 0}, {0, 0}}}}, {1});
+  for (const float share : {0.0f, -0.1f, 1.01f, std::nanf("")}) {
+    EXPECT_THROW(weights(actor, share), ConfigError) << share;
+  }
+  for (const float share : {-0.1f, 1.01f, std::nanf("")}) {
+    EXPECT_THROW(HangingCloth(actor, {.gravity_share = share}), ConfigError) << share;
+  }
+}
+
+}  // namespace
+}  // namespace livecap

@@ -5,6 +5,7 @@
 
 #include "base/log.h"
 #include "base/timer.h"
+#include "pose/leg_exchange.h"
 
 namespace livecap {
 namespace {
@@ -64,11 +65,13 @@ void Tracker::reset() {
   last_pose_.reset();
   pose_before_last_.reset();
   n_history_ = 0;
+  exchanged_frames_ = 0;
   displacement_rest_.fill(0);
   before_displacement_rest_.fill(0);
 }
 
-PoseResult Tracker::solve_pose_from(const TrackInput& input, const Pose& initial, int n_steps, const Pose* previous) {
+PoseResult Tracker::solve_pose_from(const TrackInput& input, const Detections& detections, const Pose& initial,
+                                    int n_steps, const Pose* previous) {
   std::vector<int32_t> contour;
   if (!input.silhouette.empty()) {
     skinner_.set_pose(bone_dual_quats(forward_kinematics(actor_.skeleton, initial)));
@@ -77,13 +80,38 @@ PoseResult Tracker::solve_pose_from(const TrackInput& input, const Pose& initial
     visibility_.find_contour(rasterizer_);
     contour = visibility_.read_contour();
   }
-  return pose_solver_.solve(PoseInput{.detections = input.detections,
+  return pose_solver_.solve(PoseInput{.detections = detections,
                                       .initial = initial,
                                       .previous = previous,
                                       .frame = input.silhouette.empty() ? nullptr : &frame_,
                                       .contour_vertices = contour,
                                       .displacement_rest = options_.displaced_contour ? &displacement_rest_ : nullptr,
                                       .n_steps = n_steps});
+}
+
+// The frame after a tracked one.
+PoseResult Tracker::solve_tracked(const TrackInput& input, const Pose& predicted) {
+  const auto solve = [&](const Detections& detections) {
+    return solve_pose_from(input, detections, predicted, options_.pose.steps, &*last_pose_);
+  };
+  PoseResult best = solve(input.detections);
+  const std::vector<KeypointDetections> alternatives =
+      exchanged_legs(actor_, camera_, predicted, input.detections.keypoints);
+  if (alternatives.empty()) exchanged_frames_ = 0;
+  if (exchanged_frames_ >= options_.max_exchanged_frames) return best;
+  bool exchanged = false;
+  for (const KeypointDetections& keypoints : alternatives) {
+    Detections detections;
+    detections.person = true;
+    detections.keypoints = keypoints;
+    PoseResult result = solve(detections);
+    if (result.status != SolveStatus::kOk) continue;
+    if (best.status == SolveStatus::kOk && result.energy.total() >= best.energy.total()) continue;
+    best = std::move(result);
+    exchanged = true;
+  }
+  if (exchanged) ++exchanged_frames_;
+  return best;
 }
 
 bool Tracker::believable(const PoseResult& result, const Detections& detections) const {
@@ -98,7 +126,7 @@ Tracker::Solved Tracker::solve_pose(const TrackInput& input) {
   if (last_pose_) {
     const Pose predicted =
         predict_pose(actor_.skeleton, pose_before_last_ ? &*pose_before_last_ : nullptr, *last_pose_, options);
-    solved.pose = solve_pose_from(input, predicted, options.steps, &*last_pose_);
+    solved.pose = solve_tracked(input, predicted);
     if (believable(solved.pose, input.detections)) return solved;
     reset();
   }
@@ -109,9 +137,9 @@ Tracker::Solved Tracker::solve_pose(const TrackInput& input) {
     return solved;
   }
   // The contour found on the rough first pose is only a start: once more from where that solve ends.
-  solved.pose = solve_pose_from(input, *initial, options.first_steps, nullptr);
+  solved.pose = solve_pose_from(input, input.detections, *initial, options.first_steps, nullptr);
   if (solved.pose.status == SolveStatus::kOk)
-    solved.pose = solve_pose_from(input, solved.pose.pose, options.first_steps, nullptr);
+    solved.pose = solve_pose_from(input, input.detections, solved.pose.pose, options.first_steps, nullptr);
   return solved;
 }
 

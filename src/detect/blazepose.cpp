@@ -75,6 +75,22 @@ constexpr KeypointSource kSources[] = {
 };
 static_assert(std::size(kSources) == kKeypointCount);
 
+// The landmark whose place this one takes in a mirror: left and right exchanged (1-3 against 4-6, then odd against
+// even), nose and crop points stay.
+int mirror_partner(int landmark) {
+  if (landmark == 0 || landmark >= 33) return landmark;
+  if (landmark <= 6) return landmark <= 3 ? landmark + 3 : landmark - 3;
+  return landmark % 2 ? landmark + 1 : landmark - 1;
+}
+
+// Left to right; image: [width*height*channels].
+void mirror(std::span<float> image, int width, int channels) {
+  for (size_t row = 0; row < image.size(); row += size_t(width) * channels) {
+    for (int a = 0, b = width - 1; a < b; ++a, --b)
+      std::swap_ranges(&image[row + a * channels], &image[row + a * channels] + channels, &image[row + b * channels]);
+  }
+}
+
 }  // namespace
 
 BlazePose::BlazePose(ocl::DeviceContext& device, const std::filesystem::path& model, bool with_mask)
@@ -109,8 +125,11 @@ void BlazePose::refine(float threshold, std::array<Point2, kLandmarkCount>& posi
   }
 }
 
-void BlazePose::estimate(const ImageRgb& image, const CropRegion& crop, float refine_threshold, PoseEstimate& result) {
+void BlazePose::estimate(const ImageRgb& image, const CropRegion& crop, float refine_threshold, bool mirrored,
+                         PoseEstimate& result) {
   sampler_.sample(image, crop, kCropSize, input_);
+  mirrored_ = mirrored;
+  if (mirrored) mirror(input_, kCropSize, 3);
   net_.set_input(input_);
   net_.run();
   net_.read_output(0, landmarks_);
@@ -128,11 +147,12 @@ void BlazePose::estimate(const ImageRgb& image, const CropRegion& crop, float re
   result.finite = true;
   result.landmarks.resize(kLandmarkCount);
   for (int i = 0; i < kLandmarkCount; ++i) {
-    RawLandmark& landmark = result.landmarks[i];
+    RawLandmark& landmark = result.landmarks[mirrored ? mirror_partner(i) : i];
+    if (mirrored) positions[i].x = 1 - positions[i].x;
     const Point2 p = crop.image_from_crop(positions[i]);
     landmark.x_px = static_cast<float>(p.x);
     landmark.y_px = static_cast<float>(p.y);
-    landmark.x_mm = 1000 * world_[3 * i];
+    landmark.x_mm = (mirrored ? -1000 : 1000) * world_[3 * i];
     landmark.y_mm = 1000 * world_[3 * i + 1];
     landmark.z_mm = 1000 * world_[3 * i + 2];
     landmark.visibility = sigmoid(landmarks_[5 * i + 3]);
@@ -147,6 +167,7 @@ std::span<const float> BlazePose::mask_probability() {
   if (mask_.empty()) throw LogicError("detect::BlazePose: made without the mask");
   net_.read_output(4, mask_);
   for (float& v : mask_) v = sigmoid(v);
+  if (mirrored_) mirror(mask_, kCropSize, 1);
   return mask_;
 }
 

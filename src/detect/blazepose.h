@@ -41,7 +41,9 @@ class BlazePose {
   BlazePose(ocl::DeviceContext& device, const std::filesystem::path& model, bool with_mask);
 
   // refine_threshold: heatmap probability from which a landmark is moved to its heatmap's centre of mass.
-  void estimate(const ImageRgb& image, const CropRegion& crop, float refine_threshold, PoseEstimate& result);
+  // mirrored: the network is shown the crop's mirror image. The result is turned back: its errors differ, nothing else.
+  void estimate(const ImageRgb& image, const CropRegion& crop, float refine_threshold, bool mirrored,
+                PoseEstimate& result);
 
   // Person probability over the last estimated crop, [kCropSize*kCropSize]. Only with_mask.
   std::span<const float> mask_probability();
@@ -59,6 +61,7 @@ class BlazePose {
   std::vector<float> score_;      // [1]
   std::vector<float> heatmap_;    // [64*64*39] logits
   std::vector<float> world_;      // [39*3] m
+  bool mirrored_ = false;         // the last estimate
   std::vector<float> mask_;       // [256*256] logits, then probabilities
 };
 

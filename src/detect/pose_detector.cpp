@@ -43,6 +43,7 @@ void PoseDetectorOptions::validate() const {
   if (!(refine_threshold >= 0))
     throw ConfigError(format("heatmap threshold %g must not be negative", double(refine_threshold)));
   sides.validate();
+  posture.validate();
   filter_2d.validate();
   filter_3d.validate();
 }
@@ -52,9 +53,11 @@ PoseDetector::PoseDetector(ocl::DeviceContext& device, const PoseDetectorOptions
 
 void PoseDetector::reset() {
   tracking_ = false;
+  mirror_next_ = false;
   search_step_ = 0;
   raw_.clear();
   sides_.reset();
+  posture_.reset();
   for (auto& keypoint : filters_) {
     for (OneEuroFilter& filter : keypoint) filter.reset();
   }
@@ -77,20 +80,22 @@ bool PoseDetector::accept(const ImageRgb& image) {
 
 bool PoseDetector::find_person(const ImageRgb& image) {
   if (tracking_) {
-    network_.estimate(image, next_crop_, options_.refine_threshold, estimate_);
+    network_.estimate(image, next_crop_, options_.refine_threshold, mirror_next_, estimate_);
+    mirror_next_ = options_.alternate_mirror && !mirror_next_;
     return accept(image);
   }
   // The whole image; if nobody is there a closer look at a part of it, another one each frame.
-  network_.estimate(image, whole_image_crop(image.width, image.height), options_.refine_threshold, estimate_);
+  network_.estimate(image, whole_image_crop(image.width, image.height), options_.refine_threshold, false,
+                    estimate_);
   bool found = accept(image);
   if (!found && image.width != image.height) {
     network_.estimate(image, search_window(image.width, image.height, search_step_++), options_.refine_threshold,
-                      estimate_);
+                      false, estimate_);
     found = accept(image);
   }
   if (!found) return false;
   // A second look with the person's own crop.
-  network_.estimate(image, next_crop_, options_.refine_threshold, estimate_);
+  network_.estimate(image, next_crop_, options_.refine_threshold, false, estimate_);
   return accept(image);
 }
 
@@ -158,6 +163,7 @@ Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camer
   detections.keypoints = keypoints_from_landmarks(raw_);
   const double dt_s = static_cast<double>(std::max<int64_t>(1, frame_index - last_frame_)) / options_.frame_rate_hz;
   if (options_.keep_sides) sides_.update(options_.sides, dt_s, kCropMm / estimate_.crop.side_px, detections.keypoints);
+  if (options_.correct_posture) posture_.update(options_.posture, dt_s, detections.keypoints);
   if (options_.filter) filter_keypoints(dt_s, detections);
   if (options_.mask)
     warp_mask(network_.mask_probability(), BlazePose::kCropSize, estimate_.crop, undistorted.width, undistorted.height,

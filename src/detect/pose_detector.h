@@ -10,6 +10,7 @@
 #include "base/image_rgb.h"
 #include "detect/blazepose.h"
 #include "detect/one_euro.h"
+#include "detect/posture.h"
 #include "detect/side_tracker.h"
 #include "livecap/camera.h"
 #include "livecap/detections.h"
@@ -25,8 +26,13 @@ struct PoseDetectorOptions {
   // The network takes every crop for the picture of a camera that looks straight at it. On: its 3D points are also
   // turned by the rotation from the optical axis to the viewing ray of the crop's centre. Off: by the crop's roll only.
   bool perspective_correction = true;
+  // Every second picture of a followed person is shown to the network in the mirror. Its errors on a picture and on the
+  // mirror image differ, and the filters average over the two at no cost.
+  bool alternate_mirror = true;
   bool keep_sides = true;  // undo sudden exchanges of left and right
   SideTrackerOptions sides;
+  bool correct_posture = true;
+  PostureOptions posture;
   bool filter = true;  // 1 euro filters on the keypoints
   // Cut-off and beta as VNect has them. 2D speed is in px of the network's 256 px crop per second, so that the video's
   // size does not matter; 3D speed in cm per second. With the usual 1 Hz on the speed itself quick limbs lag by several
@@ -72,9 +78,11 @@ class PoseDetector {
   std::vector<RawLandmark> raw_;
   bool tracking_ = false;
   CropRegion next_crop_;
+  bool mirror_next_ = false;
   int search_step_ = 0;  // which window is tried next while nobody is found
   int64_t last_frame_ = 0;
   SideTracker sides_;
+  Posture posture_;
   std::array<std::array<OneEuroFilter, 5>, kKeypointCount> filters_;
 };
 

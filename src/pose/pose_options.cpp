@@ -19,15 +19,15 @@ bool set_weight(PoseWeights& weights, std::string_view term, double value) {
 std::array<double, kKeypointCount> default_keypoint_2d_weights() {
   std::array<double, kKeypointCount> weights;
   weights.fill(1.0);
-  for (int k : {kLeftEye, kRightEye, kNose, kChin}) weights[k] = 0.326;
+  for (int k : {kLeftEye, kRightEye, kNose, kChin, kLeftHand, kRightHand, kLeftToe, kRightToe}) weights[k] = 0.326;
   return weights;
 }
 
 std::array<double, kKeypointCount> default_keypoint_3d_weights() {
   std::array<double, kKeypointCount> weights;
-  weights.fill(1);
-  for (int k : {kNeck, kPelvis, kLeftHip, kRightHip, kLeftShoulder, kRightShoulder}) weights[k] = 10;
-  for (int k : {kLeftEye, kRightEye, kNose, kChin}) weights[k] = 0.326;
+  weights.fill(0.35);
+  for (int k : {kNeck, kPelvis, kLeftHip, kRightHip, kLeftShoulder, kRightShoulder}) weights[k] = 3.5;
+  for (int k : {kLeftEye, kRightEye, kNose, kChin, kLeftHand, kRightHand, kLeftToe, kRightToe}) weights[k] = 0.115;
   return weights;
 }
 

@@ -20,16 +20,18 @@ struct PoseWeights {
 // Sets the weight of a term by its name in solve/term_table.h; false when the pose stage has no such term.
 bool set_weight(PoseWeights& weights, std::string_view term, double value);
 
-// lambda_i of E_2D: 0.326 for the face, 1 for the body.
+// lambda_i of E_2D: 0.326 for the face (as in the paper), and for hands and toes, whose place in the hand or on the foot
+// differs from network to actor; 1 for the rest.
 std::array<double, kKeypointCount> default_keypoint_2d_weights();
 
 // lambda_i of E_temporal: torso, head, hips 2.5; shoulders 2; knees, elbows 1.5; wrists, hands, ankles, toes 1; face 0.
 std::array<double, kKeypointCount> default_temporal_weights();
 
-// lambda_i of E_3D: torso (neck, pelvis, hips, shoulders) 10, limbs 1, face 0.326 as in E_2D (seen from behind, the
-// face's 2D points alone cannot tell front from back). The paper has none and no face here. The torso's directions are
-// the network's most reliable ones, and without this some 450 contour vertices outweigh them: in a turn the trunk lags
-// behind while hips, clavicles and neck twist against their limits.
+// lambda_i of E_3D: torso (neck, pelvis, hips, shoulders) 3.5, limbs 0.35, face, hands and toes a third of that as in
+// E_2D. The paper has none and no face here. A network's depth of a limb is off by a quarter to a half of its length,
+// its 2D points by a few px: with 1 the limbs followed the wrong depth against the picture. Where the torso faces is
+// known better, and without the tenfold weight some 450 contour vertices outweigh it: in a turn the trunk lags behind
+// while hips, clavicles and neck twist against their limits.
 std::array<double, kKeypointCount> default_keypoint_3d_weights();
 
 struct PoseOptions {
@@ -56,8 +58,8 @@ struct PoseOptions {
   double max_step_rad = 0.8;
 
   // Residual length from which a 2D keypoint or a contour vertex pulls linearly (Huber) instead of quadratically.
-  // 0 = never, as in the paper. Cloth that left the skinned surface must not turn the body after it.
-  double keypoint_2d_huber_px = 0;
+  // 0 = never, as in the paper. Keypoints that jump and cloth that left the skinned surface must not take the body along.
+  double keypoint_2d_huber_px = 8;
   double silhouette_huber_px = 3;
 
   // Bounds of the Euler step that predicts a frame, per frame.

@@ -59,7 +59,7 @@ TEST(PoseDetector, LandmarksAreTheNetworksOwn) {
   test::on_every_device([&](ocl::DeviceContext& device) {
     detect::BlazePose network(device, model, false);
     detect::PoseEstimate estimate;
-    network.estimate(image, detect::whole_image_crop(256, 256), 2.0f, estimate);
+    network.estimate(image, detect::whole_image_crop(256, 256), 2.0f, false, estimate);
     EXPECT_GT(estimate.score, 0.5f);
     for (int i = 0; i < 33; ++i) {
       EXPECT_NEAR(estimate.landmarks[i].x_px, landmarks[5 * i] - 0.5, test::kLandmarkPx) << i;

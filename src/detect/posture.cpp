@@ -33,23 +33,33 @@ void move(std::span<const Keypoint> which, const Eigen::Vector3d& by_mm, Keypoin
   }
 }
 
-// The vector of the same length and direction in the picture whose unit vector has this z.
+// The vector of the same length and direction in the picture whose unit vector has this z, but no steeper than
+// kSteepest unless v is. One that points at the camera has no direction in the picture and stays.
 Eigen::Vector3d with_lean(const Eigen::Vector3d& v, double lean) {
-  const double z = std::clamp(lean, -kSteepest, kSteepest);
   const double across = v.head<2>().norm();
-  const double scale = across > 0 ? std::sqrt(1 - z * z) * v.norm() / across : 0;
+  if (!(across > 0)) return v;
+  const double steepest = std::max(kSteepest, std::abs(v.z()) / v.norm());
+  const double z = std::clamp(lean, -steepest, steepest);
+  const double scale = std::sqrt(1 - z * z) * v.norm() / across;
   return {v.x() * scale, v.y() * scale, z * v.norm()};
 }
 
 }  // namespace
 
 void PostureOptions::validate() const {
-  for (double share : {lean_dead_zone, seen_forward_lean, usual_forward_lean, thigh_forward}) {
-    if (!(share >= 0 && share <= 1)) throw ConfigError(format("posture: share %g must be in 0..1", share));
-  }
-  for (double time : {camera_memory_s, camera_level_s}) {
-    if (!(time > 0) || !std::isfinite(time)) throw ConfigError(format("posture: time %g s must be positive", time));
-  }
+  const auto share = [](const char* field, double value) {
+    if (!(value >= 0 && value <= 1)) throw ConfigError(format("posture: %s is %g; it must be in 0..1", field, value));
+  };
+  const auto positive = [](const char* field, double value) {
+    if (!(value > 0) || !std::isfinite(value))
+      throw ConfigError(format("posture: %s is %g; it must be positive and finite", field, value));
+  };
+  share("lean_dead_zone", lean_dead_zone);
+  share("seen_forward_lean", seen_forward_lean);
+  share("usual_forward_lean", usual_forward_lean);
+  positive("camera_memory_s", camera_memory_s);
+  positive("camera_level_s", camera_level_s);
+  share("thigh_forward", thigh_forward);
 }
 
 void Posture::update(const PostureOptions& options, double dt_s, Keypoints& keypoints) {

@@ -21,13 +21,14 @@ struct PostureOptions {
   double camera_level_s = 0.5;       // for how much time it counts that cameras are usually level
   double thigh_forward = 0.1;        // what knees are moved forward by, as a share of the thigh
 
-  // Throws ConfigError when a value is not finite, a time not positive, or a share outside 0..1.
+  // Throws ConfigError naming the field when a time is not positive and finite, or a lean or share outside 0..1.
   void validate() const;
 };
 
 class Posture {
  public:
-  // Turns trunk and thighs and moves what hangs on them along; lengths stay. dt_s > 0.
+  // Turns trunk and thighs and moves what hangs on them along; lengths stay. dt_s > 0. A person whose front cannot be
+  // told (points in one place, in a line, or no numbers) stays as seen.
   void update(const PostureOptions& options, double dt_s, std::array<KeypointDetection, kKeypointCount>& keypoints);
   void reset() { seen_s_ = 0; }
 

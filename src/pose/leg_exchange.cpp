@@ -21,6 +21,7 @@ constexpr double kLeastAcross = 0.5;
 std::vector<KeypointDetections> exchanged_legs(const Actor& actor, const Camera& camera, const Pose& predicted,
                                                const KeypointDetections& detected) {
   std::vector<KeypointDetections> alternatives;
+  if (actor.keypoints[kLeftHip].bone < 0 || actor.keypoints[kRightHip].bone < 0) return alternatives;
   const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, predicted));
   const Eigen::Vector3d hips = positions[kLeftHip] - positions[kRightHip];
   if (!(std::abs(hips.x()) >= kLeastAcross * hips.norm())) return alternatives;

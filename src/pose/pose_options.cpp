@@ -57,6 +57,7 @@ void PoseOptions::validate() const {
   not_negative("weights.temporal", weights.temporal);
   not_negative("weights.anatomic", weights.anatomic);
   for (double weight : keypoint_2d_weights) not_negative("keypoint_2d_weights", weight);
+  for (double weight : keypoint_3d_weights) not_negative("keypoint_3d_weights", weight);
   for (double weight : temporal_weights) not_negative("temporal_weights", weight);
   not_negative("damping_own", damping_own);
   not_negative("damping_largest", damping_largest);

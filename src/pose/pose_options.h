@@ -20,8 +20,8 @@ struct PoseWeights {
 // Sets the weight of a term by its name in solve/term_table.h; false when the pose stage has no such term.
 bool set_weight(PoseWeights& weights, std::string_view term, double value);
 
-// lambda_i of E_2D: 0.326 for the face (as in the paper), and for hands and toes, whose place in the hand or on the foot
-// differs from network to actor; 1 for the rest.
+// lambda_i of E_2D: 0.326 for the face (as in the paper), and for hands and toes, whose place in the hand or on the
+// foot differs from network to actor; 1 for the rest.
 std::array<double, kKeypointCount> default_keypoint_2d_weights();
 
 // lambda_i of E_temporal: torso, head, hips 2.5; shoulders 2; knees, elbows 1.5; wrists, hands, ankles, toes 1; face 0.
@@ -58,7 +58,8 @@ struct PoseOptions {
   double max_step_rad = 0.8;
 
   // Residual length from which a 2D keypoint or a contour vertex pulls linearly (Huber) instead of quadratically.
-  // 0 = never, as in the paper. Keypoints that jump and cloth that left the skinned surface must not take the body along.
+  // 0 = never, as in the paper. Keypoints that jump and cloth that left the skinned surface must not take the body
+  // along.
   double keypoint_2d_huber_px = 8;
   double silhouette_huber_px = 3;
 

@@ -43,7 +43,8 @@ struct TrackerOptions {
   bool snapping = true;
   bool ignore_confidence = false;  // true: every keypoint the network knows counts fully
   // Where the network seems to have exchanged the legs (pose/leg_exchange.h), stage I is solved both ways and the lower
-  // energy counts; but for no more than this many frames on end, since in the long run the network is right. 0 = never.
+  // energy counts; but for no more than this many frames until both agree again, since in the long run the network is
+  // right. 0 = never.
   int max_exchanged_frames = 12;
   // A pose whose mean keypoint error exceeds this fraction of the person's height in the picture is not believed: the
   // frame is solved again from the detections alone, and lost when that does not help.
@@ -86,8 +87,8 @@ class Tracker {
   };
   Solved solve_pose(const TrackInput& input);
   PoseResult solve_tracked(const TrackInput& input, const Pose& predicted);
-  PoseResult solve_pose_from(const TrackInput& input, const Detections& detections, const Pose& initial,
-                             int n_steps, const Pose* previous);
+  PoseResult solve_pose_from(const TrackInput& input, const Detections& detections, const Pose& initial, int n_steps,
+                             const Pose* previous);
   bool believable(const PoseResult& result, const Detections& detections) const;
   void solve_surface(const Pose& pose, bool has_picture, TrackResult& result);
 
@@ -118,7 +119,7 @@ class Tracker {
   ocl::Buffer<float> before_;    // V^S + d^S of the frame before the last
   int n_history_ = 0;            // of how many frames (at most two) there is a displacement
 
-  int exchanged_frames_ = 0;  // on end until the last frame
+  int exchanged_frames_ = 0;  // since the detections last agreed with the prediction
   std::optional<Pose> last_pose_;
   std::optional<Pose> pose_before_last_;
 };

@@ -85,12 +85,11 @@ bool PoseDetector::find_person(const ImageRgb& image) {
     return accept(image);
   }
   // The whole image; if nobody is there a closer look at a part of it, another one each frame.
-  network_.estimate(image, whole_image_crop(image.width, image.height), options_.refine_threshold, false,
-                    estimate_);
+  network_.estimate(image, whole_image_crop(image.width, image.height), options_.refine_threshold, false, estimate_);
   bool found = accept(image);
   if (!found && image.width != image.height) {
-    network_.estimate(image, search_window(image.width, image.height, search_step_++), options_.refine_threshold,
-                      false, estimate_);
+    network_.estimate(image, search_window(image.width, image.height, search_step_++), options_.refine_threshold, false,
+                      estimate_);
     found = accept(image);
   }
   if (!found) return false;

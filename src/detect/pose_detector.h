@@ -57,9 +57,8 @@ class PoseDetector {
   // Forgets the person and the filters' past.
   void reset();
 
-  // The network's own landmarks of the last frame (2D before filters, sides as the
-  // network named them; 3D in camera axes, mm, mid-hip origin). Empty
-  // when nobody was found.
+  // The network's own landmarks of the last frame (before sides, posture and filters; 3D in camera axes, mm, mid-hip
+  // origin). Empty when nobody was found.
   const std::vector<RawLandmark>& raw_landmarks() const { return raw_; }
 
   // The crop of the last frame's result.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "detect/find_model.h"
 #include "livecap/error.h"
@@ -111,6 +112,107 @@ TEST(PoseDetector, FindsThePersonAndRepeatsExactly) {
     };
     EXPECT_GT(mask_at((k[kNeck].x_px + k[kPelvis].x_px) / 2, (k[kNeck].y_px + k[kPelvis].y_px) / 2), 200);
     EXPECT_LT(mask_at(2, 2), 50);
+  });
+}
+
+// A picture with no symmetry in which the network sees something; which does not matter here.
+cv::Mat blobs(int width, int height) {
+  cv::Mat bgr(height, width, CV_8UC3, cv::Scalar(90, 100, 110));
+  cv::ellipse(bgr, {140, 120}, {22, 60}, 8, 0, 360, {40, 60, 170}, cv::FILLED, cv::LINE_AA);
+  cv::circle(bgr, {146, 40}, 17, {120, 150, 210}, cv::FILLED, cv::LINE_AA);
+  cv::line(bgr, {155, 85}, {215, 60}, {120, 150, 210}, 14, cv::LINE_AA);
+  cv::line(bgr, {125, 85}, {95, 150}, {40, 60, 170}, 14, cv::LINE_AA);
+  cv::line(bgr, {132, 170}, {110, 235}, {90, 50, 30}, 20, cv::LINE_AA);
+  cv::line(bgr, {148, 170}, {160, 235}, {90, 50, 30}, 20, cv::LINE_AA);
+  return bgr;
+}
+
+// Landmark i in a mirror: left and right exchanged, by the network's list (0 nose, 33 and on: the crop).
+int partner(int i) {
+  constexpr std::pair<int, int> kSides[] = {{1, 4},   {2, 5},   {3, 6},   {7, 8},   {9, 10},  {11, 12},
+                                            {13, 14}, {15, 16}, {17, 18}, {19, 20}, {21, 22}, {23, 24},
+                                            {25, 26}, {27, 28}, {29, 30}, {31, 32}};
+  for (const auto& [left, right] : kSides) {
+    if (i == left) return right;
+    if (i == right) return left;
+  }
+  return i;
+}
+
+// What the network says of the mirrored crop is what it says of the mirrored picture, turned back.
+TEST(PoseDetector, MirroredEstimateIsThatOfTheMirroredPicture) {
+  LIVECAP_MODEL_OR_SKIP(model, "lite");
+  constexpr int kWidth = 320, kHeight = 240;
+  const cv::Mat picture = blobs(kWidth, kHeight);
+  cv::Mat flipped;
+  cv::flip(picture, flipped, 1);
+  test::on_every_device([&](ocl::DeviceContext& device) {
+    detect::BlazePose network(device, model, true);
+    for (const detect::CropRegion& crop :
+         {detect::whole_image_crop(kWidth, kHeight), detect::CropRegion{141.3, 118.7, 262.5, 0.3}}) {
+      detect::CropRegion flipped_crop = crop;
+      flipped_crop.center_x_px = kWidth - 1 - crop.center_x_px;
+      flipped_crop.angle_rad = -crop.angle_rad;
+      for (float refine : {0.0f, 2.0f}) {  // every landmark, none
+        detect::PoseEstimate mirrored, expected;
+        network.estimate(from_mat(picture), crop, refine, true, mirrored);
+        const auto mask = network.mask_probability();
+        const std::vector<float> mirrored_mask(mask.begin(), mask.end());
+        network.estimate(from_mat(flipped), flipped_crop, refine, false, expected);
+        const auto expected_mask = network.mask_probability();
+
+        EXPECT_TRUE(mirrored.finite);
+        EXPECT_NEAR(mirrored.score, expected.score, test::kNetworkRelative);
+        EXPECT_EQ(mirrored.crop.center_x_px, crop.center_x_px);
+        for (int i = 0; i < detect::BlazePose::kLandmarkCount; ++i) {
+          const detect::RawLandmark &a = mirrored.landmarks[i], &b = expected.landmarks[partner(i)];
+          EXPECT_NEAR(a.x_px, kWidth - 1 - b.x_px, test::kLandmarkPx) << i;
+          EXPECT_NEAR(a.y_px, b.y_px, test::kLandmarkPx) << i;
+          EXPECT_NEAR(a.x_mm, -b.x_mm, test::kLandmarkMm) << i;
+          EXPECT_NEAR(a.y_mm, b.y_mm, test::kLandmarkMm) << i;
+          EXPECT_NEAR(a.z_mm, b.z_mm, test::kLandmarkMm) << i;
+          EXPECT_NEAR(a.visibility, b.visibility, test::kNetworkRelative) << i;
+          EXPECT_NEAR(a.presence, b.presence, test::kNetworkRelative) << i;
+        }
+        constexpr int kSize = detect::BlazePose::kCropSize;
+        for (int y = 0; y < kSize; ++y) {
+          for (int x = 0; x < kSize; ++x)
+            ASSERT_NEAR(mirrored_mask[y * kSize + x], expected_mask[y * kSize + kSize - 1 - x], test::kNetworkRelative)
+                << x << "," << y;
+        }
+      }
+    }
+  });
+}
+
+// The first tracked picture is shown as it is, the second in the mirror; a new person begins with the former.
+TEST(PoseDetector, EverySecondTrackedPictureIsMirrored) {
+  LIVECAP_MODEL_OR_SKIP(model, "lite");
+  LIVECAP_DATA_OR_SKIP(data, "network");
+  const ImageRgb image = from_mat(cv::imread((data / "crop.png").string()));
+  const Camera camera = camera_from_fov(image.width, image.height, 50);
+  test::on_every_device([&](ocl::DeviceContext& device) {
+    detect::PoseDetectorOptions options = lite();
+    detect::PoseDetector alternating(device, options);
+    options.alternate_mirror = false;
+    detect::PoseDetector plain(device, options);
+    detect::BlazePose network(device, model, false);
+    for (int round = 0; round < 2; ++round) {
+      for (int frame = 0; frame < 3; ++frame) {  // frame 0 is found, then tracked
+        ASSERT_TRUE(alternating.detect(image, camera, frame).person);
+        ASSERT_TRUE(plain.detect(image, camera, frame).person);
+        detect::PoseEstimate estimate;
+        network.estimate(image, alternating.crop(), options.refine_threshold, frame == 2, estimate);
+        bool as_plain = true;
+        for (int i = 0; i < detect::BlazePose::kLandmarkCount; ++i) {
+          EXPECT_EQ(alternating.raw_landmarks()[i].x_px, estimate.landmarks[i].x_px) << frame << " " << i;
+          as_plain = as_plain && alternating.raw_landmarks()[i].x_px == plain.raw_landmarks()[i].x_px;
+        }
+        EXPECT_EQ(as_plain, frame < 2) << frame;
+      }
+      alternating.reset();
+      plain.reset();
+    }
   });
 }
 

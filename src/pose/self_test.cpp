@@ -90,7 +90,7 @@ std::vector<ocl::SelfTestResult> pose_self_test(ocl::DeviceContext& device) {
   const Actor actor = two_bone_actor();
   const Camera camera = camera_from_fov(64, 48, 60);
   PoseOptions options;
-  options.silhouette_huber_px = 0;  // the expected rows are quadratic
+  options.keypoint_2d_huber_px = options.silhouette_huber_px = 0;  // the expected rows are quadratic
   PoseState state;
   state.pose.root_rotation = rotation_from_vector({0.1, -0.2, 0.3});
   state.pose.root_translation_mm = {-180, 10, 1500};

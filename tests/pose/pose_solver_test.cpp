@@ -53,7 +53,7 @@ TEST(PoseSolver, RecoversPosesFromScaledDetections) {
     const Actor actor = test::make_test_actor(0.7);
     const Camera camera = test::portrait_camera();
     PoseOptions options;
-    options.silhouette_huber_px = 0;  // what it is compared with is quadratic
+    options.keypoint_2d_huber_px = options.silhouette_huber_px = 0;  // what it is compared with is quadratic
     PoseSolver solver(device, actor, camera, options);
     std::mt19937 rng(6);
     for (int trial = 0; trial < 10; ++trial) {
@@ -121,7 +121,7 @@ TEST(PoseSolver, EnergyIsNotWorseThanCeres) {
     const Actor actor = test::make_test_actor(0.7);
     const Camera camera = test::portrait_camera();
     PoseOptions options;
-    options.silhouette_huber_px = 0;  // what it is compared with is quadratic
+    options.keypoint_2d_huber_px = options.silhouette_huber_px = 0;  // what it is compared with is quadratic
     PoseSolver solver(device, actor, camera, options);
     std::mt19937 rng(8);
     std::normal_distribution<float> noise;
@@ -181,7 +181,8 @@ TEST(PoseSolver, SilhouettePullsTheBodyToTheContour) {
     const Actor actor = test::make_test_actor(0.7);
     const Camera camera = test::portrait_camera();
     PoseOptions quadratic;
-    quadratic.silhouette_huber_px = 0;  // the paper's term, which reaches the contour in six steps
+    quadratic.keypoint_2d_huber_px = quadratic.silhouette_huber_px =
+        0;  // the paper's term, which reaches the contour in six steps
     PoseSolver solver(device, actor, camera, quadratic);
     const Pose start = test::standing_pose(actor, 0);
     // The right border of the silhouette is 12 px left of the rightmost vertices.

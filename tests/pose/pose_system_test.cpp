@@ -28,8 +28,8 @@ struct Scene {
   std::vector<float> displacement;
 
   Scene() {
-    options.silhouette_huber_px = 0;                           // the reference is quadratic
-    state.pose.angles_rad[actor.skeleton.n_dofs() - 1] = 1.5;  // beyond its limit
+    options.keypoint_2d_huber_px = options.silhouette_huber_px = 0;  // the reference is quadratic
+    state.pose.angles_rad[actor.skeleton.n_dofs() - 1] = 1.5;        // beyond its limit
     state.pose.angles_rad[10] = -3.0;
     std::uniform_real_distribution<float> uniform(-40, 40);
     displacement.resize(3 * actor.n_vertices());

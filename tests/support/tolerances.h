@@ -87,6 +87,10 @@ inline constexpr double kRecoveredMm = 1.0;
 inline constexpr double kInitializedMm = 80;
 // Energy of the paper's few steps over that of a trusted solver run to convergence.
 inline constexpr double kEnergyRatio = 1.01;
+// Feet of a tracked figure whose detections are exact: E_temporal holds them back by a share of their way in a frame
+// (some 30 mm). Feet that are some 190 mm apart and on the wrong legs, half of that.
+inline constexpr double kTrackedFeetMm = 15;
+inline constexpr double kExchangedFeetMm = 95;
 // Eight decimals of a degree and of a unit along a chain of a metre and a half, in metres.
 inline constexpr double kBvhMetres = 2e-7;
 // Seven significant digits of a few metres.

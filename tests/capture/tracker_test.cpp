@@ -1,0 +1,107 @@
+// One frame after another without pictures: what the tracker makes of the detections alone.
+#include "capture/tracker.h"
+
+#include <gtest/gtest.h>
+
+#include <utility>
+
+#include "support/pose_scene.h"
+#include "support/test_device.h"
+#include "support/tolerances.h"
+
+namespace livecap {
+namespace {
+
+// Walking on the spot, facing the camera; the legs of the standing figure swing a little.
+Pose step_of(const Actor& actor, int frame) {
+  Pose pose = test::standing_pose(actor, 0.3);
+  for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
+    const std::string& name = actor.skeleton.dofs[k].name;
+    if (name == "left_hip_x") pose.angles_rad[k] = -0.03 * frame;
+    if (name == "right_hip_x") pose.angles_rad[k] = 0.02 * frame;
+    if (name == "left_knee_x" || name == "right_knee_x") pose.angles_rad[k] = 0.2 + 0.03 * frame;
+  }
+  return pose;
+}
+
+Detections with_exchanged_feet(Detections detections) {
+  for (int left : {kLeftAnkle, kLeftToe}) std::swap(detections.keypoints[left], detections.keypoints[left + 1]);
+  return detections;
+}
+
+class TrackerScene {
+ public:
+  TrackerScene(ocl::DeviceContext& device, int max_exchanged_frames)
+      : tracker_(device, actor_, camera_, [&] {
+          TrackerOptions options;
+          options.enable_surface = false;
+          options.pose.rebone = false;
+          options.max_exchanged_frames = max_exchanged_frames;
+          return options;
+        }()) {}
+
+  // How far the feet are from those of the true pose, mm; the frame must be tracked.
+  double track(int frame, bool feet_exchanged) {
+    const Pose truth = step_of(actor_, frame);
+    Detections detections = test::exact_detections(actor_, camera_, truth);
+    if (feet_exchanged) detections = with_exchanged_feet(detections);
+    const TrackResult result = tracker_.track({picture_, detections, nobody_segmented_, empty_mask_});
+    EXPECT_EQ(result.status, frame == 0 ? TrackStatus::kInitialized : TrackStatus::kOk) << frame;
+    if (!is_tracked(result.status)) return -1;
+    const auto seen = keypoint_positions(actor_, forward_kinematics(actor_.skeleton, result.pose));
+    const auto wanted = keypoint_positions(actor_, forward_kinematics(actor_.skeleton, truth));
+    double largest = 0;
+    for (int k : {kLeftAnkle, kRightAnkle, kLeftToe, kRightToe})
+      largest = std::max(largest, (seen[k] - wanted[k]).norm());
+    return largest;
+  }
+
+  void reset() { tracker_.reset(); }
+
+ private:
+  Actor actor_ = test::make_test_actor(0.7);
+  Camera camera_ = test::portrait_camera();
+  ImageRgb picture_;
+  Silhouette nobody_segmented_;
+  ImageGray empty_mask_{camera_.width, camera_.height, std::vector<uint8_t>(size_t(camera_.width) * camera_.height, 0)};
+  Tracker tracker_;
+};
+
+TEST(Tracker, ExchangedFeetStayOnTheirLegs) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    constexpr int kMost = 3;
+    TrackerScene scene(device, kMost);
+    int frame = 0;
+    for (; frame < 3; ++frame) EXPECT_LT(scene.track(frame, false), test::kTrackedFeetMm) << frame;
+    // As many frames as are allowed on end, then right ones, and the count begins anew.
+    for (int round = 0; round < 2; ++round) {
+      for (int i = 0; i < kMost; ++i, ++frame) EXPECT_LT(scene.track(frame, true), test::kTrackedFeetMm) << frame;
+      EXPECT_LT(scene.track(frame, false), test::kTrackedFeetMm) << frame;
+      ++frame;
+    }
+  });
+}
+
+TEST(Tracker, ANetworkThatInsistsIsBelieved) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    constexpr int kMost = 3;
+    TrackerScene scene(device, kMost);
+    int frame = 0;
+    for (; frame < 3; ++frame) scene.track(frame, false);
+    for (int i = 0; i < kMost; ++i, ++frame) EXPECT_LT(scene.track(frame, true), test::kTrackedFeetMm) << frame;
+    EXPECT_GT(scene.track(frame++, true), test::kExchangedFeetMm);
+    EXPECT_GT(scene.track(frame++, true), test::kExchangedFeetMm);
+  });
+}
+
+TEST(Tracker, WithoutItTheNetworkIsBelievedAtOnce) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    TrackerScene scene(device, 0);
+    int frame = 0;
+    for (; frame < 3; ++frame) scene.track(frame, false);
+    EXPECT_GT(scene.track(frame, true), test::kExchangedFeetMm);
+  });
+}
+
+}  // namespace
+}  // namespace livecap

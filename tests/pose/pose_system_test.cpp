@@ -202,6 +202,28 @@ TEST(PoseSystem, RobustSilhouetteGrowsLinearlyBeyondItsThreshold) {
   });
 }
 
+TEST(PoseSystem, RobustKeypointsGrowLinearlyBeyondTheirThreshold) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    Scene scene;
+    scene.options.keypoint_2d_huber_px = 8;
+    PoseSystem system(device, scene.actor, scene.camera, scene.options);
+    const PoseState standing{test::standing_pose(scene.actor, 0), {}};
+    const Detections seen = test::exact_detections(scene.actor, scene.camera, standing.pose);
+    for (const double distance_px : {5.0, 40.0}) {
+      KeypointTargets targets;
+      for (int k = 0; k < kKeypointCount; ++k) {
+        targets[k].weight_2d = 2;
+        targets[k].position_px = {seen.keypoints[k].x_px + 0.6 * distance_px,
+                                  seen.keypoints[k].y_px - 0.8 * distance_px};
+      }
+      system.set_frame(targets, nullptr, {}, nullptr);
+      const double each = distance_px < 8 ? distance_px * distance_px : 8 * distance_px;
+      const double energy = system.assemble(standing).energy;
+      EXPECT_NEAR(energy, 2 * kKeypointCount * each, test::kPoseJacobian * energy) << distance_px;
+    }
+  });
+}
+
 TEST(PoseSystem, WrongInputsAreRefused) {
   test::on_every_device([](ocl::DeviceContext& device) {
     Scene scene;

@@ -16,8 +16,10 @@ using Keypoints = std::array<KeypointDetection, kKeypointCount>;
 constexpr Keypoint kTrunk[] = {kNeck,       kHeadTop,   kLeftShoulder, kRightShoulder, kLeftElbow,
                                kRightElbow, kLeftWrist, kRightWrist,   kLeftHand,      kRightHand,
                                kLeftEye,    kRightEye,  kNose,         kChin};
-constexpr Keypoint kLeftLeg[] = {kLeftKnee, kLeftAnkle, kLeftToe};
-constexpr Keypoint kRightLeg[] = {kRightKnee, kRightAnkle, kRightToe};
+constexpr Keypoint kLeftLeg[] = {kLeftHip, kLeftKnee, kLeftAnkle, kLeftToe};
+constexpr Keypoint kRightLeg[] = {kRightHip, kRightKnee, kRightAnkle, kRightToe};
+constexpr Keypoint kLeftArm[] = {kLeftShoulder, kLeftElbow, kLeftWrist, kLeftHand};
+constexpr Keypoint kRightArm[] = {kRightShoulder, kRightElbow, kRightWrist, kRightHand};
 constexpr double kSteepest = 0.99;
 constexpr double kShortestMm = 1;
 
@@ -59,7 +61,15 @@ void PostureOptions::validate() const {
   share("usual_forward_lean", usual_forward_lean);
   positive("camera_memory_s", camera_memory_s);
   positive("camera_level_s", camera_level_s);
-  share("thigh_forward", thigh_forward);
+  const auto bias = [](const char* field, const LimbBias& value) {
+    for (double part : {value.outward, value.upward, value.forward}) {
+      if (!(std::abs(part) <= 1))
+        throw ConfigError(format("posture: a part of %s is %g; it must be in -1..1", field, part));
+    }
+  };
+  bias("thigh", thigh);
+  bias("upper_arm", upper_arm);
+  bias("forearm", forearm);
 }
 
 void Posture::update(const PostureOptions& options, double dt_s, Keypoints& keypoints) {
@@ -81,12 +91,24 @@ void Posture::update(const PostureOptions& options, double dt_s, Keypoints& keyp
   const double beyond = std::max(0.0, std::abs(lean - usual) - options.lean_dead_zone);
   move(kTrunk, with_lean(trunk, usual + std::copysign(beyond, lean - usual)) - trunk, keypoints);
 
-  for (const auto& [hip, knee, leg] : {std::tuple{kLeftHip, kLeftKnee, std::span<const Keypoint>(kLeftLeg)},
-                                       std::tuple{kRightHip, kRightKnee, std::span<const Keypoint>(kRightLeg)}}) {
-    const Eigen::Vector3d thigh = at(knee) - at(hip);
-    if (!(thigh.norm() > kShortestMm)) continue;
-    const double forward_lean = thigh.z() / thigh.norm() + options.thigh_forward * forward.z();
-    move(leg, with_lean(thigh, forward_lean) - thigh, keypoints);
+  // The trunk's axes as the network sees them, for what the network sees in relation to them.
+  const Eigen::Vector3d up = trunk.normalized();
+  const Eigen::Vector3d left = up.cross(forward);
+  // chain: from, to, and what hangs on `to`.
+  const auto correct = [&](std::span<const Keypoint> chain, const Eigen::Vector3d& outward, const LimbBias& bias) {
+    const Eigen::Vector3d limb = at(chain[1]) - at(chain[0]);
+    const double length_mm = limb.norm();
+    if (!(length_mm > kShortestMm)) return;
+    const Eigen::Vector3d wanted =
+        limb / length_mm + bias.outward * outward + bias.upward * up + bias.forward * forward;
+    if (wanted.norm() > 0) move(chain.subspan(1), wanted.normalized() * length_mm - limb, keypoints);
+  };
+  for (const auto& [outward, leg, arm] :
+       {std::tuple{left, std::span(kLeftLeg), std::span(kLeftArm)},
+        std::tuple{Eigen::Vector3d(-left), std::span(kRightLeg), std::span(kRightArm)}}) {
+    correct(leg, outward, options.thigh);
+    correct(arm, outward, options.upper_arm);
+    correct(arm.subspan(1), outward, options.forearm);
   }
 }
 

@@ -161,9 +161,9 @@ void SurfaceSystem::linearize(const SurfaceInput& input, int gaussian_kernel) {
   const ocl::Buffer<float>& before = w_acceleration_ > 0 ? before_ : v_;
   regularizer_.launch(domain_->lane_items, domain_->lane_local, n_rows, stride, options_.edge_rest_share,
                       options_.w_smooth, options_.w_edge, w_velocity_, w_acceleration_, options_.damping,
-                      domain_->slice_offsets, domain_->neighbors,
-                      edge_weights_, rest_lengths_, v_, skinned_, previous, before, blocks_, residual_, edges_,
-                      inverse_, preconditioned_, direction_, step_, products_, regularizer_energies_);
+                      domain_->slice_offsets, domain_->neighbors, edge_weights_, rest_lengths_, v_, skinned_, previous,
+                      before, blocks_, residual_, edges_, inverse_, preconditioned_, direction_, step_, products_,
+                      regularizer_energies_);
   start_scalars_.launch(sum_items_, sum_items_, n_rows, first_ ? 1 : 0, products_, scalars_);
   first_ = false;
 }

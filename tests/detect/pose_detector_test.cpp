@@ -198,7 +198,7 @@ TEST(PoseDetector, EverySecondTrackedPictureIsMirrored) {
     detect::PoseDetector plain(device, options);
     detect::BlazePose network(device, model, false);
     for (int round = 0; round < 2; ++round) {
-      for (int frame = 0; frame < 3; ++frame) {  // frame 0 is found, then tracked
+      for (int frame = 0; frame < 4; ++frame) {  // frame 0 is found, then tracked
         ASSERT_TRUE(alternating.detect(image, camera, frame).person);
         ASSERT_TRUE(plain.detect(image, camera, frame).person);
         detect::PoseEstimate estimate;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 
 #include "livecap/error.h"
@@ -241,6 +242,9 @@ TEST(PoseSystem, WrongInputsAreRefused) {
     PoseOptions negative;
     negative.weights.temporal = -1;
     EXPECT_THROW(PoseSystem(device, scene.actor, scene.camera, negative), ConfigError);
+    PoseOptions undefined;
+    undefined.keypoint_3d_weights[kLeftKnee] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW(PoseSystem(device, scene.actor, scene.camera, undefined), ConfigError);
   });
 }
 

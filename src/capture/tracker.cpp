@@ -66,6 +66,7 @@ void Tracker::reset() {
   pose_before_last_.reset();
   n_history_ = 0;
   exchanged_frames_ = 0;
+  doubtful_frames_ = 0;
   displacement_rest_.fill(0);
   before_displacement_rest_.fill(0);
 }
@@ -127,7 +128,10 @@ Tracker::Solved Tracker::solve_pose(const TrackInput& input) {
     const Pose predicted =
         predict_pose(actor_.skeleton, pose_before_last_ ? &*pose_before_last_ : nullptr, *last_pose_, options);
     solved.pose = solve_tracked(input, predicted);
-    if (believable(solved.pose, input.detections)) return solved;
+    const bool believed = believable(solved.pose, input.detections);
+    doubtful_frames_ = believed ? 0 : doubtful_frames_ + 1;
+    solved.accepted = solved.pose.status == SolveStatus::kOk && doubtful_frames_ <= options_.max_doubtful_frames;
+    if (solved.accepted) return solved;
     reset();
   }
   solved.initialized = true;
@@ -140,6 +144,7 @@ Tracker::Solved Tracker::solve_pose(const TrackInput& input) {
   solved.pose = solve_pose_from(input, input.detections, *initial, options.first_steps, nullptr);
   if (solved.pose.status == SolveStatus::kOk)
     solved.pose = solve_pose_from(input, input.detections, solved.pose.pose, options.first_steps, nullptr);
+  solved.accepted = believable(solved.pose, input.detections);
   return solved;
 }
 
@@ -206,7 +211,7 @@ TrackResult Tracker::track(const TrackInput& input) {
   result.pose_ms = timer.elapsed_ms();
   result.pose_energy = solved.pose.energy.total();
   result.keypoint_error_px = solved.pose.keypoint_error_px;
-  if (!believable(solved.pose, input.detections)) {
+  if (!solved.accepted) {
     reset();
     result.status = TrackStatus::kLost;
     return result;

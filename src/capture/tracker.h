@@ -49,6 +49,9 @@ struct TrackerOptions {
   // A pose whose mean keypoint error exceeds this fraction of the person's height in the picture is not believed: the
   // frame is solved again from the detections alone, and lost when that does not help.
   double lost_error_fraction = 0.08;
+  // ... unless it was believed until a moment ago: networks have single frames in which they see somebody else's limbs,
+  // and stage I does not follow these (PoseOptions::keypoint_2d_huber_px). For so many frames on end its pose is kept.
+  int max_doubtful_frames = 3;
 };
 
 struct TrackInput {
@@ -83,6 +86,7 @@ class Tracker {
  private:
   struct Solved {
     PoseResult pose;
+    bool accepted = false;
     bool initialized = false;
   };
   Solved solve_pose(const TrackInput& input);
@@ -119,6 +123,7 @@ class Tracker {
   ocl::Buffer<float> before_;    // V^S + d^S of the frame before the last
   int n_history_ = 0;            // of how many frames (at most two) there is a displacement
 
+  int doubtful_frames_ = 0;   // on end until the last frame
   int exchanged_frames_ = 0;  // since the detections last agreed with the prediction
   std::optional<Pose> last_pose_;
   std::optional<Pose> pose_before_last_;

@@ -24,7 +24,7 @@ std::vector<KeypointDetections> exchanged_legs(const Actor& actor, const Camera&
   if (actor.keypoints[kLeftHip].bone < 0 || actor.keypoints[kRightHip].bone < 0) return alternatives;
   const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, predicted));
   const Eigen::Vector3d hips = positions[kLeftHip] - positions[kRightHip];
-  if (!(std::abs(hips.x()) >= kLeastAcross * hips.norm())) return alternatives;
+  if (!(hips.head<2>().norm() >= kLeastAcross * hips.norm())) return alternatives;
   const auto distance_px = [&](Keypoint model, Keypoint seen) {
     const Eigen::Vector3d& p = positions[model];
     if (actor.keypoints[model].bone < 0 || !(p.z() > 0)) return 0.0;

@@ -5,6 +5,7 @@
 
 #include "base/log.h"
 #include "base/timer.h"
+#include "livecap/error.h"
 #include "pose/leg_exchange.h"
 
 namespace livecap {
@@ -201,6 +202,8 @@ void Tracker::solve_surface(const Pose& pose, bool has_picture, TrackResult& res
 
 TrackResult Tracker::track(const TrackInput& input) {
   TrackResult result;
+  if (input.detections.person && input.mask.pixels.size() != size_t(camera_.width) * camera_.height)
+    throw LogicError("capture: the mask is not of the camera's size");
   if (!input.detections.person) {
     reset();
     return result;

@@ -78,6 +78,7 @@ class Tracker {
   // camera: undistorted. Builds every program and allocates every buffer. The actor must outlive the tracker.
   Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const TrackerOptions& options);
 
+  // Throws LogicError when there is a person and the mask is not of the camera's size.
   TrackResult track(const TrackInput& input);
 
   // Forgets the person: the next frame with detections is initialised.

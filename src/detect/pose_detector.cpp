@@ -150,8 +150,10 @@ Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camer
   detections.score = estimate_.score;
   if (!found) {
     const int step = search_step_;
+    const Posture posture = posture_;  // it knows the camera, not the person
     reset();
     search_step_ = step;
+    posture_ = posture;
     last_frame_ = frame_index;
     return detections;
   }

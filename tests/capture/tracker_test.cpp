@@ -56,6 +56,13 @@ class TrackerScene {
     return largest;
   }
 
+  // Every keypoint 250 px beside where it is, to the left or to the right in turns.
+  TrackStatus track_scattered(int frame) {
+    Detections detections = test::exact_detections(actor_, camera_, step_of(actor_, frame));
+    for (int k = 0; k < kKeypointCount; ++k) detections.keypoints[k].x_px += k % 2 ? 250 : -250;
+    return tracker_.track({picture_, detections, nobody_segmented_, empty_mask_}).status;
+  }
+
   void reset() { tracker_.reset(); }
 
  private:
@@ -91,6 +98,17 @@ TEST(Tracker, ANetworkThatInsistsIsBelieved) {
     for (int i = 0; i < kMost; ++i, ++frame) EXPECT_LT(scene.track(frame, true), test::kTrackedFeetMm) << frame;
     EXPECT_GT(scene.track(frame++, true), test::kExchangedFeetMm);
     EXPECT_GT(scene.track(frame++, true), test::kExchangedFeetMm);
+  });
+}
+
+TEST(Tracker, ScatteredKeypointsAreDoubtedForAFewFrames) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    TrackerScene scene(device, 0);
+    const int most = TrackerOptions().max_doubtful_frames;
+    int frame = 0;
+    for (; frame < 3; ++frame) scene.track(frame, false);
+    for (int i = 0; i < most; ++i, ++frame) EXPECT_EQ(scene.track_scattered(frame), TrackStatus::kOk) << i;
+    EXPECT_NE(scene.track_scattered(frame), TrackStatus::kOk);
   });
 }
 

@@ -28,8 +28,8 @@ struct TrackerOptions {
   bool enable_surface = true;      // false: the result is the skinned template of stage I
   bool warp_displacements = true;  // carry the non-rigid displacement to the next frame
   // Only cloth keeps its displacement: what skin, hair and shoes seem to be displaced by is an error of the pose, and
-  // carried on it would hold the pose there. A tenth is forgotten per frame (the paper: nothing), so that what no later
-  // frame confirms fades within a second.
+  // carried on it would hold the pose there. A tenth is forgotten per frame (the paper: nothing); that helped one of
+  // three sequences with ground truth and left the others as they were.
   float max_carried_rigidity = 3;
   float carried_share = 0.9f;
   // Stage II skins hanging cloth differently from stage I. On a simulated skirt with true keypoints its mean error was

@@ -28,19 +28,20 @@ struct SurfaceInput {
 
 struct SurfaceOptions {
   float w_photo = 1e4f;  // colours in [0,1]; a weight of 0 switches its term off
-  // px. The paper's 600 leaves loose cloth short of the outline: with 4000 the mean IoU rose by 0.001 to 0.02 and the
-  // worst frames by up to 0.06 on every sequence with ground truth, the vertex error stayed.
+  // px. The paper's 600 with few iterations leaves loose cloth short of the outline: with 4000 and 12 PCG iterations
+  // the mean IoU rose by 0.001 to 0.02 on the three sequences with ground truth it was tried on, the vertex error
+  // stayed.
   float w_silhouette = 4000.0f;
   float w_smooth = 10.0f;  // mm, as the following
   float w_edge = 30.0f;
   float w_velocity = 0.25f;
   float w_acceleration = 0.1f;
   std::vector<int> gaussian_kernels = {15, 9, 3};  // odd, 1..15; one Gauss-Newton step each
-  // The paper's 4 end long before the minimum; more than 12 change little.
+  // The paper's 4 end long before the minimum.
   int pcg_iterations = 12;
   // The length that E_edge draws an edge to: 1 = that of the rest pose (the paper), 0 = that of the skinned template.
   // Skinning stretches clothes on the body as the body does, and there E_edge with rest lengths works against E_smooth;
-  // cloth that skinning squeezes needs them.
+  // cloth that skinning squeezes needs them. Half is a compromise between sequences, not a property of cloth.
   float edge_rest_share = 0.5f;
   // sigma_c: photometric residuals longer than this (Euclidean, RGB in [0,1]) are zero. The paper gives no value. At
   // the true vertices of lit pictures a third of the residuals of striped cloth exceeded 0.2, and without them the

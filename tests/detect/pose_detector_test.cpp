@@ -177,7 +177,7 @@ TEST(PoseDetector, MirroredEstimateIsThatOfTheMirroredPicture) {
         constexpr int kSize = detect::BlazePose::kCropSize;
         for (int y = 0; y < kSize; ++y) {
           for (int x = 0; x < kSize; ++x)
-            ASSERT_NEAR(mirrored_mask[y * kSize + x], expected_mask[y * kSize + kSize - 1 - x], test::kNetworkRelative)
+            ASSERT_NEAR(mirrored_mask[y * kSize + x], expected_mask[y * kSize + kSize - 1 - x], test::kMirroredMask)
                 << x << "," << y;
         }
       }

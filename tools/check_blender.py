@@ -17,8 +17,11 @@ import struct
 import sys
 from pathlib import Path
 
-import bpy
-import numpy as np
+try:
+    import bpy
+    import numpy as np
+except ModuleNotFoundError as missing:
+    sys.exit(f"error: {missing.name} is missing; run this inside Blender: blender -b --python tools/check_blender.py -- DIR")
 
 # What Blender computes in float32 on top of the error that capture.glb itself has (report.json tells it).
 FLOAT_MARGIN_MM = 0.02

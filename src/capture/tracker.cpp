@@ -72,29 +72,37 @@ void Tracker::reset() {
   before_displacement_rest_.fill(0);
 }
 
-PoseResult Tracker::solve_pose_from(const TrackInput& input, const Detections& detections, const Pose& initial,
-                                    int n_steps, const Pose* previous) {
-  std::vector<int32_t> contour;
-  if (!input.silhouette.empty()) {
-    skinner_.set_pose(bone_dual_quats(forward_kinematics(actor_.skeleton, initial)));
-    skinner_.skin(options_.displaced_contour ? displacement_rest_ : zero_, start_);
-    rasterizer_.render(start_, camera_);
-    visibility_.find_contour(rasterizer_);
-    contour = visibility_.read_contour();
-  }
-  return pose_solver_.solve(PoseInput{.detections = detections,
+// The contour vertices of stage I: of the skinned template alone. The paper also adds the carried displacement. That
+// ties the pose to what the surface made of an earlier pose; without it the pose was as good or better on every
+// sequence with ground truth.
+std::vector<int32_t> Tracker::find_contour(const TrackInput& input, const Pose& pose) {
+  if (input.silhouette.empty()) return {};
+  skinner_.set_pose(bone_dual_quats(forward_kinematics(actor_.skeleton, pose)));
+  skinner_.skin(zero_, start_);
+  rasterizer_.render(start_, camera_);
+  visibility_.find_contour(rasterizer_);
+  return visibility_.read_contour();
+}
+
+// Without a past.
+PoseResult Tracker::solve_pose_from(const TrackInput& input, const Pose& initial) {
+  const std::vector<int32_t> contour = find_contour(input, initial);
+  return pose_solver_.solve(PoseInput{.detections = input.detections,
                                       .initial = initial,
-                                      .previous = previous,
                                       .frame = input.silhouette.empty() ? nullptr : &frame_,
                                       .contour_vertices = contour,
-                                      .displacement_rest = options_.displaced_contour ? &displacement_rest_ : nullptr,
-                                      .n_steps = n_steps});
+                                      .n_steps = options_.pose.first_steps});
 }
 
 // The frame after a tracked one.
 PoseResult Tracker::solve_tracked(const TrackInput& input, const Pose& predicted) {
+  const std::vector<int32_t> contour = find_contour(input, predicted);
   const auto solve = [&](const Detections& detections) {
-    return solve_pose_from(input, detections, predicted, options_.pose.steps, &*last_pose_);
+    return pose_solver_.solve(PoseInput{.detections = detections,
+                                        .initial = predicted,
+                                        .previous = &*last_pose_,
+                                        .frame = input.silhouette.empty() ? nullptr : &frame_,
+                                        .contour_vertices = contour});
   };
   PoseResult best = solve(input.detections);
   const std::vector<KeypointDetections> alternatives =
@@ -142,9 +150,8 @@ Tracker::Solved Tracker::solve_pose(const TrackInput& input) {
     return solved;
   }
   // The contour found on the rough first pose is only a start: once more from where that solve ends.
-  solved.pose = solve_pose_from(input, input.detections, *initial, options.first_steps, nullptr);
-  if (solved.pose.status == SolveStatus::kOk)
-    solved.pose = solve_pose_from(input, input.detections, solved.pose.pose, options.first_steps, nullptr);
+  solved.pose = solve_pose_from(input, *initial);
+  if (solved.pose.status == SolveStatus::kOk) solved.pose = solve_pose_from(input, solved.pose.pose);
   solved.accepted = believable(solved.pose, input.detections);
   return solved;
 }

@@ -36,9 +36,6 @@ struct TrackerOptions {
   // 72 mm with the actor's weights, 54 mm so before anything is fitted; skirts whose weights follow the legs little
   // change little.
   HangingClothOptions hanging;
-  // The paper also adds the carried displacement to the contour of stage I. That ties the pose to what the surface made
-  // of an earlier pose; without it the pose was as good or better on every sequence with ground truth.
-  bool displaced_contour = false;
   bool part_mask = true;  // b_i = 0 on another body part's region
   bool snapping = true;
   bool ignore_confidence = false;  // true: every keypoint the network knows counts fully
@@ -92,8 +89,8 @@ class Tracker {
   };
   Solved solve_pose(const TrackInput& input);
   PoseResult solve_tracked(const TrackInput& input, const Pose& predicted);
-  PoseResult solve_pose_from(const TrackInput& input, const Detections& detections, const Pose& initial, int n_steps,
-                             const Pose* previous);
+  std::vector<int32_t> find_contour(const TrackInput& input, const Pose& pose);
+  PoseResult solve_pose_from(const TrackInput& input, const Pose& initial);
   bool believable(const PoseResult& result, const Detections& detections) const;
   void solve_surface(const Pose& pose, bool has_picture, TrackResult& result);
 

@@ -52,12 +52,17 @@ PoseDetector::PoseDetector(ocl::DeviceContext& device, const PoseDetectorOptions
     : options_((options.validate(), options)), network_(device, find_model(options.model), options.mask) {}
 
 void PoseDetector::reset() {
+  forget_person();
+  search_step_ = 0;
+  posture_.reset();
+}
+
+// What is known of the picture stays: where was searched, how the camera is tilted.
+void PoseDetector::forget_person() {
   tracking_ = false;
   mirror_next_ = false;
-  search_step_ = 0;
   raw_.clear();
   sides_.reset();
-  posture_.reset();
   for (auto& keypoint : filters_) {
     for (OneEuroFilter& filter : keypoint) filter.reset();
   }
@@ -149,11 +154,7 @@ Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camer
   const bool found = find_person(undistorted);
   detections.score = estimate_.score;
   if (!found) {
-    const int step = search_step_;
-    const Posture posture = posture_;  // it knows the camera, not the person
-    reset();
-    search_step_ = step;
-    posture_ = posture;
+    forget_person();
     last_frame_ = frame_index;
     return detections;
   }

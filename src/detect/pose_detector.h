@@ -65,6 +65,7 @@ class PoseDetector {
   const CropRegion& crop() const { return estimate_.crop; }
 
  private:
+  void forget_person();
   bool plausible(const CropRegion& crop, const ImageRgb& image) const;
   bool accept(const ImageRgb& image);
   bool find_person(const ImageRgb& image);

@@ -1,6 +1,5 @@
 #include "pose/leg_exchange.h"
 
-#include <cmath>
 #include <span>
 #include <utility>
 
@@ -28,8 +27,7 @@ std::vector<KeypointDetections> exchanged_legs(const Actor& actor, const Camera&
   const auto distance_px = [&](Keypoint model, Keypoint seen) {
     const Eigen::Vector3d& p = positions[model];
     if (actor.keypoints[model].bone < 0 || !(p.z() > 0)) return 0.0;
-    return std::hypot(camera.fx * p.x() / p.z() + camera.cx - detected[seen].x_px,
-                      camera.fy * p.y() / p.z() + camera.cy - detected[seen].y_px);
+    return (project_px(camera, p) - Eigen::Vector2d(detected[seen].x_px, detected[seen].y_px)).norm();
   };
   for (size_t from : {0, 1}) {
     double as_named = 0, exchanged = 0;

@@ -7,6 +7,13 @@
 
 namespace livecap {
 
+namespace {
+
+// Points whose place on the actor is known less well than that of joints.
+constexpr Keypoint kLoose[] = {kLeftEye, kRightEye, kNose, kChin, kLeftHand, kRightHand, kLeftToe, kRightToe};
+
+}  // namespace
+
 bool set_weight(PoseWeights& weights, std::string_view term, double value) {
   if (term == "keypoint_2d") return weights.keypoint_2d = value, true;
   if (term == "keypoint_3d") return weights.keypoint_3d = value, true;
@@ -19,7 +26,7 @@ bool set_weight(PoseWeights& weights, std::string_view term, double value) {
 std::array<double, kKeypointCount> default_keypoint_2d_weights() {
   std::array<double, kKeypointCount> weights;
   weights.fill(1.0);
-  for (int k : {kLeftEye, kRightEye, kNose, kChin, kLeftHand, kRightHand, kLeftToe, kRightToe}) weights[k] = 0.326;
+  for (int k : kLoose) weights[k] = 0.326;
   return weights;
 }
 
@@ -27,7 +34,7 @@ std::array<double, kKeypointCount> default_keypoint_3d_weights() {
   std::array<double, kKeypointCount> weights;
   weights.fill(0.35);
   for (int k : {kNeck, kPelvis, kLeftHip, kRightHip, kLeftShoulder, kRightShoulder}) weights[k] = 3.5;
-  for (int k : {kLeftEye, kRightEye, kNose, kChin, kLeftHand, kRightHand, kLeftToe, kRightToe}) weights[k] = 0.115;
+  for (int k : kLoose) weights[k] = 0.115;
   return weights;
 }
 

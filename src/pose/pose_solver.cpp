@@ -98,8 +98,7 @@ void PoseSolver::measure(const PoseState& state, const KeypointTargets& targets,
   for (int k = 0; k < kKeypointCount; ++k) {
     const Eigen::Vector3d& p = positions[k];
     if (!(targets[k].weight_2d > 0) || !(p.z() > 0)) continue;
-    const Eigen::Vector2d px(camera_.fx * p.x() / p.z() + camera_.cx, camera_.fy * p.y() / p.z() + camera_.cy);
-    error_px += targets[k].weight_2d * (px - targets[k].position_px).norm();
+    error_px += targets[k].weight_2d * (project_px(camera_, p) - targets[k].position_px).norm();
     weight += targets[k].weight_2d;
   }
   result.keypoint_error_px = weight > 0 ? error_px / weight : 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/reference.h"
 #include "pose/rebone.h"
 
 namespace livecap {
@@ -15,6 +16,13 @@ std::array<Eigen::Vector3d, kKeypointCount> keypoint_positions(const Actor& acto
     if (anchor.bone >= 0) positions[k] = posed.camera_from_rest[anchor.bone] * anchor.rest_position_mm;
   }
   return positions;
+}
+
+Eigen::Vector2d project_px(const Camera& camera, const Eigen::Vector3d& point_mm) {
+  const reference::Pinhole pinhole{camera.fx, camera.fy, camera.cx, camera.cy};
+  const reference::Vec2 px =
+      reference::project_point(reference::vec3(point_mm.x(), point_mm.y(), point_mm.z()), pinhole).uv;
+  return {px.x, px.y};
 }
 
 KeypointTargets make_targets(const Actor& actor, const Detections& detections, const Pose* previous,

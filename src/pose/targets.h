@@ -7,6 +7,7 @@
 
 #include "actor/actor.h"
 #include "geometry/skeleton.h"
+#include "livecap/camera.h"
 #include "livecap/detections.h"
 #include "pose/pose_options.h"
 
@@ -25,6 +26,9 @@ using KeypointTargets = std::array<KeypointTarget, kKeypointCount>;
 
 // Camera-frame positions of the actor's keypoints [mm]; zero for one without anchor.
 std::array<Eigen::Vector3d, kKeypointCount> keypoint_positions(const Actor& actor, const PosedSkeleton& posed);
+
+// Where a point with z > 0 [mm, camera frame] lies in an undistorted picture [px].
+Eigen::Vector2d project_px(const Camera& camera, const Eigen::Vector3d& point_mm);
 
 // previous: the last frame's pose, or nullptr (no temporal term). Detections that are not finite count as unknown; so
 // do all when detections.person is false. E_temporal has the 19 body keypoints, the others the

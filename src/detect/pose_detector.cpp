@@ -168,8 +168,7 @@ Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camer
   if (options_.correct_posture) posture_.update(options_.posture, dt_s, detections.keypoints);
   if (options_.filter) filter_keypoints(dt_s, detections);
   if (options_.mask)
-    warp_mask(network_.mask_probability(), BlazePose::kCropSize, estimate_.crop, undistorted.width, undistorted.height,
-              detections.mask);
+    warp_mask(network_.mask_probability(), estimate_.crop, undistorted.width, undistorted.height, detections.mask);
   tracking_ = true;
   last_frame_ = frame_index;
   return detections;

@@ -21,7 +21,7 @@ TEST(Components, TheSurfaceStageBeatsThePoseAlone) {
     options.surface = surface;
     run_capture(options);
     EvalReport& report = evaluated[surface];
-    report = evaluate({out, scratch / "sequence/truth", "", ""});
+    report = evaluate({out, scratch / "sequence/truth", "", "", {}});
     EXPECT_EQ(report.n_person, 40);
     EXPECT_EQ(report.n_lost, 0);
     RecordProperty(surface ? "vertex_mm_full" : "vertex_mm_pose", format("%.2f", report.vertex_mm.mean));

@@ -10,6 +10,7 @@
 
 #include "actor/actor.h"
 #include "base/text.h"
+#include "eval/html_report.h"
 #include "eval/mask_raster.h"
 #include "export/pc2.h"
 #include "image/image_io.h"
@@ -229,6 +230,26 @@ TEST_F(Evaluate, RefusesATruthWithoutAnybody) {
   Pc2Writer pc2(empty / "vertices.pc2", actor_.n_vertices());
   pc2.append(std::vector<float>(truth_.size(), NAN));
   EXPECT_THROW(evaluate({folder_ / "capture", empty, "", "", {}}), IoError);
+}
+
+TEST_F(Evaluate, HtmlIsOneFileWithPictures) {
+  const EvalReport report = compare({0, 0.1f, 0, 0}, {"nobody", "ok", "lost", "ok"});
+  const EvalOptions options{folder_ / "capture", folder_ / "truth", "", "", {}};
+  const std::string html = html_report({options, "", report, nullptr, nullptr, judge_bars(report)});
+  EXPECT_EQ(html.rfind("<!DOCTYPE html>", 0), 0u);
+  EXPECT_NE(html.find("</html>"), std::string::npos);
+  for (const char* outside : {"http:", "https:", "<script", "url(", "nan"}) {
+    EXPECT_EQ(html.find(outside), std::string::npos) << outside;
+  }
+  const auto count = [&](const std::string& word) {
+    int n = 0;
+    for (size_t at = html.find(word); at != std::string::npos; at = html.find(word, at + 1)) ++n;
+    return n;
+  };
+  EXPECT_EQ(count("data:image/png"), 1);       // the error on the mesh
+  EXPECT_EQ(count("data:image/jpeg"), 4 * 3);  // three frames: evenly, and worst by vertices, joints and silhouette
+  EXPECT_EQ(count("<svg"), 3);                 // IoU, vertices, joints; nothing loose
+  EXPECT_EQ(count("class=\"lost\""), 3);       // frame 2 in each
 }
 
 TEST_F(Evaluate, JsonHoldsEveryFrame) {

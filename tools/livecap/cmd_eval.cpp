@@ -11,6 +11,7 @@
 #include "eval/bars.h"
 #include "eval/evaluate.h"
 #include "eval/extra_view.h"
+#include "eval/html_report.h"
 #include "livecap/error.h"
 
 namespace livecap::tools {
@@ -20,6 +21,8 @@ struct Options {
   EvalOptions eval;
   std::vector<std::pair<std::string, std::string>> views;  // camera file, folder of masks
   std::string pose_only;
+  std::string html;
+  std::string video;
   bool json = false;
   std::string out;
 };
@@ -40,6 +43,10 @@ int run(Options options) {
   }
   const std::vector<Bar> bars = judge_bars(report, pose_only ? &*pose_only : nullptr);
   const std::string json = with_bars(eval_report_json(report), bars);
+  if (!options.html.empty()) {
+    const HtmlReport page{options.eval, options.video, report, pose_only ? &*pose_only : nullptr, nullptr, bars};
+    write_file_atomically(options.html, html_report(page));
+  }
   if (!options.out.empty()) write_file_atomically(options.out, json);
   std::fputs((options.json ? json : eval_report_text(report) + bars_text(bars)).c_str(), stdout);
   return kExitOk;
@@ -57,6 +64,8 @@ void add_eval_command(CLI::App& app, Action& action) {
   command->add_option("--view", options->views, "CAMERA.json MASKS_DIR of a further camera; repeatable");
   command->add_option("--pose-only", options->pose_only,
                       "capture of the same video with --no-surface: what the surface stage is compared with");
+  command->add_option("--html", options->html, "also write a report with curves and pictures to this file");
+  command->add_option("--video", options->video, "video of the capture for the pictures, when not that of report.json");
   command->add_flag("--json", options->json, "print everything, frame by frame, as JSON");
   command->add_option("--out", options->out, "also write the JSON to this file");
   command->callback([options, &action] { action = [options] { return run(*options); }; });

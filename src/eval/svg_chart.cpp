@@ -120,7 +120,8 @@ std::string heading(const Chart& chart) {
       sum += value;
       ++n;
     }
-    svg += format("<tspan dx=\"18\" style=\"fill:%s\">&#9632;</tspan><tspan dx=\"5\">", series.color.c_str());
+    svg +=
+        format("&#160;&#160;&#160;&#160;<tspan style=\"fill:%s\">&#9632;</tspan><tspan>&#160;", series.color.c_str());
     svg += html_escaped(series.name + ", mean " + value_text(chart, n > 0 ? sum / n : std::nan(""))) + "</tspan>";
   }
   return svg + "</text>";

@@ -52,6 +52,8 @@ std::vector<Bar> judge_bars(const EvalReport& report, const EvalReport* pose_onl
       {"frames lost", false, 0, static_cast<double>(report.n_lost), 0, ""},
       {"frames with left and right exchanged", false, 0,
        has_joints ? static_cast<double>(report.n_arms_exchanged + report.n_legs_exchanged) : kNaN, 0, ""},
+      {"frames with an arm pulled into the trunk", false, 0,
+       has_joints ? static_cast<double>(report.n_limb_inside) : kNaN, 0, ""},
       {"jitter of vertices against the truth's acceleration", false, 1.3, jitter_ratio(report.vertex_jitter), 2, " x"},
       {"jitter of joints against the truth's acceleration", false, 1.3, jitter_ratio(report.joint_jitter), 2, " x"},
   };

@@ -65,8 +65,9 @@ std::string motion_text(const EvalReport& report) {
     text += format("joint angles at a limit            %8.1f %%\n", 100 * report.at_limit);
   }
   if (report.joint_mm.n > 0) {
-    text += format("left and right exchanged           %8lld frames of arms, %lld of legs\n",
-                   static_cast<long long>(report.n_arms_exchanged), static_cast<long long>(report.n_legs_exchanged));
+    text += format("left and right exchanged           %8lld frames of arms, %lld of legs; an arm in the trunk: %lld\n",
+                   static_cast<long long>(report.n_arms_exchanged), static_cast<long long>(report.n_legs_exchanged),
+                   static_cast<long long>(report.n_limb_inside));
   }
   const Losses& losses = report.losses;
   text += format("losses                             %8lld, recovered %lld, longest %lld frames, entry %lld frames\n",
@@ -172,6 +173,7 @@ std::string eval_report_json(const EvalReport& report) {
       {"foot_slide_truth_mm_s", report.foot_slide.n > 0 ? number(report.foot_slide.truth_mm_per_s) : Json(nullptr)},
       {"frames_arms_exchanged", report.n_arms_exchanged},
       {"frames_legs_exchanged", report.n_legs_exchanged},
+      {"frames_arm_inside_trunk", report.n_limb_inside},
       {"angles_at_limit", number(report.at_limit)},
       {"fps", number(report.speed.fps)},
       {"latency_ms", number(report.speed.latency_ms)},
@@ -196,7 +198,8 @@ std::string eval_report_json(const EvalReport& report) {
                               {"joint_similarity_aligned_mm", number(frame.joint_aligned_mm)},
                               {"network_joint_similarity_aligned_mm", number(frame.network_aligned_mm)},
                               {"arms_exchanged", frame.arms_exchanged},
-                              {"legs_exchanged", frame.legs_exchanged}});
+                              {"legs_exchanged", frame.legs_exchanged},
+                              {"arm_inside_trunk", frame.limb_inside}});
   }
   return json.dump(2) + "\n";
 }

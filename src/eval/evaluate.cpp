@@ -135,6 +135,7 @@ EvalReport evaluate(const EvalOptions& options) {
     network.add(expected.joints_mm, frame);
     report.n_arms_exchanged += frame.arms_exchanged;
     report.n_legs_exchanged += frame.legs_exchanged;
+    report.n_limb_inside += frame.limb_inside;
     report.frames.push_back(std::move(frame));
   }
   if (report.n_person == 0) {

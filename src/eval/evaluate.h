@@ -41,6 +41,7 @@ struct FrameEval {
   double network_aligned_mm = 0;  // the same of the network's own joints
   bool arms_exchanged = false;    // left and right, see sides_exchanged()
   bool legs_exchanged = false;
+  bool limb_inside = false;  // an elbow or wrist in the trunk, see limb_inside_trunk()
 };
 
 // 3DPCK at 150 mm and the area under its curve, over all joints of all judged frames; missing results are misses.
@@ -88,6 +89,7 @@ struct EvalReport {
   FootSlide foot_slide;  // of both ankles
   int64_t n_arms_exchanged = 0;
   int64_t n_legs_exchanged = 0;
+  int64_t n_limb_inside = 0;
   double at_limit = 0;  // share of the angles of the judged frames; NaN without angles.csv
   std::vector<std::pair<std::string, double>> angles_at_limit;  // share of each angle that ever is
   CaptureSpeed speed;

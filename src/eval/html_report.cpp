@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <set>
 
@@ -105,6 +106,7 @@ std::string motion_table(const EvalReport& report) {
     fact("joint angles at a limit", format("%.1f %%", 100 * report.at_limit) + html_escaped(worst));
   }
   if (report.joint_mm.n > 0) {
+    fact("arm pulled into the trunk", format("%lld frames", static_cast<long long>(report.n_limb_inside)));
     fact("left and right exchanged",
          format("arms in %lld frames, legs in %lld", static_cast<long long>(report.n_arms_exchanged),
                 static_cast<long long>(report.n_legs_exchanged)));
@@ -133,6 +135,21 @@ std::vector<double> values_at(const Frames& frames, const EvalReport& report, do
     values.push_back(found == by_index.end() ? std::numeric_limits<double>::quiet_NaN() : found->second);
   }
   return values;
+}
+
+// The paper's plot of its ablation: the vertex error of every stage.
+std::string stage_curves(const Ablation& ablation, const Frames& frames) {
+  static constexpr const char* kColors[] = {"#b0a8c8", "#5aa469", "#e08214", "#1f5fbf"};
+  Chart chart;
+  chart.title = "Vertex error of the stages, mm";
+  chart.unit = " mm";
+  for (const FrameEval* frame : frames) chart.frames.push_back(frame->index);
+  for (const AblationRow& row : ablation.rows) {
+    if (row.group != ablation.rows[ablation.full].group) continue;
+    chart.series.push_back({row.name, kColors[chart.series.size() % std::size(kColors)],
+                            values_at(frames, row.report, &FrameEval::vertex_aligned_mm)});
+  }
+  return svg_chart(chart);
 }
 
 std::string curves(const HtmlReport& input, const Frames& frames) {
@@ -164,6 +181,7 @@ std::string curves(const HtmlReport& input, const Frames& frames) {
   add("Vertex error after translation alignment, mm", " mm", 1, 20, &FrameEval::vertex_aligned_mm, true, nullptr);
   add("Loose garments, mm", " mm", 1, 0, &FrameEval::loose_aligned_mm, true, nullptr);
   add("Joint error after similarity alignment, mm", " mm", 1, 35, &FrameEval::joint_aligned_mm, false, "network only");
+  if (input.ablation) html += stage_curves(*input.ablation, frames);
   return html;
 }
 
@@ -206,6 +224,7 @@ std::string frame_caption(const FrameEval& frame) {
   text += " &middot; IoU " + number(frame.iou, 3) + " &middot; vertices " + number(frame.vertex_aligned_mm, 0) +
           " mm &middot; joints " + number(frame.joint_aligned_mm, 0) + " mm";
   if (frame.arms_exchanged) text += " &middot; arms exchanged";
+  if (frame.limb_inside) text += " &middot; arm in the trunk";
   if (frame.legs_exchanged) text += " &middot; legs exchanged";
   return text;
 }

@@ -56,10 +56,13 @@ JointJudge::JointJudge(std::vector<JointPair> pairs, double fps)
     : pairs_(std::move(pairs)),
       fps_(fps),
       root_(index_of(pairs_, "root")),
+      neck_(index_of(pairs_, "neck")),
       arms_(side_pairs(pairs_, {"elbow", "wrist"})),
       legs_(side_pairs(pairs_, {"knee", "ankle"})),
       per_joint_(pairs_.size()),
-      jitter_(fps) {}
+      jitter_(fps) {
+  for (const auto& [left, right] : arms_) arm_points_.insert(arm_points_.end(), {left, right});
+}
 
 void JointJudge::add(const std::vector<float>& captured, const std::vector<float>& truth, FrameEval& frame) {
   if (pairs_.size() < kFewestJoints) return;
@@ -84,6 +87,7 @@ void JointJudge::add(const std::vector<float>& captured, const std::vector<float
   for (size_t k = 0; k < pairs_.size(); ++k) per_joint_[k].push_back(aligned[k]);
   frame.arms_exchanged = sides_exchanged(ours, theirs, arms_);
   frame.legs_exchanged = sides_exchanged(ours, theirs, legs_);
+  frame.limb_inside = root_ >= 0 && neck_ >= 0 && limb_inside_trunk(ours, theirs, root_, neck_, arm_points_);
 }
 
 void JointJudge::skip() {

@@ -38,7 +38,9 @@ class JointJudge {
   std::vector<JointPair> pairs_;
   double fps_;
   int root_;  // among the pairs; -1: not among them
+  int neck_;
   SidePairs arms_, legs_;
+  std::vector<int> arm_points_;  // both elbows and wrists
   std::vector<double> direct_, aligned_, from_root_;
   size_t missed_similarity_ = 0, missed_root_ = 0;  // joints without a result
   std::vector<std::vector<double>> per_joint_;      // [n_pairs]

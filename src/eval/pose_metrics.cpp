@@ -24,6 +24,14 @@ Vector3d point(std::span<const float> points, int i) {
   return {points[3 * i], points[3 * i + 1], points[3 * i + 2]};
 }
 
+// From a point to the segment between a and b.
+double distance_to_segment(const Vector3d& p, const Vector3d& a, const Vector3d& b) {
+  const Vector3d along = b - a;
+  const double length2 = along.squaredNorm();
+  const double t = length2 > 0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0;
+  return (p - a - t * along).norm();
+}
+
 }  // namespace
 
 std::vector<double> root_aligned_distances(std::span<const float> estimate, std::span<const float> truth, int root) {
@@ -71,6 +79,15 @@ bool sides_exchanged(std::span<const float> estimate, std::span<const float> tru
   }
   const double mean_mm = as_named / (2 * static_cast<double>(pairs.size()));
   return mean_mm >= kExchangeMm && exchanged <= as_named / 2;
+}
+
+bool limb_inside_trunk(std::span<const float> estimate, std::span<const float> truth, int root, int neck,
+                       std::span<const int> points) {
+  require_same_points(estimate, truth);
+  return std::any_of(points.begin(), points.end(), [&](int i) {
+    return distance_to_segment(point(estimate, i), point(estimate, root), point(estimate, neck)) < kInsideTrunkMm &&
+           distance_to_segment(point(truth, i), point(truth, root), point(truth, neck)) >= kOutsideTrunkMm;
+  });
 }
 
 bool at_limit(double angle_deg, double min_deg, double max_deg) {

@@ -33,6 +33,16 @@ inline constexpr double kExchangeMm = 60;
 // their points. False without pairs. Throws LogicError when sizes differ.
 bool sides_exchanged(std::span<const float> estimate, std::span<const float> truth, const SidePairs& pairs);
 
+// A limb that was pulled into the body: a captured point of an arm nearer than this to the line from pelvis to neck ...
+inline constexpr double kInsideTrunkMm = 90;
+// ... while the true one is at least this far from the true line.
+inline constexpr double kOutsideTrunkMm = 160;
+
+// True when that holds for one of `points`. root, neck: indices of pelvis and neck; estimate and truth [3*n] mm. Throws
+// LogicError when sizes differ.
+bool limb_inside_trunk(std::span<const float> estimate, std::span<const float> truth, int root, int neck,
+                       std::span<const int> points);
+
 // An angle within so much of a limit, or beyond it, is at the limit.
 inline constexpr double kLimitDeg = 1;
 

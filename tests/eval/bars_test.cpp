@@ -61,6 +61,7 @@ TEST(Bars, EachCanFail) {
   EXPECT_EQ(worse([](EvalReport& r) { r.n_lost = 1; }), 1);
   EXPECT_EQ(worse([](EvalReport& r) { r.n_legs_exchanged = 1; }), 1);
   EXPECT_EQ(worse([](EvalReport& r) { r.n_arms_exchanged = 1; }), 1);
+  EXPECT_EQ(worse([](EvalReport& r) { r.n_limb_inside = 1; }), 1);
   EXPECT_EQ(worse([](EvalReport& r) { r.vertex_jitter.error = 2.61; }), 1);
   EXPECT_EQ(worse([](EvalReport& r) { r.joint_jitter.error = 1.31; }), 1);
 }

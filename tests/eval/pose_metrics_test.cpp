@@ -92,6 +92,20 @@ TEST(PoseMetrics, LimbsSideBySideAreNotExchanged) {
   EXPECT_FALSE(sides_exchanged(with_points(near, {{1, 3}, {2, 4}, {3, 1}, {4, 2}}), near, kLimbs));
 }
 
+TEST(PoseMetrics, AnArmInTheTrunk) {
+  // Pelvis, neck 500 mm above, a wrist beside the middle.
+  const auto body = [](float wrist_mm, float height_mm = -250) {
+    return std::vector<float>{0, 0, 3000, 0, -500, 3000, wrist_mm, height_mm, 3000};
+  };
+  const std::vector<int> wrist = {2};
+  EXPECT_TRUE(limb_inside_trunk(body(89), body(161), 0, 1, wrist));
+  EXPECT_FALSE(limb_inside_trunk(body(91), body(161), 0, 1, wrist));       // beside the trunk
+  EXPECT_FALSE(limb_inside_trunk(body(89), body(159), 0, 1, wrist));       // the true one is close, too
+  EXPECT_FALSE(limb_inside_trunk(body(0, -600), body(400), 0, 1, wrist));  // 100 mm above the neck
+  EXPECT_TRUE(limb_inside_trunk(body(0, -580), body(400), 0, 1, wrist));
+  EXPECT_FALSE(limb_inside_trunk(body(0), body(400), 0, 1, {}));
+}
+
 TEST(PoseMetrics, LimitsReachOneDegreeInwardsAndEndlesslyOutwards) {
   EXPECT_TRUE(at_limit(-150, -150, 2));
   EXPECT_TRUE(at_limit(-149, -150, 2));

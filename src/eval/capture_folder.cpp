@@ -54,13 +54,10 @@ Camera load_camera_of(const fs::path& report_path, const std::string& named, con
   throw IoError(report_path.string() + ": field \"options.camera\" is missing; give --camera");
 }
 
-// Median step of the time stamps per frame.
+// Of the rows, by the median step of their time stamps.
 double frames_per_second(const std::vector<FrameRow>& rows) {
   std::vector<double> steps_ms;
-  for (size_t i = 1; i < rows.size(); ++i) {
-    const int64_t frames = rows[i].index - rows[i - 1].index;
-    if (frames > 0) steps_ms.push_back((rows[i].pts_ms - rows[i - 1].pts_ms) / static_cast<double>(frames));
-  }
+  for (size_t i = 1; i < rows.size(); ++i) steps_ms.push_back(rows[i].pts_ms - rows[i - 1].pts_ms);
   const double step_ms = summarize(steps_ms).median;
   return step_ms > 0 ? 1000 / step_ms : kAssumedFps;
 }

@@ -19,9 +19,12 @@ namespace livecap {
 namespace {
 
 constexpr size_t kWorstFrames = 5;
+constexpr int64_t kWorstApart = 5;  // frames between them, so that one bad moment does not fill the list
 constexpr size_t kEvenFrames = 6;
 constexpr int kSheetHeight = 300, kMeshHeight = 520;
 constexpr double kImprovementMm = 40;  // full colour of the improvement
+
+constexpr const char* kApartNote = "At least five frames apart.";
 
 using Frames = std::vector<const FrameEval*>;
 
@@ -250,8 +253,15 @@ Frames worst(const Frames& frames, const std::function<double(const FrameEval&)>
   }
   std::stable_sort(sorted.begin(), sorted.end(),
                    [&](const FrameEval* a, const FrameEval* b) { return badness(*a) > badness(*b); });
-  if (sorted.size() > kWorstFrames) sorted.resize(kWorstFrames);
-  return sorted;
+  const int64_t apart = std::min(kWorstApart, static_cast<int64_t>(frames.size() / 20));
+  Frames chosen;
+  for (const FrameEval* frame : sorted) {
+    const bool near = std::any_of(chosen.begin(), chosen.end(), [&](const FrameEval* other) {
+      return std::abs(other->index - frame->index) < apart;
+    });
+    if (!near && chosen.size() < kWorstFrames) chosen.push_back(frame);
+  }
+  return chosen;
 }
 
 Frames evenly(const Frames& frames) {
@@ -282,9 +292,9 @@ std::string frames_sections(const HtmlReport& input, const Frames& frames) {
   std::string scale =
       sheet.has_error ? color_scale(heat_color, "0", format("%.0f mm and more", kHeatScaleMm)) : std::string();
   return section("Frames, evenly over the video", panels + scale, sheet_figures(sheet, even)) +
-         section("Worst five by vertex error", "", sheet_figures(sheet, by_vertex)) +
-         section("Worst five by joint error", "", sheet_figures(sheet, by_joint)) +
-         section("Worst five by silhouette", "", sheet_figures(sheet, by_iou));
+         section("Worst five by vertex error", kApartNote, sheet_figures(sheet, by_vertex)) +
+         section("Worst five by joint error", kApartNote, sheet_figures(sheet, by_joint)) +
+         section("Worst five by silhouette", kApartNote, sheet_figures(sheet, by_iou));
 }
 
 std::string labels_table(const EvalReport& report, const EvalReport* pose_only) {

@@ -51,6 +51,7 @@ struct CaptureOptions {
   bool realtime = false;             // read the file at its own pace and drop what comes too early
   bool smooth = false;               // filter the vertex trajectories with [0.15, 0.7, 0.15] afterwards
   std::vector<std::string> without;  // energy terms and components switched off (docs/conventions.md)
+  double rigidity = 0;               // > 0: material weight s_ij of the whole surface, instead of each label's
   std::string cnn_device;            // selectors, see `livecap devices`; empty: chosen
   std::string solver_device;
   int64_t first = 0;         // first input frame to process

@@ -80,6 +80,7 @@ std::string report_json(const CaptureOptions& options, const CaptureReport& repo
   o["pace"] = options.realtime ? "realtime" : "every frame";
   o["smooth"] = options.smooth;
   o["without"] = options.without;
+  o["rigidity"] = options.rigidity;
   o["first"] = options.first;
   o["frames"] = options.frames;
 

@@ -1,4 +1,5 @@
 // run_capture: opens everything, warms up, runs the pipeline, closes the outputs.
+#include <algorithm>
 #include <memory>
 #include <optional>
 
@@ -67,11 +68,12 @@ class DetectionSource {
   size_t next_ = 0;
 };
 
-// Thread 3: which pixels are the person.
-void segment(const ForegroundModel& foreground, WorkItem& item) {
+// Thread 3: which pixels are the person. gated: the network's mask takes part; without an empty plate it always does.
+void segment(const ForegroundModel& foreground, bool gated, WorkItem& item) {
   Timer timer;
   if (item.detections.person) {
-    item.mask = foreground.segment(item.image, item.detections.mask);
+    item.mask =
+        foreground.segment(item.image, gated || !foreground.has_background() ? item.detections.mask : PersonMask());
     item.silhouette = make_silhouette(item.mask);
   }
   item.report.stage_ms[static_cast<int>(CaptureStage::kSegment)] = timer.elapsed_ms();
@@ -101,6 +103,7 @@ class Solver {
   static TrackerOptions tracker_options(const CaptureOptions& options) {
     TrackerOptions tracker;
     tracker.enable_surface = options.surface;
+    tracker.surface.constant_rigidity = static_cast<float>(options.rigidity);
     for (const std::string& name : options.without) switch_off(name, tracker);
     return tracker;
   }
@@ -129,6 +132,7 @@ CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& 
   detection.warm_up(reader.camera());
   Solver solver(options, solver_device, actor, reader.camera());
 
+  const bool gated = std::count(options.without.begin(), options.without.end(), kMaskGating) == 0;
   PipelineStages stages;
   stages.read = [&](WorkItem& item) { return reader.read(item); };
   stages.detect = [&](WorkItem& item) {
@@ -139,7 +143,7 @@ CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& 
     item.report.stage_ms[static_cast<int>(CaptureStage::kNetwork)] = timer.elapsed_ms();
   };
   stages.segment = [&](WorkItem& item) {
-    if (item.report.status != TrackStatus::kDamaged) segment(foreground, item);
+    if (item.report.status != TrackStatus::kDamaged) segment(foreground, gated, item);
   };
   stages.solve = [&](WorkItem& item) {
     if (item.report.status != TrackStatus::kDamaged) solver.solve(item);

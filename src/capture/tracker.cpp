@@ -133,6 +133,12 @@ bool Tracker::believable(const PoseResult& result, const Detections& detections)
 Tracker::Solved Tracker::solve_pose(const TrackInput& input) {
   Solved solved;
   const PoseOptions& options = options_.pose;
+  if (!options_.solve_pose) {
+    const std::optional<Pose> found = initialize_pose(actor_, camera_, input.detections, options);
+    solved.accepted = found.has_value();
+    if (found) solved.pose.pose = *found;
+    return solved;
+  }
   if (last_pose_) {
     const Pose predicted =
         predict_pose(actor_.skeleton, pose_before_last_ ? &*pose_before_last_ : nullptr, *last_pose_, options);
@@ -207,7 +213,14 @@ void Tracker::solve_surface(const Pose& pose, bool has_picture, TrackResult& res
   n_history_ = std::min(n_history_ + 1, 2);
 }
 
-TrackResult Tracker::track(const TrackInput& input) {
+TrackResult Tracker::track(const TrackInput& given) {
+  Detections certain;
+  if (options_.ignore_confidence) {
+    certain = given.detections;
+    for (KeypointDetection& keypoint : certain.keypoints) keypoint.confidence = keypoint.confidence > 0 ? 1 : 0;
+  }
+  const TrackInput input{given.image, options_.ignore_confidence ? certain : given.detections, given.silhouette,
+                         given.mask};
   TrackResult result;
   if (input.detections.person && input.mask.pixels.size() != size_t(camera_.width) * camera_.height)
     throw LogicError("capture: the mask is not of the camera's size");

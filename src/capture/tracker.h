@@ -25,6 +25,7 @@ struct TrackerOptions {
   SurfaceOptions surface;
   SnapOptions snap;
   VisibilityOptions visibility;
+  bool solve_pose = true;          // false: stage I ends with its initialisation from each frame's detections alone
   bool enable_surface = true;      // false: the result is the skinned template of stage I
   bool warp_displacements = true;  // carry the non-rigid displacement to the next frame
   // Only cloth keeps its displacement: what skin, hair and shoes seem to be displaced by is an error of the pose, and
@@ -76,7 +77,7 @@ class Tracker {
   Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const TrackerOptions& options);
 
   // Throws LogicError when there is a person and the mask is not of the camera's size.
-  TrackResult track(const TrackInput& input);
+  TrackResult track(const TrackInput& given);
 
   // Forgets the person: the next frame with detections is initialised.
   void reset();

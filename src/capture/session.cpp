@@ -36,14 +36,14 @@ std::string actor_bytes(const CaptureOptions& options) {
 // Thread 2: the network, or detections from a file.
 class DetectionSource {
  public:
-  DetectionSource(const CaptureOptions& options, ocl::DeviceContext& device, double fps) {
+  DetectionSource(const CaptureOptions& options, ocl::DeviceContext& device)
+      : missed_share_(options.missed_detections) {
     if (!options.detections.empty()) {
       recorded_ = detect::load_detections(options.detections);
       return;
     }
     detect::PoseDetectorOptions detector;
     detector.model = options.model;
-    detector.frame_rate_hz = fps > 0 ? fps : 30;
     network_.emplace(device, detector);
   }
 
@@ -51,10 +51,11 @@ class DetectionSource {
     if (network_) warm_up_detector(*network_, camera);
   }
 
-  Detections detect(const ImageRgb& image, const Camera& camera, int64_t frame_index) {
-    if (network_) return network_->detect(image, camera, frame_index);
+  Detections detect(const ImageRgb& image, const Camera& camera, int64_t frame_index, double time_s) {
+    const bool missed = is_missed(frame_index);
+    if (network_) return network_->detect(missed ? black_picture(camera) : image, camera, frame_index, time_s);
     for (; next_ < recorded_.size() && recorded_[next_].frame_index <= frame_index; ++next_) {
-      if (recorded_[next_].frame_index == frame_index) return recorded_[next_];
+      if (recorded_[next_].frame_index == frame_index && !missed) return recorded_[next_];
     }
     Detections nobody;
     nobody.frame_index = frame_index;
@@ -62,6 +63,18 @@ class DetectionSource {
   }
 
  private:
+  // One in 1 / share of the frames, the same in every run: the hash of SplitMix64 (Steele et al. 2014).
+  bool is_missed(int64_t frame_index) const {
+    uint64_t x = (static_cast<uint64_t>(frame_index) + 1) * 0x9e3779b97f4a7c15ull;
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+    return static_cast<double>((x ^ (x >> 31)) >> 11) * 0x1p-53 < missed_share_;
+  }
+  static ImageRgb black_picture(const Camera& camera) {
+    return {camera.width, camera.height, std::vector<uint8_t>(size_t(3) * camera.width * camera.height, 0)};
+  }
+
+  double missed_share_;
   std::optional<detect::PoseDetector> network_;
   std::vector<Detections> recorded_;
   size_t next_ = 0;
@@ -86,7 +99,7 @@ class Solver {
   }
 
   void solve(WorkItem& item) {
-    item.result = tracker_.track({item.image, item.detections, item.silhouette, item.mask});
+    item.result = tracker_.track({item.image, item.detections, item.silhouette, item.mask, item.report.pts_ms / 1000});
     auto& stage_ms = item.report.stage_ms;
     stage_ms[static_cast<int>(CaptureStage::kPose)] = item.result.pose_ms;
     stage_ms[static_cast<int>(CaptureStage::kSurface)] = item.result.surface_ms;
@@ -125,7 +138,7 @@ CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& 
   const ocl::DevicePair devices = ocl::select_device_pair(options.cnn_device, options.solver_device);
   ocl::DeviceContext cnn(devices.cnn);
   ocl::DeviceContext solver_device(devices.solver);
-  DetectionSource detection(options, cnn, reader.info().fps);
+  DetectionSource detection(options, cnn);
   detection.warm_up(reader.camera());
   Solver solver(options, solver_device, actor, reader.camera());
 
@@ -134,7 +147,7 @@ CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& 
   stages.detect = [&](WorkItem& item) {
     if (item.report.status == TrackStatus::kDamaged) return;
     Timer timer;
-    item.detections = detection.detect(item.image, reader.camera(), item.report.index);
+    item.detections = detection.detect(item.image, reader.camera(), item.report.index, item.report.pts_ms / 1000);
     item.report.score = item.detections.score;
     item.report.stage_ms[static_cast<int>(CaptureStage::kNetwork)] = timer.elapsed_ms();
   };

@@ -11,6 +11,9 @@
 namespace livecap {
 namespace {
 
+// Periods that differ by less than this share are the same one: time stamps are rounded.
+constexpr double kSamePeriod = 0.02;
+
 // Vertical extent of the confident keypoints: the person's size in the picture, px.
 double person_height_px(const Detections& detections) {
   double low = 1e9, high = -1e9;
@@ -68,6 +71,7 @@ void Tracker::reset() {
   n_history_ = 0;
   exchanged_frames_ = 0;
   doubtful_frames_ = 0;
+  missed_frames_ = 0;
   displacement_rest_.fill(0);
   before_displacement_rest_.fill(0);
 }
@@ -130,13 +134,20 @@ bool Tracker::believable(const PoseResult& result, const Detections& detections)
   return height > 0 && result.keypoint_error_px < options_.lost_error_fraction * height;
 }
 
+// The last pose moved on as it moved before.
+Pose Tracker::predict(double time_s) const {
+  const double before = last_time_s_ - time_before_last_s_, since = time_s - last_time_s_;
+  double steps = before > 0 && since > 0 ? since / before : 1;
+  if (std::abs(steps - 1) < kSamePeriod) steps = 1;
+  return predict_pose(actor_.skeleton, pose_before_last_ ? &*pose_before_last_ : nullptr, *last_pose_, options_.pose,
+                      steps);
+}
+
 Tracker::Solved Tracker::solve_pose(const TrackInput& input) {
   Solved solved;
   const PoseOptions& options = options_.pose;
   if (last_pose_) {
-    const Pose predicted =
-        predict_pose(actor_.skeleton, pose_before_last_ ? &*pose_before_last_ : nullptr, *last_pose_, options);
-    solved.pose = solve_tracked(input, predicted);
+    solved.pose = solve_tracked(input, predict(input.time_s));
     const bool believed = believable(solved.pose, input.detections);
     doubtful_frames_ = believed ? 0 : doubtful_frames_ + 1;
     solved.accepted = solved.pose.status == SolveStatus::kOk && doubtful_frames_ <= options_.max_doubtful_frames;
@@ -212,9 +223,10 @@ TrackResult Tracker::track(const TrackInput& input) {
   if (input.detections.person && input.mask.pixels.size() != size_t(camera_.width) * camera_.height)
     throw LogicError("capture: the mask is not of the camera's size");
   if (!input.detections.person) {
-    reset();
+    if (++missed_frames_ > options_.max_missed_frames) reset();
     return result;
   }
+  missed_frames_ = 0;
   Timer timer;
   if (!input.silhouette.empty()) frame_.upload(input.silhouette, input.image);
   const Solved solved = solve_pose(input);
@@ -240,6 +252,8 @@ TrackResult Tracker::track(const TrackInput& input) {
 
   pose_before_last_ = last_pose_;
   last_pose_ = result.pose;
+  time_before_last_s_ = last_time_s_;
+  last_time_s_ = input.time_s;
   return result;
 }
 

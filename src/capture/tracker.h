@@ -49,6 +49,9 @@ struct TrackerOptions {
   // ... unless it was believed until a moment ago: networks have single frames in which they see somebody else's limbs,
   // and stage I does not follow these (PoseOptions::keypoint_2d_huber_px). For so many frames on end its pose is kept.
   int max_doubtful_frames = 3;
+  // After a frame in which the network saw nobody, the person is taken up again where the motion would have led for so
+  // many frames on end.
+  int max_missed_frames = 5;
 };
 
 struct TrackInput {
@@ -56,6 +59,7 @@ struct TrackInput {
   const Detections& detections;
   const Silhouette& silhouette;
   const ImageGray& mask;  // the silhouette as pixels, for the IoU
+  double time_s = 0;  // of the frame, so that a gap counts as time; frames without rising times count as equally far
 };
 
 struct TrackResult {
@@ -88,6 +92,7 @@ class Tracker {
     bool initialized = false;
   };
   Solved solve_pose(const TrackInput& input);
+  Pose predict(double time_s) const;
   PoseResult solve_tracked(const TrackInput& input, const Pose& predicted);
   std::vector<int32_t> find_contour(const TrackInput& input, const Pose& pose);
   PoseResult solve_pose_from(const TrackInput& input, const Pose& initial);
@@ -122,9 +127,12 @@ class Tracker {
   int n_history_ = 0;            // of how many frames (at most two) there is a displacement
 
   int doubtful_frames_ = 0;   // on end until the last frame
+  int missed_frames_ = 0;     // on end until the last frame
   int exchanged_frames_ = 0;  // since the detections last agreed with the prediction
   std::optional<Pose> last_pose_;
   std::optional<Pose> pose_before_last_;
+  double last_time_s_ = 0;
+  double time_before_last_s_ = 0;
 };
 
 }  // namespace livecap

@@ -6,7 +6,7 @@ namespace livecap {
 
 void warm_up_detector(detect::PoseDetector& detector, const Camera& camera) {
   ImageRgb picture{camera.width, camera.height, std::vector<uint8_t>(size_t(3) * camera.width * camera.height, 128)};
-  detector.detect(picture, camera, 0);
+  detector.detect(picture, camera, 0, 0);
   detector.reset();
 }
 

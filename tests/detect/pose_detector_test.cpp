@@ -85,7 +85,7 @@ TEST(PoseDetector, FindsThePersonAndRepeatsExactly) {
     detect::PoseDetector detector(device, lite());
     const auto run = [&] {
       std::vector<Detections> frames;
-      for (int i = 0; i < 3; ++i) frames.push_back(detector.detect(image, camera, i));
+      for (int i = 0; i < 3; ++i) frames.push_back(detector.detect(image, camera, i, i / 30.0));
       return frames;
     };
     const auto first = run();
@@ -199,8 +199,8 @@ TEST(PoseDetector, EverySecondTrackedPictureIsMirrored) {
     detect::BlazePose network(device, model, false);
     for (int round = 0; round < 2; ++round) {
       for (int frame = 0; frame < 4; ++frame) {  // frame 0 is found, then tracked
-        ASSERT_TRUE(alternating.detect(image, camera, frame).person);
-        ASSERT_TRUE(plain.detect(image, camera, frame).person);
+        ASSERT_TRUE(alternating.detect(image, camera, frame, frame / 30.0).person);
+        ASSERT_TRUE(plain.detect(image, camera, frame, frame / 30.0).person);
         detect::PoseEstimate estimate;
         network.estimate(image, alternating.crop(), options.refine_threshold, frame == 2, estimate);
         bool as_plain = true;
@@ -223,13 +223,13 @@ TEST(PoseDetector, NobodyIsNoError) {
   test::on_every_device([&](ocl::DeviceContext& device) {
     detect::PoseDetector detector(device, lite());
     for (int i = 0; i < 4; ++i) {
-      const Detections d = detector.detect(empty, camera, i);
+      const Detections d = detector.detect(empty, camera, i, i / 30.0);
       EXPECT_FALSE(d.person);
       EXPECT_LT(d.score, 0.5f);
       EXPECT_TRUE(d.mask.empty());
       EXPECT_TRUE(detector.raw_landmarks().empty());
     }
-    EXPECT_THROW(detector.detect(empty, camera_from_fov(321, 200, 60), 9), ConfigError);
+    EXPECT_THROW(detector.detect(empty, camera_from_fov(321, 200, 60), 9, 1), ConfigError);
   });
 }
 

@@ -134,6 +134,10 @@ bool Tracker::believable(const PoseResult& result, const Detections& detections)
   return height > 0 && result.keypoint_error_px < options_.lost_error_fraction * height;
 }
 
+void Tracker::miss_frame() {
+  if (last_pose_ && ++missed_frames_ > options_.max_missed_frames) reset();
+}
+
 // The last pose moved on as it moved before.
 Pose Tracker::predict(double time_s) const {
   const double before = last_time_s_ - time_before_last_s_, since = time_s - last_time_s_;
@@ -149,6 +153,10 @@ Tracker::Solved Tracker::solve_pose(const TrackInput& input) {
   if (last_pose_) {
     solved.pose = solve_tracked(input, predict(input.time_s));
     const bool believed = believable(solved.pose, input.detections);
+    if (missed_frames_ > 0) {
+      solved.accepted = believed;
+      return solved;
+    }
     doubtful_frames_ = believed ? 0 : doubtful_frames_ + 1;
     solved.accepted = solved.pose.status == SolveStatus::kOk && doubtful_frames_ <= options_.max_doubtful_frames;
     if (solved.accepted) return solved;
@@ -223,16 +231,19 @@ TrackResult Tracker::track(const TrackInput& input) {
   if (input.detections.person && input.mask.pixels.size() != size_t(camera_.width) * camera_.height)
     throw LogicError("capture: the mask is not of the camera's size");
   if (!input.detections.person) {
-    if (++missed_frames_ > options_.max_missed_frames) reset();
+    miss_frame();
     return result;
   }
-  missed_frames_ = 0;
   Timer timer;
   if (!input.silhouette.empty()) frame_.upload(input.silhouette, input.image);
   const Solved solved = solve_pose(input);
   result.pose_ms = timer.elapsed_ms();
   result.pose_energy = solved.pose.energy.total();
   result.keypoint_error_px = solved.pose.keypoint_error_px;
+  if (!solved.accepted && missed_frames_ > 0) {
+    miss_frame();
+    return result;
+  }
   if (!solved.accepted) {
     reset();
     result.status = TrackStatus::kLost;
@@ -254,6 +265,7 @@ TrackResult Tracker::track(const TrackInput& input) {
   last_pose_ = result.pose;
   time_before_last_s_ = last_time_s_;
   last_time_s_ = input.time_s;
+  missed_frames_ = 0;
   return result;
 }
 

@@ -50,7 +50,7 @@ struct TrackerOptions {
   // and stage I does not follow these (PoseOptions::keypoint_2d_huber_px). For so many frames on end its pose is kept.
   int max_doubtful_frames = 3;
   // After a frame in which the network saw nobody, the person is taken up again where the motion would have led for so
-  // many frames on end.
+  // many frames on end. What is not believed then is nobody: networks go on seeing something where a person just was.
   int max_missed_frames = 5;
 };
 
@@ -92,6 +92,7 @@ class Tracker {
     bool initialized = false;
   };
   Solved solve_pose(const TrackInput& input);
+  void miss_frame();
   Pose predict(double time_s) const;
   PoseResult solve_tracked(const TrackInput& input, const Pose& predicted);
   std::vector<int32_t> find_contour(const TrackInput& input, const Pose& pose);

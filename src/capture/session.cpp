@@ -1,4 +1,5 @@
 // run_capture: opens everything, warms up, runs the pipeline, closes the outputs.
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -80,15 +81,27 @@ class DetectionSource {
   size_t next_ = 0;
 };
 
-// Thread 3: which pixels are the person.
-void segment(const ForegroundModel& foreground, WorkItem& item) {
-  Timer timer;
-  if (item.detections.person) {
-    item.mask = foreground.segment(item.image, item.detections.mask);
-    item.silhouette = make_silhouette(item.mask);
+// Thread 3: which pixels are the person. In the first frames without one, in case that the network has just missed the
+// person: which are not the background.
+class Segmenter {
+ public:
+  explicit Segmenter(const ForegroundModel& foreground) : foreground_(foreground) {}
+
+  void segment(WorkItem& item) {
+    Timer timer;
+    const bool person = item.detections.person;
+    missed_frames_ = person ? 0 : missed_frames_ + 1;
+    if (person || (foreground_.has_background() && missed_frames_ <= TrackerOptions{}.max_missed_frames)) {
+      item.mask = foreground_.segment(item.image, item.detections.mask);
+      item.silhouette = make_silhouette(item.mask);
+    }
+    item.report.stage_ms[static_cast<int>(CaptureStage::kSegment)] = timer.elapsed_ms();
   }
-  item.report.stage_ms[static_cast<int>(CaptureStage::kSegment)] = timer.elapsed_ms();
-}
+
+ private:
+  const ForegroundModel& foreground_;
+  int64_t missed_frames_ = std::numeric_limits<int32_t>::max();  // nobody yet
+};
 
 // Thread 4: both stages.
 class Solver {
@@ -142,6 +155,8 @@ CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& 
   detection.warm_up(reader.camera());
   Solver solver(options, solver_device, actor, reader.camera());
 
+  Segmenter segmenter(foreground);
+
   PipelineStages stages;
   stages.read = [&](WorkItem& item) { return reader.read(item); };
   stages.detect = [&](WorkItem& item) {
@@ -152,7 +167,7 @@ CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& 
     item.report.stage_ms[static_cast<int>(CaptureStage::kNetwork)] = timer.elapsed_ms();
   };
   stages.segment = [&](WorkItem& item) {
-    if (item.report.status != TrackStatus::kDamaged) segment(foreground, item);
+    if (item.report.status != TrackStatus::kDamaged) segmenter.segment(item);
   };
   stages.solve = [&](WorkItem& item) {
     if (item.report.status != TrackStatus::kDamaged) solver.solve(item);

@@ -5,11 +5,15 @@
 
 #include "base/log.h"
 #include "base/timer.h"
+#include "capture/expected_detections.h"
 #include "livecap/error.h"
 #include "pose/leg_exchange.h"
 
 namespace livecap {
 namespace {
+
+// Of keypoints that nobody saw: they only lead where the silhouette says nothing.
+constexpr float kExpectedConfidence = 0.3f;
 
 // Periods that differ by less than this share are the same one: time stamps are rounded.
 constexpr double kSamePeriod = 0.02;
@@ -134,10 +138,6 @@ bool Tracker::believable(const PoseResult& result, const Detections& detections)
   return height > 0 && result.keypoint_error_px < options_.lost_error_fraction * height;
 }
 
-void Tracker::miss_frame() {
-  if (last_pose_ && ++missed_frames_ > options_.max_missed_frames) reset();
-}
-
 // The last pose moved on as it moved before.
 Pose Tracker::predict(double time_s) const {
   const double before = last_time_s_ - time_before_last_s_, since = time_s - last_time_s_;
@@ -172,6 +172,21 @@ Tracker::Solved Tracker::solve_pose(const TrackInput& input) {
   solved.pose = solve_pose_from(input, *initial);
   if (solved.pose.status == SolveStatus::kOk) solved.pose = solve_pose_from(input, solved.pose.pose);
   solved.accepted = believable(solved.pose, input.detections);
+  return solved;
+}
+
+// A frame in which the network sees nobody: the silhouette, near where the motion would have led.
+Tracker::Solved Tracker::solve_missed(const TrackInput& input) {
+  Solved solved;
+  if (!last_pose_ || input.silhouette.empty()) return solved;
+  const Pose predicted = predict(input.time_s);
+  const Detections expected = expected_detections(actor_, camera_, predicted, kExpectedConfidence);
+  solved.pose = solve_tracked({input.image, expected, input.silhouette, input.mask, input.time_s}, predicted);
+  if (solved.pose.status != SolveStatus::kOk) return solved;
+  skinner_.set_pose(bone_dual_quats(forward_kinematics(actor_.skeleton, solved.pose.pose)));
+  skinner_.skin(zero_, start_);
+  rasterizer_.render(start_, camera_);
+  solved.accepted = intersection_over_union(rasterizer_.read_mask(), input.mask) >= options_.least_missed_iou;
   return solved;
 }
 
@@ -228,25 +243,20 @@ void Tracker::solve_surface(const Pose& pose, bool has_picture, TrackResult& res
 
 TrackResult Tracker::track(const TrackInput& input) {
   TrackResult result;
-  if (input.detections.person && input.mask.pixels.size() != size_t(camera_.width) * camera_.height)
+  const bool person = input.detections.person;
+  if ((person || !input.silhouette.empty()) && input.mask.pixels.size() != size_t(camera_.width) * camera_.height)
     throw LogicError("capture: the mask is not of the camera's size");
-  if (!input.detections.person) {
-    miss_frame();
-    return result;
-  }
+  if (!person && last_pose_ && ++missed_frames_ > options_.max_missed_frames) reset();
   Timer timer;
   if (!input.silhouette.empty()) frame_.upload(input.silhouette, input.image);
-  const Solved solved = solve_pose(input);
+  const Solved solved = person ? solve_pose(input) : solve_missed(input);
   result.pose_ms = timer.elapsed_ms();
   result.pose_energy = solved.pose.energy.total();
-  result.keypoint_error_px = solved.pose.keypoint_error_px;
-  if (!solved.accepted && missed_frames_ > 0) {
-    miss_frame();
-    return result;
-  }
+  if (person) result.keypoint_error_px = solved.pose.keypoint_error_px;
   if (!solved.accepted) {
-    reset();
-    result.status = TrackStatus::kLost;
+    const bool missed = !person || missed_frames_ > 0;
+    if (!missed) result.status = TrackStatus::kLost;
+    if (!missed || (person && ++missed_frames_ > options_.max_missed_frames)) reset();
     return result;
   }
   result.status = solved.initialized ? TrackStatus::kInitialized : TrackStatus::kOk;
@@ -265,7 +275,7 @@ TrackResult Tracker::track(const TrackInput& input) {
   last_pose_ = result.pose;
   time_before_last_s_ = last_time_s_;
   last_time_s_ = input.time_s;
-  missed_frames_ = 0;
+  if (person) missed_frames_ = 0;
   return result;
 }
 

@@ -47,7 +47,12 @@ class TrackerScene {
     if (feet_exchanged) detections = with_exchanged_feet(detections);
     const TrackResult result = tracker_.track({picture_, detections, nobody_segmented_, empty_mask_});
     EXPECT_EQ(result.status, frame == 0 ? TrackStatus::kInitialized : TrackStatus::kOk) << frame;
+    return feet_error_mm(result, frame);
+  }
+
+  double feet_error_mm(const TrackResult& result, int frame) const {
     if (!is_tracked(result.status)) return -1;
+    const Pose truth = step_of(actor_, frame);
     const auto seen = keypoint_positions(actor_, forward_kinematics(actor_.skeleton, result.pose));
     const auto wanted = keypoint_positions(actor_, forward_kinematics(actor_.skeleton, truth));
     double largest = 0;
@@ -61,6 +66,15 @@ class TrackerScene {
     Detections detections = test::exact_detections(actor_, camera_, step_of(actor_, frame));
     for (int k = 0; k < kKeypointCount; ++k) detections.keypoints[k].x_px += k % 2 ? 250 : -250;
     return tracker_.track({picture_, detections, nobody_segmented_, empty_mask_}).status;
+  }
+
+  // The network sees nobody.
+  TrackStatus track_nobody() { return tracker_.track({picture_, Detections{}, nobody_segmented_, empty_mask_}).status; }
+
+  // With time; no feet exchanged.
+  TrackResult track_at(int frame, double time_s) {
+    const Detections detections = test::exact_detections(actor_, camera_, step_of(actor_, frame));
+    return tracker_.track({picture_, detections, nobody_segmented_, empty_mask_, time_s});
   }
 
   void reset() { tracker_.reset(); }
@@ -109,6 +123,33 @@ TEST(Tracker, ScatteredKeypointsAreDoubtedForAFewFrames) {
     for (; frame < 3; ++frame) scene.track(frame, false);
     for (int i = 0; i < most; ++i, ++frame) EXPECT_EQ(scene.track_scattered(frame), TrackStatus::kOk) << i;
     EXPECT_NE(scene.track_scattered(frame), TrackStatus::kOk);
+  });
+}
+
+TEST(Tracker, AMissedPersonIsTakenUpAgain) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const int most = TrackerOptions().max_missed_frames;
+    TrackerScene scene(device, 0);
+    int frame = 0;
+    for (; frame < 3; ++frame) scene.track_at(frame, frame / 30.0);
+    for (int missed : {1, 2, most}) {
+      for (int i = 0; i < missed; ++i, ++frame) EXPECT_EQ(scene.track_nobody(), TrackStatus::kNobody) << missed;
+      EXPECT_EQ(scene.track_at(frame, frame / 30.0).status, TrackStatus::kOk) << missed;
+      ++frame;
+    }
+    for (int i = 0; i < most + 1; ++i, ++frame) EXPECT_EQ(scene.track_nobody(), TrackStatus::kNobody);
+    EXPECT_EQ(scene.track_at(frame, frame / 30.0).status, TrackStatus::kInitialized);
+  });
+}
+
+TEST(Tracker, WhatIsNotBelievedAfterAMissedFrameIsNobody) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    TrackerScene scene(device, 0);
+    for (int frame = 0; frame < 3; ++frame) scene.track(frame, false);
+    EXPECT_EQ(scene.track_nobody(), TrackStatus::kNobody);
+    EXPECT_EQ(scene.track_scattered(4), TrackStatus::kNobody);
+    scene.track(5, true);  // ok
+    EXPECT_EQ(scene.track_scattered(6), TrackStatus::kOk) << "otherwise it is only doubted";
   });
 }
 

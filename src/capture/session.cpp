@@ -112,7 +112,7 @@ class Solver {
   }
 
   void solve(WorkItem& item) {
-    item.result = tracker_.track({item.image, item.detections, item.silhouette, item.mask, item.report.pts_ms / 1000});
+    item.result = tracker_.track({item.image, item.detections, item.silhouette, item.mask});
     auto& stage_ms = item.report.stage_ms;
     stage_ms[static_cast<int>(CaptureStage::kPose)] = item.result.pose_ms;
     stage_ms[static_cast<int>(CaptureStage::kSurface)] = item.result.surface_ms;

@@ -15,9 +15,6 @@ namespace {
 // Of keypoints that nobody saw: they only lead where the silhouette says nothing.
 constexpr float kExpectedConfidence = 0.3f;
 
-// Periods that differ by less than this share are the same one: time stamps are rounded.
-constexpr double kSamePeriod = 0.02;
-
 // Vertical extent of the confident keypoints: the person's size in the picture, px.
 double person_height_px(const Detections& detections) {
   double low = 1e9, high = -1e9;
@@ -138,20 +135,17 @@ bool Tracker::believable(const PoseResult& result, const Detections& detections)
   return height > 0 && result.keypoint_error_px < options_.lost_error_fraction * height;
 }
 
-// The last pose moved on as it moved before.
-Pose Tracker::predict(double time_s) const {
-  const double before = last_time_s_ - time_before_last_s_, since = time_s - last_time_s_;
-  double steps = before > 0 && since > 0 ? since / before : 1;
-  if (std::abs(steps - 1) < kSamePeriod) steps = 1;
-  return predict_pose(actor_.skeleton, pose_before_last_ ? &*pose_before_last_ : nullptr, *last_pose_, options_.pose,
-                      steps);
+// The last pose moved on as it moved before. After a gap not further than that: a speed that is multiplied leads away
+// more often than near.
+Pose Tracker::predict() const {
+  return predict_pose(actor_.skeleton, pose_before_last_ ? &*pose_before_last_ : nullptr, *last_pose_, options_.pose);
 }
 
 Tracker::Solved Tracker::solve_pose(const TrackInput& input) {
   Solved solved;
   const PoseOptions& options = options_.pose;
   if (last_pose_) {
-    solved.pose = solve_tracked(input, predict(input.time_s));
+    solved.pose = solve_tracked(input, predict());
     const bool believed = believable(solved.pose, input.detections);
     if (missed_frames_ > 0) {
       solved.accepted = believed;
@@ -179,9 +173,9 @@ Tracker::Solved Tracker::solve_pose(const TrackInput& input) {
 Tracker::Solved Tracker::solve_missed(const TrackInput& input) {
   Solved solved;
   if (!last_pose_ || input.silhouette.empty()) return solved;
-  const Pose predicted = predict(input.time_s);
+  const Pose predicted = predict();
   const Detections expected = expected_detections(actor_, camera_, predicted, kExpectedConfidence);
-  solved.pose = solve_tracked({input.image, expected, input.silhouette, input.mask, input.time_s}, predicted);
+  solved.pose = solve_tracked({input.image, expected, input.silhouette, input.mask}, predicted);
   if (solved.pose.status != SolveStatus::kOk) return solved;
   skinner_.set_pose(bone_dual_quats(forward_kinematics(actor_.skeleton, solved.pose.pose)));
   skinner_.skin(zero_, start_);
@@ -273,8 +267,6 @@ TrackResult Tracker::track(const TrackInput& input) {
 
   pose_before_last_ = last_pose_;
   last_pose_ = result.pose;
-  time_before_last_s_ = last_time_s_;
-  last_time_s_ = input.time_s;
   if (person) missed_frames_ = 0;
   return result;
 }

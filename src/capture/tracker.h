@@ -61,7 +61,6 @@ struct TrackInput {
   const Detections& detections;
   const Silhouette& silhouette;  // without a person in the detections: of whatever is not the background
   const ImageGray& mask;         // the silhouette as pixels, for the IoU
-  double time_s = 0;  // of the frame, so that a gap counts as time; frames without rising times count as equally far
 };
 
 struct TrackResult {
@@ -95,7 +94,7 @@ class Tracker {
   };
   Solved solve_pose(const TrackInput& input);
   Solved solve_missed(const TrackInput& input);
-  Pose predict(double time_s) const;
+  Pose predict() const;
   PoseResult solve_tracked(const TrackInput& input, const Pose& predicted);
   std::vector<int32_t> find_contour(const TrackInput& input, const Pose& pose);
   PoseResult solve_pose_from(const TrackInput& input, const Pose& initial);
@@ -134,8 +133,6 @@ class Tracker {
   int exchanged_frames_ = 0;  // since the detections last agreed with the prediction
   std::optional<Pose> last_pose_;
   std::optional<Pose> pose_before_last_;
-  double last_time_s_ = 0;
-  double time_before_last_s_ = 0;
 };
 
 }  // namespace livecap

@@ -176,18 +176,18 @@ std::optional<Eigen::Vector3d> translation_from_2d(const std::array<Eigen::Vecto
 }  // namespace
 
 Pose predict_pose(const Skeleton& skeleton, const Pose* before_previous, const Pose& previous,
-                  const PoseOptions& options, double steps) {
+                  const PoseOptions& options) {
   if (!before_previous) return previous;
   const Eigen::Vector3d turn =
-      steps * vector_from_rotation(previous.root_rotation * before_previous->root_rotation.transpose());
-  const Eigen::Vector3d move = steps * (previous.root_translation_mm - before_previous->root_translation_mm);
+      vector_from_rotation(previous.root_rotation * before_previous->root_rotation.transpose());
+  const Eigen::Vector3d move = previous.root_translation_mm - before_previous->root_translation_mm;
   Eigen::VectorXd delta(6 + skeleton.n_dofs());
   const double turn_bound = options.max_predicted_turn_rad;
   delta.head<3>() = turn * std::min(1.0, turn_bound / std::max(turn.norm(), 1e-12));
   delta.segment<3>(3) = move * std::min(1.0, options.max_predicted_move_mm / std::max(move.norm(), 1e-12));
   for (int k = 0; k < skeleton.n_dofs(); ++k) {
     const double now = previous.angles_rad[k];
-    const double step = std::clamp(steps * (now - before_previous->angles_rad[k]), -turn_bound, turn_bound);
+    const double step = std::clamp(now - before_previous->angles_rad[k], -turn_bound, turn_bound);
     const double low = std::min(now, skeleton.dofs[k].min_rad);
     const double high = std::max(now, skeleton.dofs[k].max_rad);
     delta[6 + k] = std::clamp(now + step, low, high) - now;

@@ -13,10 +13,9 @@
 namespace livecap {
 
 // The Euler step of `previous` from `before_previous` (nullptr: no motion known, `previous` itself), shortened to the
-// option's bounds and kept inside the joint limits where `previous` was. steps: how far, in units of the time between
-// the two.
+// option's bounds and kept inside the joint limits where `previous` was.
 Pose predict_pose(const Skeleton& skeleton, const Pose* before_previous, const Pose& previous,
-                  const PoseOptions& options, double steps = 1);
+                  const PoseOptions& options);
 
 // Root rotation by rigid alignment of the torso to the 3D detections, joint angles by cyclic coordinate descent on the
 // re-boned 3D keypoints, root translation by linear least squares on the 2D detections.

@@ -71,14 +71,6 @@ TEST(Initialize, PredictionIsTheEulerStepWithinBounds) {
   EXPECT_LT(test::keypoint_distance_mm(actor, predicted, expected), test::kDoubleExact * 1000);
   EXPECT_EQ(test::keypoint_distance_mm(actor, predict_pose(actor.skeleton, nullptr, now, options), now), 0);
 
-  // After a gap of two frames: as far as three steps of one frame.
-  const Pose slow = test::disturbed(before, rng, 0.01, 5);
-  const Pose one = predict_pose(actor.skeleton, &before, slow, options);
-  const Pose two = predict_pose(actor.skeleton, &slow, one, options);
-  EXPECT_LT(test::keypoint_distance_mm(actor, predict_pose(actor.skeleton, &before, slow, options, 3),
-                                       predict_pose(actor.skeleton, &one, two, options)),
-            test::kDoubleExact * 1000);
-
   // A leap is shortened, and limits are not left.
   Pose leap = now;
   leap.root_translation_mm.x() += 5000;

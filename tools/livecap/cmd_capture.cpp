@@ -80,6 +80,8 @@ void add_capture_command(CLI::App& app, Action& action) {
 
   command->add_option("--model", capture.model, "lite, full, heavy or a .tflite file")->capture_default_str();
   command->add_option("--detections", capture.detections, "detections.jsonl to use instead of the network");
+  command->add_option("--miss-detections", capture.missed_detections,
+                      "test of robustness: show the network nothing in this share of the frames, chosen at random");
   command->add_flag("--no-surface", options->no_surface, "stage I only: the skinned pose");
   command->add_option("--without", capture.without, "energy terms and components to switch off, comma-separated")
       ->delimiter(',');

@@ -6,9 +6,9 @@
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
 #include <cmath>
 
-#include "synth/isosurface.h"
+#include "meshing/isosurface.h"
 
-namespace livecap::synth {
+namespace livecap::meshing {
 
 namespace {
 
@@ -172,4 +172,4 @@ Surface decimate_surface(const Surface& fine, int target_vertices, double max_ed
   return coarse;
 }
 
-}  // namespace livecap::synth
+}  // namespace livecap::meshing

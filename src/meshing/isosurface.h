@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-namespace livecap::synth {
+namespace livecap::meshing {
 
 struct Surface {
   std::vector<Eigen::Vector3d> vertices;
@@ -24,4 +24,4 @@ Surface extract_surface(const DistanceField& distance, const Eigen::Vector3d& lo
 // relaxation that even the triangles out, each vertex put back on the zero of `distance`. Keeps the surface closed.
 Surface decimate_surface(const Surface& fine, int target_vertices, double max_edge, const DistanceField& distance);
 
-}  // namespace livecap::synth
+}  // namespace livecap::meshing

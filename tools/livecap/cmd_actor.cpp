@@ -1,11 +1,12 @@
-// livecap actor: looks at actor files.
+// livecap actor: looks at actor files and makes them (cmd_actor_build.cpp).
+#include "cmd_actor.h"
+
 #include <cstdio>
 #include <memory>
 #include <string>
 
 #include "actor/actor.h"
 #include "actor/inspect.h"
-#include "command.h"
 
 namespace livecap::tools {
 namespace {
@@ -25,7 +26,7 @@ int inspect(const Options& options) {
 
 void add_actor_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("actor", "look at an actor file");
+  CLI::App* command = app.add_subcommand("actor", "look at an actor file, or make one");
   command->require_subcommand(1);
   CLI::App* inspect_command =
       command->add_subcommand("inspect", "print what was found in an actor.glb, what was defaulted, what is wrong");
@@ -34,6 +35,8 @@ void add_actor_command(CLI::App& app, Action& action) {
   inspect_command->add_option("--height", options->height_m, "scale it to this height, metres")
       ->check(CLI::PositiveNumber);
   inspect_command->callback([options, &action] { action = [options] { return inspect(*options); }; });
+  add_actor_build_command(*command, action);
+  add_actor_views_command(*command, action);
 }
 
 }  // namespace livecap::tools

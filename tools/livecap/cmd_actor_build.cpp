@@ -5,6 +5,7 @@
 
 #include "acquire/build_actor.h"
 #include "acquire/rehearsal.h"
+#include "acquire/report.h"
 #include "actor/inspect.h"
 #include "base/log.h"
 #include "base/text.h"
@@ -79,9 +80,12 @@ int build(const BuildCommand& options) {
     total_s += seconds;
     std::printf("  %-20s %6.1f s\n", name.c_str(), seconds);
   }
-  std::printf("%s: %d vertices from %d views (a person in %d), keypoints agree within %.2f degrees, %.0f s\n",
-              options.out.c_str(), actor.n_vertices(), result.n_views, result.n_detected,
-              result.keypoint_rad * 180 / M_PI, total_s);
+  const std::string facts =
+      format("%d vertices from %d views (a person in %d), keypoints agree within %.2f degrees, %.0f s",
+             actor.n_vertices(), result.n_views, result.n_detected, result.keypoint_rad * 180 / M_PI, total_s);
+  const std::filesystem::path report = std::filesystem::path(options.out).replace_extension(".html");
+  write_file_atomically(report, acquire::actor_report_html(actor, {build.name, {facts}, result.notes}));
+  std::printf("%s: %s; see %s\n", options.out.c_str(), facts.c_str(), report.c_str());
   return kExitOk;
 }
 

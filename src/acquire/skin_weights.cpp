@@ -92,6 +92,23 @@ std::vector<Vector3d> normals_of(const meshing::Surface& surface) {
   return normals;
 }
 
+// The four largest entries, sum 1.
+meshing::Influences strongest(Eigen::VectorXd row) {
+  meshing::Influences result;
+  double sum = 0;
+  for (auto& slot : result) {
+    int bone;
+    const double weight = row.maxCoeff(&bone);
+    if (weight < 0.01) break;
+    slot = {bone, weight};
+    sum += weight;
+    row[bone] = 0;
+  }
+  for (auto& slot : result) slot.weight = sum > 0 ? slot.weight / sum : 0;
+  if (!(sum > 0)) result[0] = {kHipsBone, 1.0};
+  return result;
+}
+
 }  // namespace
 
 std::vector<meshing::Influences> heat_weights(const meshing::Surface& surface, const BodyJoints& joints,
@@ -124,20 +141,7 @@ std::vector<meshing::Influences> heat_weights(const meshing::Surface& surface, c
   const Eigen::MatrixXd weights = factor.solve(source);
 
   std::vector<meshing::Influences> result(n);
-  for (int i = 0; i < n; ++i) {
-    Eigen::VectorXd row = weights.row(i).cwiseMax(0);
-    double sum = 0;
-    for (auto& slot : result[i]) {
-      int bone;
-      const double weight = row.maxCoeff(&bone);
-      if (weight < 0.01) break;
-      slot = {bone, weight};
-      sum += weight;
-      row[bone] = 0;
-    }
-    for (auto& slot : result[i]) slot.weight = sum > 0 ? slot.weight / sum : 0;
-    if (!(sum > 0)) result[i][0] = {kHipsBone, 1.0};
-  }
+  for (int i = 0; i < n; ++i) result[i] = strongest(weights.row(i).cwiseMax(0));
   return result;
 }
 

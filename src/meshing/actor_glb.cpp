@@ -187,8 +187,10 @@ std::string actor_glb(const ActorFile& actor) {
   mesh.primitives.back().material = add_material(actor, builder);
   tinygltf::Value::Object markers;
   for (const auto& [keypoint, vertex] : actor.markers) markers[keypoint] = tinygltf::Value(vertex);
-  tinygltf::Value::Object livecap{{"markers", tinygltf::Value(markers)}};
-  mesh.extras = tinygltf::Value(tinygltf::Value::Object{{"livecap", tinygltf::Value(livecap)}});
+  if (!markers.empty()) {
+    tinygltf::Value::Object livecap{{"markers", tinygltf::Value(markers)}};
+    mesh.extras = tinygltf::Value(tinygltf::Value::Object{{"livecap", tinygltf::Value(livecap)}});
+  }
   model.meshes.push_back(mesh);
   add_bones(actor, builder);
   tinygltf::Node body;

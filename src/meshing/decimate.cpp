@@ -152,10 +152,18 @@ Surface decimate_surface(const Surface& fine, int target_vertices, double max_ed
   decimater.initialize();
   decimater.decimate_to(static_cast<size_t>(target_vertices));
   mesh.garbage_collection();
+  // A surface with more area than usual cannot have so few vertices with edges so short.
+  for (int more = 0; more < 6 && mesh.n_vertices() > 1.02 * target_vertices; ++more) {
+    max_edge *= 1.15;
+    decimater.module(shape).set_max_edge(max_edge);
+    decimater.initialize();
+    decimater.decimate_to(static_cast<size_t>(target_vertices));
+    mesh.garbage_collection();
+  }
 
   for (int round = 0; round < 4; ++round) {
     flip_edges(mesh);
-    relax(mesh, distance, 0.35);
+    if (distance) relax(mesh, distance, 0.35);
   }
   flip_edges(mesh);
 

@@ -14,8 +14,10 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
+}  // namespace
+
 // Ericson, Real-Time Collision Detection, 5.1.5.
-std::array<double, 3> nearest_weights(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+std::array<double, 3> nearest_in_triangle(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   const Vector3d ab = b - a, ac = c - a, ap = p - a;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);
   if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
@@ -38,8 +40,6 @@ std::array<double, 3> nearest_weights(const Vector3d& p, const Vector3d& a, cons
   if (!(sum > 0)) return {1, 0, 0};  // no area
   return {va / sum, vb / sum, vc / sum};
 }
-
-}  // namespace
 
 NearestSurface::NearestSurface(const Surface& surface, double cell) : surface_(surface), cell_(cell) {
   if (surface.triangles.empty()) throw LogicError("nearest surface of no triangles");
@@ -81,7 +81,7 @@ SurfacePoint NearestSurface::find(const Vector3d& p) const {
           for (int t : found->second) {
             const auto& tri = surface_.triangles[t];
             const auto w =
-                nearest_weights(p, surface_.vertices[tri[0]], surface_.vertices[tri[1]], surface_.vertices[tri[2]]);
+                nearest_in_triangle(p, surface_.vertices[tri[0]], surface_.vertices[tri[1]], surface_.vertices[tri[2]]);
             const Vector3d on =
                 w[0] * surface_.vertices[tri[0]] + w[1] * surface_.vertices[tri[1]] + w[2] * surface_.vertices[tri[2]];
             if (const double d = (on - p).norm(); d < best.distance) best = {t, w, on, d};

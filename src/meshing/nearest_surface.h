@@ -18,6 +18,10 @@ struct SurfacePoint {
   double distance = 0;
 };
 
+// Barycentric weights of the point of triangle a, b, c nearest to p.
+std::array<double, 3> nearest_in_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                          const Eigen::Vector3d& c);
+
 class NearestSurface {
  public:
   // Keeps a reference to the surface, which must have triangles (LogicError). cell: side of the grid's cells, about the

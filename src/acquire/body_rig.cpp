@@ -86,7 +86,9 @@ BodyJoints place_joints(const SpaceKeypoints& keypoints, double height_mm, const
                         " does not agree between the pictures; give it with --joints");
     return keypoints[k].position;
   };
-  // What the network calls by these names is not where a joint turns: actor/keypoint_offsets.cpp the other way round.
+  // What the network calls by these names is not where a joint turns: actor/keypoint_offsets.cpp the other way round,
+  // and what is left in the mean of three actors standing in A-pose (docs/actor_build.md): the shoulders lie farther
+  // out and the hips lower than in motion.
   BodyJoints joints;
   struct Side {
     int hip, knee, ankle, toe, shoulder, elbow, wrist, hand;  // keypoints
@@ -99,11 +101,11 @@ BodyJoints place_joints(const SpaceKeypoints& keypoints, double height_mm, const
                                kRightHand, kRightUpLegBone, kRightArmBone, -1}};
   int n_centered = 0;
   for (const Side& side : kSides) {
-    joints[side.leg] = at(side.hip);
+    joints[side.leg] = at(side.hip) + s * Vector3d(-side.out * 5, 21, -4);
     joints[side.leg + 1] = at(side.knee);
-    joints[side.leg + 2] = at(side.ankle) - s * Vector3d(0, 8, 22);
+    joints[side.leg + 2] = at(side.ankle) - s * Vector3d(0, 17, 22);
     joints[side.leg + 3] = at(side.toe) - s * Vector3d(0, -15, 40);
-    joints[side.arm] = at(side.shoulder) - s * Vector3d(0, 20, 0);
+    joints[side.arm] = at(side.shoulder) - s * Vector3d(side.out * 19, 20, 9);
     joints[side.arm + 1] = at(side.elbow) - s * Vector3d(0, 0, 12);
     const Vector3d along = (at(side.wrist) - at(side.elbow)).normalized();
     joints[side.arm + 2] = at(side.wrist) - s * 15 * along;

@@ -6,7 +6,9 @@
 #include "acquire/hull.h"
 #include "acquire/keypoints.h"
 #include "acquire/material_labels.h"
+#include "acquire/mesh_volume.h"
 #include "acquire/person_frame.h"
+#include "acquire/scan.h"
 #include "acquire/skin_weights.h"
 #include "acquire/surface_views.h"
 #include "acquire/texture.h"
@@ -20,6 +22,10 @@ namespace {
 
 using Eigen::Vector3d;
 
+constexpr int kScanViews = 32;
+constexpr double kScanGridMm = 7;
+constexpr size_t kMostTriangles = 1500000;  // thinned one edge at a time
+
 class Builder {
  public:
   Builder(ocl::DeviceContext& network_device, ocl::DeviceContext& device, const BuildOptions& options,
@@ -27,10 +33,17 @@ class Builder {
       : network_device_(network_device), device_(device), options_(options), progress_(progress) {}
 
   BuildResult run() {
-    stage("reading pictures", [&] { views_ = load_views(options_.views, result_.notes); });
+    if (!options_.mesh.empty()) stage("reading the scan", [&] { scan_ = read_scan(options_.mesh, result_.notes); });
+    if (!options_.views.images.empty())
+      stage("reading pictures", [&] { views_ = load_views(options_.views, result_.notes); });
+    else
+      stage("looking at the scan", [&] { views_ = photograph_scan(scan_, kScanViews); });
     result_.n_views = static_cast<int>(views_.size());
     stage("finding the person", [&] { find_person(); });
-    stage("carving", [&] { carve(); });
+    if (options_.mesh.empty())
+      stage("carving", [&] { carve(); });
+    else
+      stage("scan", [&] { take_scan(); });
     stage("thinning", [&] { thin(); });
     stage("joints", [&] { place(); });
     stage("skin weights", [&] { result_.actor.weights = heat_weights(surface(), result_.joints, volume_); });
@@ -68,7 +81,7 @@ class Builder {
     if (result_.n_detected < kMinViews)
       throw ConfigError(format("the network sees a person in only %d of %zu pictures; at least %d are needed",
                                result_.n_detected, views_.size(), kMinViews));
-    if (n_network_masks_ > 0)
+    if (n_network_masks_ > 0 && options_.mesh.empty())
       note(format("%d of %zu masks are the network's: the shape is about 1 %% coarser than with exact masks",
                   n_network_masks_, views_.size()));
     const SpaceKeypoints world = triangulate_keypoints(views_, detections);
@@ -105,11 +118,34 @@ class Builder {
       note(format("%d other solids in the pictures' common view were dropped", dropped));
   }
 
+  // The scan in the rest frame, as it is when it is closed and clean, else as a solid on a grid.
+  void take_scan() {
+    fine_ = scan_.surface;
+    for (Vector3d& p : fine_.vertices) p = frame_.to_rest(p);
+    scan_.surface.vertices = fine_.vertices;
+    if (const double dropped = keep_largest_piece(fine_); dropped > 1e-3)
+      note(format("%.1f %% of the scan's area is not connected to the rest and is left out", 100 * dropped));
+    const bool clean = is_closed_manifold(fine_);
+    const bool huge = fine_.triangles.size() > kMostTriangles;
+    volume_ = volume_of(fine_, kScanGridMm);
+    as_is_ = clean && !huge;
+    if (as_is_) return;
+    note(clean ? format("the scan has %zu triangles: resampled on a grid of %g mm", fine_.triangles.size(), kScanGridMm)
+               : format("the scan is not closed or not manifold: rebuilt as a solid on a grid of %g mm", kScanGridMm));
+    if (!clean) blur(volume_, 0.5 * kScanGridMm);
+    keep_largest_solid(volume_);
+  }
+
   void thin() {
-    fine_ = surface_of(volume_);
+    if (!as_is_) fine_ = surface_of(volume_);
     const double density = std::sqrt(5000.0 / options_.target_vertices);
+    const meshing::DistanceField field = [&](const Vector3d& p) { return volume_.at(p); };
     surface() = meshing::decimate_surface(fine_, options_.target_vertices, 48 * density,
-                                          [&](const Vector3d& p) { return volume_.at(p); });
+                                          as_is_ ? meshing::DistanceField{} : field);
+    fine_ = {};
+    if (surface().vertices.size() < 200 || !is_closed_manifold(surface()))
+      throw ConfigError(
+          format("the shape has no closed surface of a person (%zu vertices left)", surface().vertices.size()));
     // The soles are the floor.
     double bottom = 1e9, top = -1e9;
     for (const Vector3d& p : surface().vertices) bottom = std::min(bottom, p.y()), top = std::max(top, p.y());
@@ -127,6 +163,7 @@ class Builder {
     volume_.low = down.to_rest(volume_.low);
     volume_.step *= scale;
     for (float& d : volume_.distance) d *= static_cast<float>(scale);
+    for (Vector3d& p : scan_.surface.vertices) p = down.to_rest(p);
     frame_.translation_mm = scale * frame_.translation_mm + down.translation_mm;
     frame_.scale_mm *= scale;
   }
@@ -145,6 +182,10 @@ class Builder {
   }
 
   void texture() {
+    if (options_.views.images.empty()) {
+      texture_from_scan();
+      return;
+    }
     coverage_ = cover_surface(device_, mesh_of(surface()), views_);
     result_.actor.atlas =
         meshing::make_atlas(surface(), std::vector<int>(surface().triangles.size(), 0), {1.0}, options_.texture_size);
@@ -155,8 +196,18 @@ class Builder {
           format("%d vertices are seen by no picture; their colour is spread from their neighbours", blended.n_unseen));
   }
 
+  void texture_from_scan() {
+    if (!scan_.has_color()) note("the scan has no colour: every vertex is grey, colour cannot guide the surface");
+    result_.actor.atlas =
+        meshing::make_atlas(surface(), std::vector<int>(surface().triangles.size(), 0), {1.0}, options_.texture_size);
+    const meshing::NearestSurface near(scan_.surface, 30);
+    result_.actor.texture = meshing::bake_texture(surface(), result_.actor.atlas, options_.texture_size,
+                                                  [&](const Vector3d& p, int) { return scan_.color_at(near.find(p)); });
+  }
+
   void label() {
-    if (std::any_of(views_.begin(), views_.end(), [](const View& view) { return !view.labels.empty(); })) {
+    if (!options_.views.images.empty() &&
+        std::any_of(views_.begin(), views_.end(), [](const View& view) { return !view.labels.empty(); })) {
       MaterialLabels voted = vote_labels(surface(), views_, coverage_);
       result_.actor.labels = std::move(voted.labels);
     } else {
@@ -181,6 +232,8 @@ class Builder {
   SpaceKeypoints keypoints_;
   PersonFrame frame_;
   Volume volume_;
+  Scan scan_;           // moved into the rest frame with the person
+  bool as_is_ = false;  // the scan is thinned as it is, without a grid
   meshing::Surface fine_;
   double height_mm_ = 0;
   std::vector<ViewCoverage> coverage_;
@@ -190,6 +243,8 @@ class Builder {
 }  // namespace
 
 void BuildOptions::validate() const {
+  if (views.images.empty() && mesh.empty())
+    throw ConfigError("--images or --mesh is needed: pictures of the person or a scan");
   unit_in_mm(unit);
   if (target_vertices < 500 || target_vertices > 40000)
     throw ConfigError(format("--vertices %d; must be within 500..40000", target_vertices));

@@ -211,9 +211,30 @@ class Builder {
       MaterialLabels voted = vote_labels(surface(), views_, coverage_);
       result_.actor.labels = std::move(voted.labels);
     } else {
-      result_.actor.labels = guess_labels(surface(), result_.actor.weights, result_.joints, {});
+      result_.actor.labels =
+          guess_labels({surface(), result_.actor.weights, result_.joints, volume_, vertex_colors(), nose_vertex()});
       note("no label images: materials are guessed from body parts and colours");
     }
+  }
+
+  // Of the texture, at each vertex.
+  std::vector<Vector3d> vertex_colors() const {
+    const meshing::Atlas& atlas = result_.actor.atlas;
+    const ImageRgb& image = result_.actor.texture;
+    std::vector<Vector3d> colors(result_.actor.surface.vertices.size(), Vector3d::Constant(0.5));
+    for (size_t i = 0; i < atlas.vertex.size(); ++i) {
+      const int x = std::clamp(static_cast<int>(atlas.uvs[i].x() * image.width), 0, image.width - 1),
+                y = std::clamp(static_cast<int>(atlas.uvs[i].y() * image.height), 0, image.height - 1);
+      const uint8_t* p = &image.pixels[3 * (static_cast<size_t>(y) * image.width + x)];
+      colors[atlas.vertex[i]] = Vector3d(p[0], p[1], p[2]) / 255;
+    }
+    return colors;
+  }
+
+  int nose_vertex() const {
+    for (const auto& [name, vertex] : result_.actor.markers)
+      if (name == "nose") return vertex;
+    return -1;
   }
 
   void finish() {

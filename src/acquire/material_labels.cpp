@@ -55,13 +55,4 @@ MaterialLabels vote_labels(const meshing::Surface& surface, const std::vector<Vi
   return result;
 }
 
-std::vector<uint8_t> guess_labels(const meshing::Surface& surface, const std::vector<meshing::Influences>& weights,
-                                  const BodyJoints&, const std::vector<Eigen::Vector3d>&) {
-  constexpr uint8_t kLabelOfBone[kBodyBoneCount] = {9,  5,  13, 13, 5, 5,  14, 14, 14, 5,  5,
-                                                    15, 15, 15, 9,  9, 18, 18, 9,  9,  19, 19};
-  std::vector<uint8_t> labels(surface.vertices.size());
-  for (size_t i = 0; i < labels.size(); ++i) labels[i] = kLabelOfBone[weights[i][0].bone];
-  return labels;
-}
-
 }  // namespace livecap::acquire

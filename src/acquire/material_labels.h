@@ -6,6 +6,7 @@
 
 #include "acquire/body_rig.h"
 #include "acquire/surface_views.h"
+#include "acquire/volume.h"
 #include "meshing/actor_glb.h"
 
 namespace livecap::acquire {
@@ -19,9 +20,18 @@ struct MaterialLabels {
 MaterialLabels vote_labels(const meshing::Surface& surface, const std::vector<View>& views,
                            const std::vector<ViewCoverage>& coverage);
 
-// No network: the body part from the skin weights, cloth against skin and hair by colour. colors: [n_vertices] sRGB in
-// [0,1].
-std::vector<uint8_t> guess_labels(const meshing::Surface& surface, const std::vector<meshing::Influences>& weights,
-                                  const BodyJoints& joints, const std::vector<Eigen::Vector3d>& colors);
+struct GuessInput {
+  const meshing::Surface& surface;
+  const std::vector<meshing::Influences>& weights;
+  const BodyJoints& joints;
+  const Volume& volume;                        // the body's inside
+  const std::vector<Eigen::Vector3d>& colors;  // [n_vertices] sRGB in [0,1]; all the same: no colour
+  int nose_vertex = -1;                        // -1: not known
+};
+
+// No parsing network: the body part from the skin weights, cloth against skin and hair by the colour of the face, the
+// waist where the colours above and below differ most, a skirt where the space between the thighs is filled. Knows
+// face, hair, upper clothes, pants, skirt, arms, legs, shoes.
+std::vector<uint8_t> guess_labels(const GuessInput& input);
 
 }  // namespace livecap::acquire

@@ -134,6 +134,7 @@ ViewPose opencv_view(const path& file, const cv::FileNode& top, const cv::FileNo
   if (view.picture.empty()) fail(file, what + "image is missing");
   view.camera.width = pick("image_width").empty() ? 0 : static_cast<int>(pick("image_width"));
   view.camera.height = pick("image_height").empty() ? 0 : static_cast<int>(pick("image_height"));
+  if (view.camera.width <= 0 || view.camera.height <= 0) fail(file, what + "image_width or image_height is missing");
   const cv::Mat k = matrix(file, pick("camera_matrix"), what + "camera_matrix", 3, 3);
   view.camera.fx = k.at<double>(0, 0);
   view.camera.fy = k.at<double>(1, 1);

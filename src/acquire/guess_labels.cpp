@@ -160,6 +160,11 @@ class Guess {
       if (joint >= 2 && point(i).y() < in_.joints[left_leg ? kLeftFootBone : kRightFootBone].y() + 0.005 * height_)
         return left_leg ? kLeftShoe : kRightShoe;
       if (skin_[i] && joint >= 1) return left_leg ? kLeftLeg : kRightLeg;
+      // A heel may follow the shank; what is no skin far below a skirt is a shoe.
+      const Vector3d &knee = in_.joints[left_leg ? kLeftLegBone : kRightLegBone],
+                     &ankle = in_.joints[left_leg ? kLeftFootBone : kRightFootBone];
+      const double level = skirt ? 0.4 * knee.y() + 0.6 * ankle.y() : ankle.y() - 0.012 * height_;
+      if (joint >= 1 && !skin_[i] && point(i).y() < level) return left_leg ? kLeftShoe : kRightShoe;
       if (joint >= 2 && !skin_[i]) return skirt ? (left_leg ? kLeftShoe : kRightShoe) : kPants;
       if (skin_[i] && !skirt) return left_leg ? kLeftLeg : kRightLeg;
     }

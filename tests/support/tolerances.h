@@ -118,4 +118,17 @@ inline constexpr double kWeightSum = 1e-12;
 // below 1 % cut.
 inline constexpr double kHeatProfile = 0.06;
 
+// Pose files with eight digits.
+inline constexpr double kPoseDigits = 1e-7;
+// Exact rays or keypoints in double, mm; and 40 rays that are 14 mm off each, 20 that look elsewhere.
+inline constexpr double kTriangulatedMm = 1e-6;
+inline constexpr double kTriangulatedNoisyMm = 6;
+// A hull of 36 views in pixels of 5 mm on a grid of 12 mm: a convex solid of 120 mm radius.
+inline constexpr double kHullMeanMm = 2.5;
+inline constexpr double kHullMostMm = 9;
+// The sphere's facets of 15 mm lie up to 0.2 mm inside of it, a grid of 10 mm cuts its curve by as much.
+inline constexpr double kMeshVolumeMm = 1.0;
+// Area of a sphere made of facets.
+inline constexpr double kPieceShare = 0.01;
+
 }  // namespace livecap::test

@@ -44,13 +44,13 @@ ActorModel build_actor(const std::string& name, double height_mm, int target_ver
   if (target_vertices < 1500 || target_vertices > 20000)
     throw ConfigError(format("target_vertices is %d; it must be within 1500..20000", target_vertices));
 
-  const DistanceField field = [&](const Vec3& p) { return shape.distance(p); };
+  const meshing::DistanceField field = [&](const Vec3& p) { return shape.distance(p); };
   const double density = std::sqrt(5000.0 / target_vertices);
-  const Surface fine =
-      extract_surface(field, {-850, -30, -330}, {850, 1740, 330}, std::min(kGridStep * density, 1.15 * kGridStep));
+  const Surface fine = meshing::extract_surface(field, {-850, -30, -330}, {850, 1740, 330},
+                                                std::min(kGridStep * density, 1.15 * kGridStep));
   ActorModel actor;
   actor.name = name;
-  actor.surface = decimate_surface(fine, target_vertices, 48 * density, field);
+  actor.surface = meshing::decimate_surface(fine, target_vertices, 48 * density, field);
 
   const auto& vertices = actor.surface.vertices;
   for (const Vec3& p : vertices) {
@@ -62,9 +62,9 @@ ActorModel build_actor(const std::string& name, double height_mm, int target_ver
   std::vector<int> group;
   for (const auto& t : actor.surface.triangles)
     group.push_back(kGroupOfPart[shape.part((vertices[t[0]] + vertices[t[1]] + vertices[t[2]]) / 3)]);
-  actor.atlas = make_atlas(actor.surface, group, kGroupDensity, kTextureSize);
-  actor.texture = bake_texture(actor.surface, actor.atlas, kTextureSize,
-                               [&](const Vec3& p, int) { return paint(shape, shape.part(p), p); });
+  actor.atlas = meshing::make_atlas(actor.surface, group, kGroupDensity, kTextureSize);
+  actor.texture = meshing::bake_texture(actor.surface, actor.atlas, kTextureSize,
+                                        [&](const Vec3& p, int) { return paint(shape, shape.part(p), p); });
 
   const FaceFeatures features = face_features(shape);
   actor.left_eye = nearest_vertex(actor.surface, features.left_eye);
@@ -79,6 +79,15 @@ ActorModel build_actor(const std::string& name, double height_mm, int target_ver
   for (int bone = 0; bone < kBoneCount; ++bone)
     actor.joints[bone] = actor.scale * (shape.joints()[bone] - Vec3(0, bottom, 0));
   return actor;
+}
+
+std::string actor_glb(const ActorModel& actor) {
+  meshing::ActorFile file{actor.name, actor.surface, {}, actor.weights, actor.labels, actor.atlas, actor.texture, {}};
+  for (int bone = 0; bone < kBoneCount; ++bone)
+    file.bones.push_back({kBones[bone].name, kBones[bone].parent, actor.joints[bone]});
+  file.markers = {
+      {"left_eye", actor.left_eye}, {"right_eye", actor.right_eye}, {"nose", actor.nose}, {"chin", actor.chin}};
+  return meshing::actor_glb(file);
 }
 
 }  // namespace synth

@@ -7,11 +7,13 @@
 #include <vector>
 
 #include "base/image_rgb.h"
-#include "synth/atlas.h"
+#include "meshing/atlas.h"
 #include "synth/body_shape.h"
 #include "synth/rig.h"
 
 namespace livecap::synth {
+
+using meshing::Atlas;
 
 struct ActorModel {
   std::string name;

@@ -8,16 +8,14 @@
 #include <array>
 #include <vector>
 
+#include "meshing/actor_glb.h"
 #include "synth/body_shape.h"
-#include "synth/isosurface.h"
 
 namespace livecap::synth {
 
-struct Influence {
-  int bone = 0;
-  double weight = 0;
-};
-using Influences = std::array<Influence, 4>;  // strongest first, sum 1, unused slots are {0, 0}
+using meshing::Influence;
+using meshing::Influences;
+using meshing::Surface;
 
 // Smooth weights from the distance to each bone that may move the part, diffused over the surface. Shape units.
 std::vector<Influences> make_skin_weights(const BodyShape& shape, const Surface& surface,

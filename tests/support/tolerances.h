@@ -104,4 +104,30 @@ inline constexpr double kGlbReportMm = 5e-3;
 // 64 shapes for 150 frames of dancing with a skirt on a rigid body (nearly all motion is residual), in mm.
 inline constexpr double kClothMeanMm = 0.7;
 
+// Heat weights posed against the author's rig over 20 test poses, mean mm: the project's bar; a skirt that its author
+// lets follow the legs by half only, see docs/actor_build.md; and without the skirt.
+inline constexpr double kPosedMm = 12;
+inline constexpr double kPosedSkirtMm = 20;
+inline constexpr double kPosedBodyMm = 8;
+// The longest posed edge against the true rig's longest: a torn vertex would be ten times that.
+inline constexpr double kStretchRatio = 2;
+// Weights are divided by their sum in double.
+inline constexpr double kWeightSum = 1e-12;
+// Heat on a capsule with edges of 13 mm: piecewise linear over a profile that falls to 1/e in 25 mm, and influences
+// below 1 % cut.
+inline constexpr double kHeatProfile = 0.06;
+
+// Pose files with eight digits.
+inline constexpr double kPoseDigits = 1e-7;
+// Exact rays or keypoints in double, mm; and 40 rays that are 14 mm off each, 20 that look elsewhere.
+inline constexpr double kTriangulatedMm = 1e-6;
+inline constexpr double kTriangulatedNoisyMm = 6;
+// A hull of 36 views in pixels of 5 mm on a grid of 12 mm: a convex solid of 120 mm radius.
+inline constexpr double kHullMeanMm = 2.5;
+inline constexpr double kHullMostMm = 9;
+// The sphere's facets of 15 mm lie up to 0.2 mm inside of it, a grid of 10 mm cuts its curve by as much.
+inline constexpr double kMeshVolumeMm = 1.0;
+// Area of a sphere made of facets.
+inline constexpr double kPieceShare = 0.01;
+
 }  // namespace livecap::test

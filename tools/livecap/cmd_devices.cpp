@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "acquire/hull.h"
 #include "actor/skinner.h"
 #include "base/log.h"
 #include "base/text.h"
@@ -31,8 +32,13 @@ using SelfTest = std::function<std::vector<ocl::SelfTestResult>(ocl::DeviceConte
 // Every room that has kernels.
 const std::vector<std::pair<const char*, SelfTest>>& self_tests() {
   static const std::vector<std::pair<const char*, SelfTest>> tests = {
-      {"actor", skinner_self_test}, {"raster", raster_self_test}, {"nn", nn::nn_self_test},
-      {"solve", solve_self_test},   {"pose", pose_self_test},     {"surface", surface_self_test},
+      {"actor", skinner_self_test},
+      {"raster", raster_self_test},
+      {"nn", nn::nn_self_test},
+      {"solve", solve_self_test},
+      {"pose", pose_self_test},
+      {"surface", surface_self_test},
+      {"acquire", acquire::acquire_self_test},
   };
   return tests;
 }

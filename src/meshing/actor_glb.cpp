@@ -1,4 +1,5 @@
-// actor_glb of actor_model.h: the actor as a glTF 2.0 binary (docs/formats.md).
+#include "meshing/actor_glb.h"
+
 #include <tiny_gltf.h>
 
 #include <cstring>
@@ -8,11 +9,12 @@
 #include <sstream>
 
 #include "livecap/error.h"
-#include "synth/actor_model.h"
 
-namespace livecap::synth {
+namespace livecap::meshing {
 
 namespace {
+
+using Eigen::Vector3d;
 
 class Builder {
  public:
@@ -54,32 +56,34 @@ std::vector<unsigned char> encode_png(const ImageRgb& image) {
   return png;
 }
 
-std::vector<Vec3> smooth_normals(const Surface& surface) {
-  std::vector<Vec3> normals(surface.vertices.size(), Vec3::Zero());
+std::vector<Vector3d> smooth_normals(const Surface& surface) {
+  std::vector<Vector3d> normals(surface.vertices.size(), Vector3d::Zero());
   for (const auto& t : surface.triangles) {
-    const Vec3& a = surface.vertices[t[0]];
-    const Vec3 n = (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a);
+    const Vector3d& a = surface.vertices[t[0]];
+    const Vector3d n = (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a);
     for (int i = 0; i < 3; ++i) normals[t[i]] += n;
   }
-  for (Vec3& n : normals) n.normalize();
+  for (Vector3d& n : normals) n.normalize();
   return normals;
 }
 
-void add_bones(const ActorModel& actor, Builder& builder) {
+void add_bones(const ActorFile& actor, Builder& builder) {
   tinygltf::Skin skin;
   skin.name = "rig";
   std::vector<float> inverse_bind;
-  for (int bone = 0; bone < kBoneCount; ++bone) {
-    const int parent = kBones[bone].parent;
-    const Vec3 offset = (actor.joints[bone] - (parent >= 0 ? actor.joints[parent] : Vec3(Vec3::Zero()))) / 1000;
+  const int n_bones = static_cast<int>(actor.bones.size());
+  for (int bone = 0; bone < n_bones; ++bone) {
+    const int parent = actor.bones[bone].parent;
+    const Vector3d from = parent >= 0 ? actor.bones[parent].position_mm : Vector3d(Vector3d::Zero());
+    const Vector3d offset = (actor.bones[bone].position_mm - from) / 1000;
     tinygltf::Node node;
-    node.name = kBones[bone].name;
+    node.name = actor.bones[bone].name;
     node.translation = {offset.x(), offset.y(), offset.z()};
-    for (int child = bone + 1; child < kBoneCount; ++child)
-      if (kBones[child].parent == bone) node.children.push_back(child);
+    for (int child = bone + 1; child < n_bones; ++child)
+      if (actor.bones[child].parent == bone) node.children.push_back(child);
     builder.model.nodes.push_back(node);
     skin.joints.push_back(bone);
-    const Vec3 at = actor.joints[bone] / 1000;
+    const Vector3d at = actor.bones[bone].position_mm / 1000;
     const float matrix[16] = {1,
                               0,
                               0,
@@ -104,7 +108,7 @@ void add_bones(const ActorModel& actor, Builder& builder) {
   builder.model.skins.push_back(skin);
 }
 
-int add_material(const ActorModel& actor, Builder& builder) {
+int add_material(const ActorFile& actor, Builder& builder) {
   const auto png = encode_png(actor.texture);
   tinygltf::Image image;
   image.name = "texture";
@@ -128,7 +132,7 @@ int add_material(const ActorModel& actor, Builder& builder) {
   return 0;
 }
 
-tinygltf::Primitive add_geometry(const ActorModel& actor, Builder& builder) {
+tinygltf::Primitive add_geometry(const ActorFile& actor, Builder& builder) {
   std::vector<float> positions, normals, uvs, weights, labels;
   std::vector<uint16_t> joints;
   std::vector<uint32_t> indices;
@@ -171,7 +175,7 @@ tinygltf::Primitive add_geometry(const ActorModel& actor, Builder& builder) {
 
 }  // namespace
 
-std::string actor_glb(const ActorModel& actor) {
+std::string actor_glb(const ActorFile& actor) {
   Builder builder;
   tinygltf::Model& model = builder.model;
   model.asset.version = "2.0";
@@ -181,12 +185,12 @@ std::string actor_glb(const ActorModel& actor) {
   mesh.name = "actor";
   mesh.primitives.push_back(add_geometry(actor, builder));
   mesh.primitives.back().material = add_material(actor, builder);
-  tinygltf::Value::Object markers{{"left_eye", tinygltf::Value(actor.left_eye)},
-                                  {"right_eye", tinygltf::Value(actor.right_eye)},
-                                  {"nose", tinygltf::Value(actor.nose)},
-                                  {"chin", tinygltf::Value(actor.chin)}};
-  tinygltf::Value::Object livecap{{"markers", tinygltf::Value(markers)}};
-  mesh.extras = tinygltf::Value(tinygltf::Value::Object{{"livecap", tinygltf::Value(livecap)}});
+  tinygltf::Value::Object markers;
+  for (const auto& [keypoint, vertex] : actor.markers) markers[keypoint] = tinygltf::Value(vertex);
+  if (!markers.empty()) {
+    tinygltf::Value::Object livecap{{"markers", tinygltf::Value(markers)}};
+    mesh.extras = tinygltf::Value(tinygltf::Value::Object{{"livecap", tinygltf::Value(livecap)}});
+  }
   model.meshes.push_back(mesh);
   add_bones(actor, builder);
   tinygltf::Node body;
@@ -206,4 +210,4 @@ std::string actor_glb(const ActorModel& actor) {
   return std::move(out).str();
 }
 
-}  // namespace livecap::synth
+}  // namespace livecap::meshing

@@ -6,9 +6,9 @@
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
 #include <cmath>
 
-#include "synth/isosurface.h"
+#include "meshing/isosurface.h"
 
-namespace livecap::synth {
+namespace livecap::meshing {
 
 namespace {
 
@@ -32,6 +32,7 @@ class ModShape : public OpenMesh::Decimater::ModBaseT<MeshT> {
   DECIMATING_MODULE(ModShape, MeshT, Shape);
   explicit ModShape(MeshT& mesh) : Base(mesh, true) {}
   void set_max_edge(double length) { max_edge_ = length; }
+  void set_least_roundness(double roundness) { least_roundness_ = roundness; }
 
   float collapse_priority(const CollapseInfo& info) override {
     const MeshT& mesh = Base::mesh();
@@ -45,11 +46,11 @@ class ModShape : public OpenMesh::Decimater::ModBaseT<MeshT> {
       if ((pa - info.p1).sqrnorm() > max_edge_ * max_edge_) return Base::ILLEGAL_COLLAPSE;
       worst_after = std::min(worst_after, roundness(info.p1, pa, pb));
     }
-    return worst_after > std::min(0.15, worst_before) ? Base::LEGAL_COLLAPSE : Base::ILLEGAL_COLLAPSE;
+    return worst_after > std::min(least_roundness_, worst_before) ? Base::LEGAL_COLLAPSE : Base::ILLEGAL_COLLAPSE;
   }
 
  private:
-  double max_edge_ = 1e9;
+  double max_edge_ = 1e9, least_roundness_ = 0.15;
 };
 
 double smallest_angle(const Point& a, const Point& b, const Point& c) {
@@ -152,10 +153,19 @@ Surface decimate_surface(const Surface& fine, int target_vertices, double max_ed
   decimater.initialize();
   decimater.decimate_to(static_cast<size_t>(target_vertices));
   mesh.garbage_collection();
+  // A surface with more area or more folds than usual cannot have so few vertices that are so even.
+  for (int more = 0; more < 5 && mesh.n_vertices() > 1.02 * target_vertices; ++more) {
+    decimater.module(shape).set_max_edge(max_edge * (1.3 + 0.3 * more));
+    decimater.module(shape).set_least_roundness(more < 2 ? 0.15 : 0.02);
+    decimater.module(flipping).set_max_normal_deviation(more < 3 ? 60 : 100);
+    decimater.initialize();
+    decimater.decimate_to(static_cast<size_t>(target_vertices));
+    mesh.garbage_collection();
+  }
 
   for (int round = 0; round < 4; ++round) {
     flip_edges(mesh);
-    relax(mesh, distance, 0.35);
+    if (distance) relax(mesh, distance, 0.35);
   }
   flip_edges(mesh);
 
@@ -172,4 +182,4 @@ Surface decimate_surface(const Surface& fine, int target_vertices, double max_ed
   return coarse;
 }
 
-}  // namespace livecap::synth
+}  // namespace livecap::meshing

@@ -1,4 +1,4 @@
-// The texture of a built-in actor: charts by projection along the six axes, packed on shelves, painted per texel from
+// The texture of an actor: charts by projection along the six axes, packed on shelves, painted per texel from
 // the position on the rest surface.
 #pragma once
 
@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "base/image_rgb.h"
-#include "synth/isosurface.h"
+#include "meshing/isosurface.h"
 
-namespace livecap::synth {
+namespace livecap::meshing {
 
 // Vertices repeated along chart borders. Copies of one vertex follow each other in the order of the vertices, so that
 // the first occurrences are the vertices themselves.
@@ -26,4 +26,4 @@ Atlas make_atlas(const Surface& surface, const std::vector<int>& group, const st
 ImageRgb bake_texture(const Surface& surface, const Atlas& atlas, int size,
                       const std::function<Eigen::Vector3d(const Eigen::Vector3d&, int)>& color);
 
-}  // namespace livecap::synth
+}  // namespace livecap::meshing

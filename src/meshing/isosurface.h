@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-namespace livecap::synth {
+namespace livecap::meshing {
 
 struct Surface {
   std::vector<Eigen::Vector3d> vertices;
@@ -21,7 +21,8 @@ Surface extract_surface(const DistanceField& distance, const Eigen::Vector3d& lo
                         double step);
 
 // Quadric decimation to about target_vertices with edges no longer than max_edge, then edge flips and tangential
-// relaxation that even the triangles out, each vertex put back on the zero of `distance`. Keeps the surface closed.
+// relaxation that even the triangles out, each vertex put back on the zero of `distance`; without `distance` vertices
+// stay where they are. Where the vertices do not suffice for max_edge it gives way. Keeps the surface closed.
 Surface decimate_surface(const Surface& fine, int target_vertices, double max_edge, const DistanceField& distance);
 
-}  // namespace livecap::synth
+}  // namespace livecap::meshing

@@ -1,10 +1,10 @@
-#include "synth/isosurface.h"
+#include "meshing/isosurface.h"
 
 #include <cmath>
 #include <limits>
 #include <unordered_map>
 
-namespace livecap::synth {
+namespace livecap::meshing {
 
 namespace {
 
@@ -122,4 +122,4 @@ Surface extract_surface(const DistanceField& distance, const Vector3d& low, cons
   return Marcher(distance, low, high, step).run();
 }
 
-}  // namespace livecap::synth
+}  // namespace livecap::meshing

@@ -1,4 +1,4 @@
-#include "synth/atlas.h"
+#include "meshing/atlas.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 #include "livecap/error.h"
 
-namespace livecap::synth {
+namespace livecap::meshing {
 
 namespace {
 
@@ -225,4 +225,4 @@ ImageRgb bake_texture(const Surface& surface, const Atlas& atlas, int size,
   return image;
 }
 
-}  // namespace livecap::synth
+}  // namespace livecap::meshing

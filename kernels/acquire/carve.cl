@@ -1,0 +1,56 @@
+// Carving a visual hull: how far each node of a grid is outside of the silhouettes' cones (Laurentini 1994, with a
+// distance instead of a bit, so that the surface lies between the nodes).
+#ifdef LC_DEVICE
+
+#include "shared/camera.h"
+
+typedef struct {
+  float rotation[9];  // camera_from_rest, row major
+  float translation[3];
+  Pinhole pinhole;
+} CarveView;
+
+typedef struct {
+  int nx, ny, nz;
+  float low[3];  // mm, node (0,0,0)
+  float step;    // mm
+} CarveGrid;
+
+// One view. largest[3*i..]: the three largest distances of node i to a view's cone so far, mm, positive outside,
+// descending. n_seen[i]: views whose picture holds the node.
+kernel void carve_view(int n, CarveGrid grid, CarveView view, int width, int height,
+                       global const float* restrict signed_distance,  // [w*h] px, positive outside
+                       global float* restrict largest, global int* restrict n_seen) {
+  const int i = get_global_id(0);
+  if (i >= n) return;
+  const int x = i % grid.nx, y = i / grid.nx % grid.ny, z = i / (grid.nx * grid.ny);
+  const float px = grid.low[0] + grid.step * x, py = grid.low[1] + grid.step * y, pz = grid.low[2] + grid.step * z;
+  const float cx = view.rotation[0] * px + view.rotation[1] * py + view.rotation[2] * pz + view.translation[0];
+  const float cy = view.rotation[3] * px + view.rotation[4] * py + view.rotation[5] * pz + view.translation[1];
+  const float cz = view.rotation[6] * px + view.rotation[7] * py + view.rotation[8] * pz + view.translation[2];
+  if (!(cz > LC_MIN_DEPTH_MM)) return;
+  const float u = view.pinhole.fx * cx / cz + view.pinhole.cx, v = view.pinhole.fy * cy / cz + view.pinhole.cy;
+  if (!(u >= 0.0f && v >= 0.0f && u <= (float)(width - 1) && v <= (float)(height - 1))) return;
+  const int u0 = min((int)u, width - 2), v0 = min((int)v, height - 2);
+  const float fu = u - u0, fv = v - v0;
+  global const float* row = signed_distance + v0 * width + u0;
+  const float px_distance =
+      (1.0f - fv) * ((1.0f - fu) * row[0] + fu * row[1]) + fv * ((1.0f - fu) * row[width] + fu * row[width + 1]);
+  const float mm = px_distance * cz / view.pinhole.fx;
+  n_seen[i] += 1;
+  const float a = largest[3 * i], b = largest[3 * i + 1], c = largest[3 * i + 2];
+  largest[3 * i] = fmax(a, mm);
+  largest[3 * i + 1] = fmax(b, fmin(a, mm));
+  largest[3 * i + 2] = fmax(c, fmin(b, mm));
+}
+
+// The hull's distance: the largest one after `n_ignored` views were overruled (0, 1 or 2), between -limit and limit; a
+// node seen by less than min_views is outside.
+kernel void carve_result(int n, int n_ignored, int min_views, float limit, global const float* restrict largest,
+                         global const int* restrict n_seen, global float* restrict distance) {
+  const int i = get_global_id(0);
+  if (i >= n) return;
+  distance[i] = n_seen[i] < min_views ? limit : clamp(largest[3 * i + n_ignored], -limit, limit);
+}
+
+#endif

@@ -1,0 +1,285 @@
+#include "acquire/build_actor.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "acquire/hull.h"
+#include "acquire/keypoints.h"
+#include "acquire/material_labels.h"
+#include "acquire/mesh_volume.h"
+#include "acquire/person_frame.h"
+#include "acquire/scan.h"
+#include "acquire/skin_weights.h"
+#include "acquire/surface_views.h"
+#include "acquire/texture.h"
+#include "base/text.h"
+#include "base/timer.h"
+#include "livecap/error.h"
+
+namespace livecap::acquire {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int kScanViews = 32;
+constexpr double kScanGridMm = 7;
+constexpr size_t kMostTriangles = 1500000;  // thinned one edge at a time
+
+class Builder {
+ public:
+  Builder(ocl::DeviceContext& network_device, ocl::DeviceContext& device, const BuildOptions& options,
+          const BuildProgress& progress)
+      : network_device_(network_device), device_(device), options_(options), progress_(progress) {}
+
+  BuildResult run() {
+    if (!options_.mesh.empty()) stage("reading the scan", [&] { scan_ = read_scan(options_.mesh, result_.notes); });
+    if (!options_.views.images.empty())
+      stage("reading pictures", [&] { views_ = load_views(options_.views, result_.notes); });
+    else
+      stage("looking at the scan", [&] { views_ = photograph_scan(scan_, kScanViews); });
+    result_.n_views = static_cast<int>(views_.size());
+    stage("finding the person", [&] { find_person(); });
+    if (options_.mesh.empty())
+      stage("carving", [&] { carve(); });
+    else
+      stage("scan", [&] { take_scan(); });
+    stage("thinning", [&] { thin(); });
+    stage("joints", [&] { place(); });
+    stage("skin weights", [&] { result_.actor.weights = heat_weights(surface(), result_.joints, volume_); });
+    stage("texture", [&] { texture(); });
+    stage("labels", [&] { label(); });
+    finish();
+    return std::move(result_);
+  }
+
+ private:
+  meshing::Surface& surface() { return result_.actor.surface; }
+  void note(const std::string& text) { result_.notes.push_back(text); }
+  bool tell(int done, int total) { return !progress_ || progress_(stage_, done, total); }
+
+  template <typename Work>
+  void stage(const char* name, Work&& work) {
+    stage_ = name;
+    if (!tell(0, 1)) throw Error("interrupted while " + stage_);
+    const Timer timer;
+    work();
+    result_.stage_s.emplace_back(name, timer.elapsed_ms() / 1000);
+  }
+
+  void find_person() {
+    const auto detections = detect_in_views(network_device_, options_.model, views_, [&](int done, int total) {
+      if (!tell(done, total)) throw Error("interrupted while " + stage_);
+      return true;
+    });
+    for (size_t i = 0; i < views_.size(); ++i) {
+      result_.n_detected += detections[i].person;
+      if (!views_[i].mask.empty() || detections[i].mask.empty()) continue;
+      views_[i].mask = {detections[i].mask.width, detections[i].mask.height, detections[i].mask.probability};
+      ++n_network_masks_;
+    }
+    if (result_.n_detected < kMinViews)
+      throw ConfigError(format("the network sees a person in only %d of %zu pictures; at least %d are needed",
+                               result_.n_detected, views_.size(), kMinViews));
+    if (n_network_masks_ > 0 && options_.mesh.empty())
+      note(format("%d of %zu masks are the network's: the shape is about 1 %% coarser than with exact masks",
+                  n_network_masks_, views_.size()));
+    const SpaceKeypoints world = triangulate_keypoints(views_, detections);
+    frame_ = find_person_frame(world, unit_in_mm(options_.unit), options_.height_mm, result_.notes);
+    move_views(frame_, views_);
+    keypoints_ = move_keypoints(frame_, world);
+    double sum = 0;
+    int count = 0;
+    for (const SpacePoint& point : keypoints_)
+      if (point.found) sum += point.spread_rad * point.spread_rad, ++count;
+    result_.keypoint_rad = count > 0 ? std::sqrt(sum / count) : 0;
+    if (result_.keypoint_rad > 0.02)
+      note(format(
+          "the keypoints of the pictures disagree by %.1f degrees: did the person move, or are the cameras wrong?",
+          result_.keypoint_rad * 180 / M_PI));
+  }
+
+  void carve() {
+    Vector3d low = Vector3d::Constant(1e9), high = -low;
+    for (const SpacePoint& point : keypoints_) {
+      if (!point.found) continue;
+      low = low.cwiseMin(point.position);
+      high = high.cwiseMax(point.position);
+    }
+    low -= Vector3d(250, 200, 420);
+    high += Vector3d(250, 400, 420);
+    volume_ = make_volume(low, high, options_.grid_mm);
+    HullOptions hull;
+    hull.step_mm = options_.grid_mm;
+    hull.n_ignored = n_network_masks_ > 0 ? 2 : 0;
+    carve_hull(device_, views_, hull, volume_);
+    blur(volume_, 0.8 * options_.grid_mm);
+    if (const int dropped = keep_largest_solid(volume_); dropped > 0)
+      note(format("%d other solids in the pictures' common view were dropped", dropped));
+  }
+
+  // The scan in the rest frame, as it is when it is closed and clean, else as a solid on a grid.
+  void take_scan() {
+    fine_ = scan_.surface;
+    for (Vector3d& p : fine_.vertices) p = frame_.to_rest(p);
+    scan_.surface.vertices = fine_.vertices;
+    if (const double dropped = keep_largest_piece(fine_); dropped > 1e-3)
+      note(format("%.1f %% of the scan's area is not connected to the rest and is left out", 100 * dropped));
+    const bool clean = is_closed_manifold(fine_);
+    const bool huge = fine_.triangles.size() > kMostTriangles;
+    volume_ = volume_of(fine_, kScanGridMm);
+    as_is_ = clean && !huge;
+    if (as_is_) return;
+    note(clean ? format("the scan has %zu triangles: resampled on a grid of %g mm", fine_.triangles.size(), kScanGridMm)
+               : format("the scan is not closed or not manifold: rebuilt as a solid on a grid of %g mm", kScanGridMm));
+    if (!clean) blur(volume_, 0.5 * kScanGridMm);
+    keep_largest_solid(volume_);
+  }
+
+  void thin() {
+    if (!as_is_) fine_ = surface_of(volume_);
+    const double density = std::sqrt(5000.0 / options_.target_vertices);
+    const meshing::DistanceField field = [&](const Vector3d& p) { return volume_.at(p); };
+    surface() = meshing::decimate_surface(fine_, options_.target_vertices, 48 * density,
+                                          as_is_ ? meshing::DistanceField{} : field);
+    fine_ = {};
+    if (surface().vertices.size() < 200 || !is_closed_manifold(surface()))
+      throw ConfigError(
+          format("the shape has no closed surface of a person (%zu vertices left)", surface().vertices.size()));
+    // The soles are the floor.
+    double bottom = 1e9, top = -1e9;
+    for (const Vector3d& p : surface().vertices) bottom = std::min(bottom, p.y()), top = std::max(top, p.y());
+    double scale = 1;
+    if (options_.height_mm > 0) scale = options_.height_mm / (top - bottom);
+    height_mm_ = scale * (top - bottom);
+    if (height_mm_ < 800 || height_mm_ > 2500)
+      throw ConfigError(format("the body is %.0f mm tall; --unit or --height", height_mm_));
+    PersonFrame down;
+    down.scale_mm = scale;
+    down.translation_mm = Vector3d(0, -scale * bottom, 0);
+    for (Vector3d& p : surface().vertices) p = down.to_rest(p);
+    move_views(down, views_);
+    keypoints_ = move_keypoints(down, keypoints_);
+    volume_.low = down.to_rest(volume_.low);
+    volume_.step *= scale;
+    for (float& d : volume_.distance) d *= static_cast<float>(scale);
+    for (Vector3d& p : scan_.surface.vertices) p = down.to_rest(p);
+    frame_.translation_mm = scale * frame_.translation_mm + down.translation_mm;
+    frame_.scale_mm *= scale;
+  }
+
+  void place() {
+    result_.joints = place_joints(keypoints_, height_mm_, volume_, result_.notes);
+    make_symmetric(result_.joints);
+    if (!options_.joints.empty()) override_joints(read_joints(options_.joints), frame_, result_.joints);
+    for (const auto& [name, position] : face_markers(keypoints_)) {
+      int best = 0;
+      for (size_t i = 1; i < surface().vertices.size(); ++i)
+        if ((surface().vertices[i] - position).squaredNorm() < (surface().vertices[best] - position).squaredNorm())
+          best = static_cast<int>(i);
+      result_.actor.markers.emplace_back(name, best);
+    }
+  }
+
+  void texture() {
+    if (options_.views.images.empty()) {
+      texture_from_scan();
+      return;
+    }
+    coverage_ = cover_surface(device_, mesh_of(surface()), views_);
+    result_.actor.atlas =
+        meshing::make_atlas(surface(), std::vector<int>(surface().triangles.size(), 0), {1.0}, options_.texture_size);
+    BlendedTexture blended = blend_texture(surface(), result_.actor.atlas, options_.texture_size, views_, coverage_);
+    result_.actor.texture = std::move(blended.image);
+    if (blended.n_unseen > 0)
+      note(
+          format("%d vertices are seen by no picture; their colour is spread from their neighbours", blended.n_unseen));
+  }
+
+  void texture_from_scan() {
+    if (!scan_.has_color()) note("the scan has no colour: every vertex is grey, colour cannot guide the surface");
+    result_.actor.atlas =
+        meshing::make_atlas(surface(), std::vector<int>(surface().triangles.size(), 0), {1.0}, options_.texture_size);
+    const meshing::NearestSurface near(scan_.surface, 30);
+    result_.actor.texture = meshing::bake_texture(surface(), result_.actor.atlas, options_.texture_size,
+                                                  [&](const Vector3d& p, int) { return scan_.color_at(near.find(p)); });
+  }
+
+  void label() {
+    if (!options_.views.images.empty() &&
+        std::any_of(views_.begin(), views_.end(), [](const View& view) { return !view.labels.empty(); })) {
+      MaterialLabels voted = vote_labels(surface(), views_, coverage_);
+      result_.actor.labels = std::move(voted.labels);
+    } else {
+      result_.actor.labels =
+          guess_labels({surface(), result_.actor.weights, result_.joints, volume_, vertex_colors(), nose_vertex()});
+      note("no label images: materials are guessed from body parts and colours");
+    }
+  }
+
+  // Of the texture, at each vertex.
+  std::vector<Vector3d> vertex_colors() const {
+    const meshing::Atlas& atlas = result_.actor.atlas;
+    const ImageRgb& image = result_.actor.texture;
+    std::vector<Vector3d> colors(result_.actor.surface.vertices.size(), Vector3d::Constant(0.5));
+    for (size_t i = 0; i < atlas.vertex.size(); ++i) {
+      const int x = std::clamp(static_cast<int>(atlas.uvs[i].x() * image.width), 0, image.width - 1),
+                y = std::clamp(static_cast<int>(atlas.uvs[i].y() * image.height), 0, image.height - 1);
+      const uint8_t* p = &image.pixels[3 * (static_cast<size_t>(y) * image.width + x)];
+      colors[atlas.vertex[i]] = Vector3d(p[0], p[1], p[2]) / 255;
+    }
+    return colors;
+  }
+
+  int nose_vertex() const {
+    for (const auto& [name, vertex] : result_.actor.markers)
+      if (name == "nose") return vertex;
+    return -1;
+  }
+
+  void finish() {
+    result_.actor.name = options_.name;
+    for (int bone = 0; bone < kBodyBoneCount; ++bone)
+      result_.actor.bones.push_back({kBodyBones[bone].name, kBodyBones[bone].parent, result_.joints[bone]});
+  }
+
+  ocl::DeviceContext& network_device_;
+  ocl::DeviceContext& device_;
+  const BuildOptions& options_;
+  const BuildProgress& progress_;
+  std::string stage_;
+  std::vector<View> views_;  // in the rest frame once the person is found
+  int n_network_masks_ = 0;
+  SpaceKeypoints keypoints_;
+  PersonFrame frame_;
+  Volume volume_;
+  Scan scan_;           // moved into the rest frame with the person
+  bool as_is_ = false;  // the scan is thinned as it is, without a grid
+  meshing::Surface fine_;
+  double height_mm_ = 0;
+  std::vector<ViewCoverage> coverage_;
+  BuildResult result_;
+};
+
+}  // namespace
+
+void BuildOptions::validate() const {
+  if (views.images.empty() && mesh.empty())
+    throw ConfigError("--images or --mesh is needed: pictures of the person or a scan");
+  unit_in_mm(unit);
+  if (target_vertices < 500 || target_vertices > 40000)
+    throw ConfigError(format("--vertices %d; must be within 500..40000", target_vertices));
+  if (!(height_mm == 0 || (height_mm >= 500 && height_mm <= 2500)))
+    throw ConfigError(format("--height %g m; must be within 0.5..2.5", height_mm / 1000));
+  if (!(grid_mm >= 3 && grid_mm <= 30)) throw ConfigError(format("--grid %g mm; must be within 3..30", grid_mm));
+  if (texture_size < 128 || texture_size > 8192)
+    throw ConfigError(format("--texture %d; must be within 128..8192", texture_size));
+}
+
+BuildResult build_actor(ocl::DeviceContext& network_device, ocl::DeviceContext& device, const BuildOptions& options,
+                        const BuildProgress& progress) {
+  options.validate();
+  return Builder(network_device, device, options, progress).run();
+}
+
+}  // namespace livecap::acquire

@@ -1,0 +1,52 @@
+// `livecap actor build`: from pictures of a person standing still to actor.glb (docs/actor_build.md; paper, "Actor
+// Model Acquisition").
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "acquire/body_rig.h"
+#include "acquire/load_views.h"
+#include "acquire/volume.h"
+#include "meshing/actor_glb.h"
+#include "ocl/context.h"
+
+namespace livecap::acquire {
+
+struct BuildOptions {
+  ViewFiles views;               // pictures; views.images empty: none
+  std::filesystem::path mesh;    // a scan; empty: a hull is carved
+  std::filesystem::path joints;  // joints.json; empty: all from the network
+  std::string name = "actor";
+  std::string model = "full";  // of the pose network
+  std::string unit = "auto";   // of the cameras' or the scan's world: m, cm, mm, inch
+  double height_mm = 0;        // > 0: the person is this tall
+  int target_vertices = 5000;
+  double grid_mm = 9;       // of the hull
+  int texture_size = 1024;  // px
+  bool refine = true;       // move the hull to where the pictures agree in colour
+
+  void validate() const;  // throws ConfigError
+};
+
+// What a build found out on its way, for the report.
+struct BuildResult {
+  meshing::ActorFile actor;
+  BodyJoints joints;
+  std::vector<std::string> notes;  // what was assumed, left out or looks wrong, one line each
+  std::vector<std::pair<std::string, double>> stage_s;
+  int n_views = 0;
+  int n_detected = 0;       // views in which the network saw a person
+  double keypoint_rad = 0;  // rms angle between the views' keypoints and their points in space
+};
+
+// stage: what is being done; done of total. false stops with an Error.
+using BuildProgress = std::function<bool(const std::string& stage, int done, int total)>;
+
+// Throws ConfigError, IoError, OclError.
+BuildResult build_actor(ocl::DeviceContext& network_device, ocl::DeviceContext& device, const BuildOptions& options,
+                        const BuildProgress& progress = {});
+
+}  // namespace livecap::acquire

@@ -1,0 +1,26 @@
+// The visual hull of the silhouettes, carved on the device (paper, "Actor Model Acquisition": the template's shape).
+#pragma once
+
+#include <vector>
+
+#include "acquire/view.h"
+#include "acquire/volume.h"
+#include "ocl/context.h"
+
+namespace livecap::acquire {
+
+struct HullOptions {
+  double step_mm = 9;
+  int n_ignored = 0;       // views that may be overruled at a point: 0, 1 or 2
+  double limit_mm = 60;    // distances are cut there
+  double min_seen = 0.35;  // share of the views whose picture must hold a point
+
+  void validate() const;  // throws ConfigError
+};
+
+// views: camera_from_world in the rest frame, mm, with masks. Fills `volume`'s distances at its nodes.
+void carve_hull(ocl::DeviceContext& device, const std::vector<View>& views, const HullOptions& options, Volume& volume);
+
+std::vector<ocl::SelfTestResult> acquire_self_test(ocl::DeviceContext& device);
+
+}  // namespace livecap::acquire

@@ -1,0 +1,30 @@
+// The pictures, masks and label images of a set of views, undistorted and reduced to a workable size.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+
+#include "acquire/camera_files.h"
+#include "acquire/view.h"
+
+namespace livecap::acquire {
+
+struct ViewFiles {
+  std::filesystem::path images;   // folder of .png/.jpg
+  std::filesystem::path cameras;  // see camera_files.h; empty: looked for
+  std::filesystem::path masks;    // folder of pictures with the same stems; empty: none
+  std::filesystem::path labels;   // the same for LIP ids
+  int max_side_px = 1280;         // larger pictures are reduced
+};
+
+// Pictures that cannot be read, or have no camera, or are blurred beyond use are left out with a note. Throws IoError
+// or ConfigError when a file says something impossible or fewer than kMinViews are left.
+std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& notes);
+
+inline constexpr int kMinViews = 8;
+
+// Mean absolute difference of neighbouring pixels over the picture's contrast: a measure of blur that light does not
+// change. About 0.05 and more for a sharp picture of a person indoors, below 0.01 for a blurred one.
+double sharpness(const ImageRgb& image);
+
+}  // namespace livecap::acquire

@@ -1,0 +1,37 @@
+// The material of each vertex (LIP ids): voted by label images, or without any guessed from body part and colour.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "acquire/body_rig.h"
+#include "acquire/surface_views.h"
+#include "acquire/volume.h"
+#include "meshing/actor_glb.h"
+
+namespace livecap::acquire {
+
+struct MaterialLabels {
+  std::vector<uint8_t> labels;  // [n_vertices]
+  int n_unseen = 0;             // vertices without a vote; they take their neighbours' label
+};
+
+// Majority over the views that see a vertex, each weighted by how straight it looks at it; background does not vote.
+MaterialLabels vote_labels(const meshing::Surface& surface, const std::vector<View>& views,
+                           const std::vector<ViewCoverage>& coverage);
+
+struct GuessInput {
+  const meshing::Surface& surface;
+  const std::vector<meshing::Influences>& weights;
+  const BodyJoints& joints;
+  const Volume& volume;                        // the body's inside
+  const std::vector<Eigen::Vector3d>& colors;  // [n_vertices] sRGB in [0,1]; all the same: no colour
+  int nose_vertex = -1;                        // -1: not known
+};
+
+// No parsing network: the body part from the skin weights, cloth against skin and hair by the colour of the face, the
+// waist where the colours above and below differ most, a skirt where the space between the thighs is filled. Knows
+// face, hair, upper clothes, pants, skirt, arms, legs, shoes.
+std::vector<uint8_t> guess_labels(const GuessInput& input);
+
+}  // namespace livecap::acquire

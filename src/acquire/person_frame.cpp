@@ -1,0 +1,100 @@
+#include "acquire/person_frame.h"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "base/text.h"
+#include "livecap/error.h"
+
+namespace livecap::acquire {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr std::array<std::pair<const char*, double>, 4> kUnits = {{{"m", 1000}, {"cm", 10}, {"mm", 1}, {"inch", 25.4}}};
+
+// From the ankles to the nose a standing person measures about this share of the height.
+constexpr double kAnkleToNoseShare = 0.865;
+
+}  // namespace
+
+double unit_in_mm(const std::string& unit) {
+  if (unit == "auto") return 0;
+  for (const auto& [name, mm] : kUnits)
+    if (unit == name) return mm;
+  throw ConfigError("--unit " + unit + ": must be m, cm, mm, inch or auto");
+}
+
+double guess_unit_mm(double height_units, std::string& name) {
+  for (const auto& [unit, mm] : kUnits)
+    if (height_units * mm > 1100 && height_units * mm < 2300) {
+      name = unit;
+      return mm;
+    }
+  return 0;
+}
+
+PersonFrame find_person_frame(const SpaceKeypoints& world, double unit_mm, double height_mm,
+                              std::vector<std::string>& notes) {
+  for (int k : {kLeftHip, kRightHip, kLeftShoulder, kRightShoulder, kLeftAnkle, kRightAnkle})
+    if (!world[k].found)
+      throw ConfigError("the network's " + std::string(kKeypointNames[k]) +
+                        " does not agree between the pictures: one person, standing still, seen whole from all around "
+                        "is needed (or --joints)");
+  const auto at = [&](int k) { return world[k].position; };
+  const Vector3d shoulders = (at(kLeftShoulder) + at(kRightShoulder)) / 2,
+                 ankles = (at(kLeftAnkle) + at(kRightAnkle)) / 2;
+  PersonFrame frame;
+  Vector3d up = (shoulders - ankles).normalized();
+  int axis;
+  up.cwiseAbs().maxCoeff(&axis);
+  if (std::abs(up[axis]) > std::cos(8 * M_PI / 180)) up = (up[axis] > 0 ? 1 : -1) * Vector3d::Unit(axis);
+  Vector3d left = (at(kLeftHip) - at(kRightHip)).normalized() + (at(kLeftShoulder) - at(kRightShoulder)).normalized();
+  left = (left - left.dot(up) * up).normalized();
+  if (!up.allFinite() || !left.allFinite())
+    throw ConfigError("hips, shoulders and ankles coincide: the person has no orientation");
+  frame.rotation << left.transpose(), up.transpose(), left.cross(up).transpose();
+
+  const Vector3d top = world[kNose].found ? at(kNose) : Vector3d(shoulders + 0.24 * (shoulders - ankles));
+  const double height_units = up.dot(top - ankles) / kAnkleToNoseShare;
+  if (height_mm > 0) {
+    frame.scale_mm = height_mm / height_units;
+  } else if (unit_mm > 0) {
+    frame.scale_mm = unit_mm;
+    if (height_units * unit_mm < 800 || height_units * unit_mm > 2500)
+      throw ConfigError(
+          format("--unit: the person would be %.3g m tall; another unit, or --height", height_units * unit_mm / 1000));
+  } else {
+    std::string name;
+    frame.scale_mm = guess_unit_mm(height_units, name);
+    if (frame.scale_mm <= 0)
+      throw ConfigError(
+          format("the person is %.4g units tall, which is no height in m, cm, mm or inch; give --height "
+                 "METRES or --unit",
+                 height_units));
+    notes.push_back(format("the person is %.4g units tall: taken as %s (--unit or --height says otherwise)",
+                           height_units, name.c_str()));
+  }
+  const Vector3d pelvis = (at(kLeftHip) + at(kRightHip)) / 2;
+  frame.translation_mm = -frame.scale_mm * (frame.rotation * (pelvis + up * up.dot(ankles - pelvis)));
+  return frame;
+}
+
+void move_views(const PersonFrame& frame, std::vector<View>& views) {
+  for (View& view : views) {
+    const Eigen::Matrix3d turn = view.camera_from_world.linear() * frame.rotation.transpose();
+    view.camera_from_world.translation() =
+        frame.scale_mm * view.camera_from_world.translation() - turn * frame.translation_mm;
+    view.camera_from_world.linear() = turn;
+  }
+}
+
+SpaceKeypoints move_keypoints(const PersonFrame& frame, const SpaceKeypoints& world) {
+  SpaceKeypoints rest = world;
+  for (SpacePoint& point : rest) point.position = frame.to_rest(point.position);
+  return rest;
+}
+
+}  // namespace livecap::acquire

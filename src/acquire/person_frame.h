@@ -1,0 +1,41 @@
+// How the person stands in the world of the cameras or the scan: the turn and scale to the actor's rest frame
+// (mm, +X the subject's left, +Y up, +Z front).
+#pragma once
+
+#include <Eigen/Geometry>
+#include <string>
+#include <vector>
+
+#include "acquire/keypoints.h"
+#include "acquire/view.h"
+
+namespace livecap::acquire {
+
+// rest = scale_mm * rotation * world + translation_mm.
+struct PersonFrame {
+  double scale_mm = 1;  // mm per unit of the world
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d translation_mm = Eigen::Vector3d::Zero();
+
+  Eigen::Vector3d to_rest(const Eigen::Vector3d& world) const { return scale_mm * (rotation * world) + translation_mm; }
+};
+
+// "m", "cm", "mm" or "inch" in mm; 0 for "auto". Throws ConfigError for anything else.
+double unit_in_mm(const std::string& unit);
+
+// The unit in which a person `height_units` tall is between 1.1 m and 2.3 m, of m, cm, mm and inch; 0 when none fits.
+// name: what it is called.
+double guess_unit_mm(double height_units, std::string& name);
+
+// The frame from the keypoints: up from the ankles to the shoulders (an axis of the world within 8 degrees of it is
+// taken as the vertical), left from hips and shoulders, the origin below the pelvis at the ankles' level. unit_mm 0:
+// guessed from the height, with a note; height_mm > 0: the scale gives the person that height. Throws ConfigError when
+// hips, shoulders or ankles were not found or the unit cannot be told.
+PersonFrame find_person_frame(const SpaceKeypoints& world, double unit_mm, double height_mm,
+                              std::vector<std::string>& notes);
+
+// Views and keypoints in the rest frame.
+void move_views(const PersonFrame& frame, std::vector<View>& views);
+SpaceKeypoints move_keypoints(const PersonFrame& frame, const SpaceKeypoints& world);
+
+}  // namespace livecap::acquire

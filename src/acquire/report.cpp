@@ -1,0 +1,131 @@
+#include "acquire/report.h"
+
+#include <map>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "acquire/turnaround_strip.h"
+#include "actor/inspect.h"
+#include "actor/labels.h"
+#include "base/text.h"
+#include "livecap/error.h"
+
+namespace livecap::acquire {
+
+namespace {
+
+std::string base64(const std::vector<uint8_t>& bytes) {
+  static const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    const uint32_t b =
+        bytes[i] << 16 | (i + 1 < bytes.size() ? bytes[i + 1] << 8 : 0) | (i + 2 < bytes.size() ? bytes[i + 2] : 0);
+    text += digits[b >> 18];
+    text += digits[b >> 12 & 63];
+    text += i + 1 < bytes.size() ? digits[b >> 6 & 63] : '=';
+    text += i + 2 < bytes.size() ? digits[b & 63] : '=';
+  }
+  return text;
+}
+
+std::string picture(const ImageRgb& image, const std::string& caption) {
+  const cv::Mat rgb(image.height, image.width, CV_8UC3, const_cast<uint8_t*>(image.pixels.data()));
+  cv::Mat bgr;
+  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
+  std::vector<uint8_t> png;
+  if (!cv::imencode(".png", bgr, png)) throw LogicError("a picture of the report cannot be encoded");
+  return "<h2>" + caption + "</h2>\n<img alt=\"" + caption + "\" src=\"data:image/png;base64," + base64(png) + "\">\n";
+}
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (char c : text) {
+    if (c == '<')
+      out += "&lt;";
+    else if (c == '&')
+      out += "&amp;";
+    else
+      out += c;
+  }
+  return out;
+}
+
+std::string list(const std::vector<std::string>& lines) {
+  std::string text = "<ul>\n";
+  for (const std::string& line : lines) text += "<li>" + escaped(line) + "</li>\n";
+  return text + "</ul>\n";
+}
+
+std::string label_legend(const Actor& actor) {
+  std::map<int, int> counts;
+  for (uint8_t label : actor.labels) ++counts[label];
+  std::string text = "<p>";
+  for (const auto& [label, count] : counts) {
+    const Eigen::Vector3f c = 255 * label_color(label);
+    text += format("<span style=\"background:rgb(%d,%d,%d)\">&nbsp;&nbsp;&nbsp;</span> %s (%d) &nbsp; ",
+                   static_cast<int>(c[0]), static_cast<int>(c[1]), static_cast<int>(c[2]),
+                   std::string(kLabelNames[label]).c_str(), count);
+  }
+  return text + "</p>\n";
+}
+
+}  // namespace
+
+std::vector<Eigen::VectorXd> check_poses(const Skeleton& skeleton) {
+  constexpr double kDegree = M_PI / 180;
+  const std::vector<std::map<std::string, double>> poses = {
+      {{"left_shoulder_z", -75}, {"right_shoulder_z", 75}},
+      {{"left_shoulder_z", 70}, {"right_shoulder_z", -70}, {"left_clavicle_z", 20}, {"right_clavicle_z", -20}},
+      {{"left_hip_x", -60},
+       {"left_knee_x", 60},
+       {"right_hip_x", 15},
+       {"right_knee_x", 20},
+       {"left_shoulder_z", -60},
+       {"right_shoulder_z", 60}},
+      {{"left_hip_x", -95},
+       {"left_knee_x", 110},
+       {"left_ankle_x", -20},
+       {"right_hip_x", -95},
+       {"right_knee_x", 110},
+       {"right_ankle_x", -20},
+       {"left_shoulder_y", -70},
+       {"right_shoulder_y", 70}},
+      {{"neck_y", 55},
+       {"neck_x", 15},
+       {"left_shoulder_z", -50},
+       {"left_elbow_y", -110},
+       {"right_shoulder_z", 50},
+       {"right_shoulder_x", 60},
+       {"right_elbow_y", 90}},
+      {{"left_shoulder_y", -85},
+       {"left_elbow_y", -60},
+       {"right_shoulder_y", 85},
+       {"right_elbow_y", 60},
+       {"left_hip_z", 35},
+       {"right_hip_z", -35}}};
+  std::vector<Eigen::VectorXd> angles;
+  for (const auto& pose : poses) {
+    Eigen::VectorXd a = Eigen::VectorXd::Zero(skeleton.n_dofs());
+    for (int d = 0; d < skeleton.n_dofs(); ++d)
+      if (const auto found = pose.find(skeleton.dofs[d].name); found != pose.end()) a[d] = found->second * kDegree;
+    angles.push_back(a);
+  }
+  return angles;
+}
+
+std::string actor_report_html(const Actor& actor, const ReportText& text) {
+  std::string html = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + escaped(text.title) +
+                     "</title>\n<style>body{font-family:sans-serif;margin:2em;max-width:1840px}img{max-width:100%}"
+                     "pre{background:#f4f4f4;padding:1em;overflow:auto}</style></head><body>\n<h1>" +
+                     escaped(text.title) + "</h1>\n" + list(text.facts);
+  html += text.notes.empty() ? "<p>No warnings.</p>\n" : "<h2>Warnings</h2>\n" + list(text.notes);
+  constexpr int kViews = 6;
+  html += picture(turnaround_strip(actor, StripColor::kTexture, kViews), "From all around");
+  html += picture(turnaround_strip(actor, StripColor::kShape, kViews, true), "Shape, joints and face markers");
+  html += picture(turnaround_strip(actor, StripColor::kWeights, kViews), "Skinning weights");
+  html += picture(turnaround_strip(actor, StripColor::kLabels, kViews), "Materials") + label_legend(actor);
+  html += picture(pose_strip(actor, check_poses(actor.skeleton)), "Posed");
+  return html + "<h2>livecap actor inspect</h2>\n<pre>" + escaped(inspect_actor(actor)) + "</pre>\n</body></html>\n";
+}
+
+}  // namespace livecap::acquire

@@ -1,0 +1,148 @@
+#include "acquire/skin_weights.h"
+
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "livecap/error.h"
+
+namespace livecap::acquire {
+
+namespace {
+
+using Eigen::Vector3d;
+using Sparse = Eigen::SparseMatrix<double>;
+
+struct Segment {
+  int bone;
+  Vector3d a, b;
+};
+
+// The line of flesh each bone moves.
+std::vector<Segment> bone_segments(const BodyJoints& j) {
+  const double head = (j[kHeadBone] - j[kNeckBone]).norm();
+  const Vector3d crown = j[kHeadBone] + 1.2 * head * Vector3d::UnitY();
+  std::vector<Segment> segments = {{kHipsBone, j[kHipsBone], j[kSpineBone]},
+                                   {kHipsBone, j[kLeftUpLegBone], j[kRightUpLegBone]},
+                                   {kSpineBone, j[kSpineBone], j[kNeckBone]},
+                                   {kNeckBone, j[kNeckBone], j[kHeadBone]},
+                                   {kHeadBone, j[kHeadBone], crown}};
+  for (int first : {kLeftClavicleBone, kRightClavicleBone}) {
+    for (int i = 0; i < 3; ++i) segments.push_back({first + i, j[first + i], j[first + i + 1]});
+    const Vector3d hand = j[first + 4] - j[first + 3];
+    segments.push_back({first + 3, j[first + 3], Vector3d(j[first + 4] + 0.6 * hand)});
+  }
+  for (int first : {kLeftUpLegBone, kRightUpLegBone}) {
+    for (int i = 0; i < 3; ++i) segments.push_back({first + i, j[first + i], j[first + i + 1]});
+    const Vector3d along = j[first + 3] - j[first + 2];
+    segments.push_back({first + 3, j[first + 3], Vector3d(j[first + 3] + 0.4 * Vector3d(along.x(), 0, along.z()))});
+  }
+  return segments;
+}
+
+Vector3d nearest_on(const Segment& s, const Vector3d& p) {
+  const Vector3d along = s.b - s.a;
+  const double length2 = along.squaredNorm();
+  const double t = length2 > 0 ? std::clamp((p - s.a).dot(along) / length2, 0.0, 1.0) : 0;
+  return s.a + t * along;
+}
+
+// True when the straight way from a vertex to the bone stays in the body.
+bool sees(const Volume& volume, const Vector3d& vertex, const Vector3d& normal, const Vector3d& target) {
+  const Vector3d from = vertex - std::min(6.0, 0.5 * (target - vertex).norm()) * normal;
+  const double length = (target - from).norm();
+  const int steps = std::max(2, static_cast<int>(length / (0.7 * volume.step)));
+  for (int i = 0; i < steps; ++i)
+    if (volume.at(from + (static_cast<double>(i) / steps) * (target - from)) > 0.25 * volume.step) return false;
+  return true;
+}
+
+// Cotangent Laplacian (positive semidefinite) and lumped vertex areas.
+Sparse cotangent_laplacian(const meshing::Surface& surface, Eigen::VectorXd& areas) {
+  const int n = static_cast<int>(surface.vertices.size());
+  areas = Eigen::VectorXd::Zero(n);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const auto& t : surface.triangles)
+    for (int k = 0; k < 3; ++k) {
+      const int i = t[k], a = t[(k + 1) % 3], b = t[(k + 2) % 3];
+      const Vector3d u = surface.vertices[a] - surface.vertices[i], v = surface.vertices[b] - surface.vertices[i];
+      const double cross = u.cross(v).norm();
+      // Slivers would make it indefinite: no cotangent below zero after clamping the sum is kept by clamping each.
+      const double weight = std::clamp(0.5 * u.dot(v) / std::max(cross, 1e-9), 0.0, 10.0);
+      entries.emplace_back(a, b, -weight);
+      entries.emplace_back(b, a, -weight);
+      entries.emplace_back(a, a, weight);
+      entries.emplace_back(b, b, weight);
+      areas[i] += cross / 6;
+    }
+  Sparse laplacian(n, n);
+  laplacian.setFromTriplets(entries.begin(), entries.end());
+  return laplacian;
+}
+
+std::vector<Vector3d> normals_of(const meshing::Surface& surface) {
+  std::vector<Vector3d> normals(surface.vertices.size(), Vector3d::Zero());
+  for (const auto& t : surface.triangles) {
+    const Vector3d& a = surface.vertices[t[0]];
+    const Vector3d n = (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a);
+    for (int k = 0; k < 3; ++k) normals[t[k]] += n;
+  }
+  for (Vector3d& n : normals) n.normalize();
+  return normals;
+}
+
+// The four largest entries, sum 1.
+meshing::Influences strongest(Eigen::VectorXd row) {
+  meshing::Influences result;
+  double sum = 0;
+  for (auto& slot : result) {
+    int bone;
+    const double weight = row.maxCoeff(&bone);
+    if (weight < 0.01) break;
+    slot = {bone, weight};
+    sum += weight;
+    row[bone] = 0;
+  }
+  for (auto& slot : result) slot.weight = sum > 0 ? slot.weight / sum : 0;
+  if (!(sum > 0)) result[0] = {kHipsBone, 1.0};
+  return result;
+}
+
+}  // namespace
+
+std::vector<meshing::Influences> heat_weights(const meshing::Surface& surface, const BodyJoints& joints,
+                                              const Volume& volume, const SkinOptions& options) {
+  const int n = static_cast<int>(surface.vertices.size());
+  const auto segments = bone_segments(joints);
+  const auto normals = normals_of(surface);
+  Eigen::VectorXd areas;
+  Sparse system = cotangent_laplacian(surface, areas);
+  Eigen::MatrixXd source = Eigen::MatrixXd::Zero(n, kBodyBoneCount);
+  for (int i = 0; i < n; ++i) {
+    const Vector3d& p = surface.vertices[i];
+    std::vector<std::pair<double, int>> order;  // distance, segment
+    for (size_t s = 0; s < segments.size(); ++s)
+      order.emplace_back((nearest_on(segments[s], p) - p).norm(), static_cast<int>(s));
+    std::sort(order.begin(), order.end());
+    std::pair<double, int> contact = order.front();
+    for (const auto& candidate : order)
+      if (sees(volume, p, normals[i], nearest_on(segments[candidate.second], p))) {
+        contact = candidate;
+        break;
+      }
+    const double distance = std::max(contact.first, 1.0);
+    const double strength = options.heat / (distance * distance) * areas[i];
+    system.coeffRef(i, i) += strength;
+    source(i, segments[contact.second].bone) = strength;
+  }
+  const Eigen::SimplicialLDLT<Sparse> factor(system);
+  if (factor.info() != Eigen::Success) throw LogicError("skin weights: the heat system cannot be factored");
+  const Eigen::MatrixXd weights = factor.solve(source);
+
+  std::vector<meshing::Influences> result(n);
+  for (int i = 0; i < n; ++i) result[i] = strongest(weights.row(i).cwiseMax(0));
+  return result;
+}
+
+}  // namespace livecap::acquire

@@ -1,0 +1,22 @@
+// Skinning weights by heat diffusion from the bones (Baran & Popovic, "Automatic Rigging and Animation of 3D
+// Characters", 2007): every vertex is in contact with the nearest bone it can see through the body, and the contact
+// spreads over the surface.
+#pragma once
+
+#include <vector>
+
+#include "acquire/body_rig.h"
+#include "acquire/volume.h"
+#include "meshing/actor_glb.h"
+
+namespace livecap::acquire {
+
+struct SkinOptions {
+  double heat = 4;  // strength of the contact, c in c/d^2: higher keeps vertices closer to their own bone
+};
+
+// surface: closed, rest frame, mm. At most four bones of kBodyBones each, strongest first, sum 1.
+std::vector<meshing::Influences> heat_weights(const meshing::Surface& surface, const BodyJoints& joints,
+                                              const Volume& volume, const SkinOptions& options = {});
+
+}  // namespace livecap::acquire

@@ -1,0 +1,54 @@
+#include "acquire/surface_views.h"
+
+#include <map>
+#include <memory>
+
+#include "raster/depth.h"
+#include "raster/visibility.h"
+
+namespace livecap::acquire {
+
+Mesh mesh_of(const meshing::Surface& surface) {
+  Mesh mesh;
+  for (const auto& p : surface.vertices)
+    for (int k = 0; k < 3; ++k) mesh.positions.push_back(static_cast<float>(p[k]));
+  for (const auto& t : surface.triangles) mesh.triangles.insert(mesh.triangles.end(), {t[0], t[1], t[2]});
+  return mesh;
+}
+
+std::vector<ViewCoverage> cover_surface(ocl::DeviceContext& device, const Mesh& mesh, const std::vector<View>& views) {
+  const int n = mesh.n_vertices();
+  const std::vector<float> normals = vertex_normals(mesh.positions, mesh.triangles);
+  SurfaceVisibility visibility(device, mesh);
+  std::map<std::pair<int, int>, std::unique_ptr<DepthRasterizer>> rasters;  // by picture size
+  ocl::Buffer<float> positions_buffer(device, mesh.positions.size()), normals_buffer(device, mesh.positions.size());
+  std::vector<float> positions(mesh.positions.size()), turned(mesh.positions.size());
+  std::vector<ViewCoverage> coverage;
+  for (const View& view : views) {
+    auto& raster = rasters[{view.camera.width, view.camera.height}];
+    if (!raster) raster = std::make_unique<DepthRasterizer>(device, mesh, view.camera.width, view.camera.height);
+    const Eigen::Isometry3f camera_from_rest = view.camera_from_world.cast<float>();
+    using Row = Eigen::Map<const Eigen::Vector3f>;
+    for (int i = 0; i < n; ++i) {
+      Eigen::Map<Eigen::Vector3f>(positions.data() + 3 * i) = camera_from_rest * Row(&mesh.positions[3 * i]);
+      Eigen::Map<Eigen::Vector3f>(turned.data() + 3 * i) = camera_from_rest.linear() * Row(&normals[3 * i]);
+    }
+    positions_buffer.write(positions);
+    normals_buffer.write(turned);
+    raster->render(positions_buffer, view.camera);
+    visibility.find_visible(positions_buffer, normals_buffer, *raster);
+    const std::vector<int32_t> visible = visibility.visible().read_all();
+    ViewCoverage seen{std::vector<float>(n, 0), std::vector<Eigen::Vector2f>(n, Eigen::Vector2f::Zero())};
+    for (int i = 0; i < n; ++i) {
+      if (!visible[i]) continue;
+      const Row p(&positions[3 * i]), normal(&turned[3 * i]);
+      seen.facing[i] = std::max(0.f, -p.normalized().dot(normal));
+      seen.pixels[i] = {static_cast<float>(view.camera.fx) * p.x() / p.z() + static_cast<float>(view.camera.cx),
+                        static_cast<float>(view.camera.fy) * p.y() / p.z() + static_cast<float>(view.camera.cy)};
+    }
+    coverage.push_back(std::move(seen));
+  }
+  return coverage;
+}
+
+}  // namespace livecap::acquire

@@ -1,0 +1,21 @@
+// The colours of the surface from the pictures: every point takes the views that see it best, blended with weights that
+// change smoothly over the surface, so that there are no seams.
+#pragma once
+
+#include <vector>
+
+#include "acquire/surface_views.h"
+#include "base/image_rgb.h"
+#include "meshing/atlas.h"
+
+namespace livecap::acquire {
+
+struct BlendedTexture {
+  ImageRgb image;
+  int n_unseen = 0;  // vertices that no view shows; their colour is spread from their neighbours
+};
+
+BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atlas& atlas, int size,
+                             const std::vector<View>& views, const std::vector<ViewCoverage>& coverage);
+
+}  // namespace livecap::acquire

@@ -1,0 +1,23 @@
+// Pictures of an actor for people to look at: strips of views side by side.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "actor/actor.h"
+#include "base/image_rgb.h"
+
+namespace livecap::acquire {
+
+enum class StripColor { kTexture, kShape, kLabels, kWeights };
+
+// The actor at rest, seen from n_views directions around it; with_bones draws the skeleton over it.
+ImageRgb turnaround_strip(const Actor& actor, StripColor color, int n_views, bool with_bones = false);
+
+// The actor textured in these poses (joint angles, rad), from the front and a little from the side.
+ImageRgb pose_strip(const Actor& actor, const std::vector<Eigen::VectorXd>& poses);
+
+// A colour per LIP id, sRGB in [0,1].
+Eigen::Vector3f label_color(int label);
+
+}  // namespace livecap::acquire

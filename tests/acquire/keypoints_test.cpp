@@ -1,0 +1,114 @@
+#include "acquire/keypoints.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <random>
+
+#include "acquire/body_rig.h"
+#include "acquire/person_frame.h"
+#include "livecap/error.h"
+#include "support/tolerances.h"
+
+namespace livecap {
+namespace {
+
+using acquire::Ray;
+using acquire::SpacePoint;
+using acquire::triangulate;
+using Eigen::Vector3d;
+
+// Rays from a circle of cameras to `target`, each off by about noise_rad; the first n_wrong look elsewhere.
+std::vector<Ray> rays_to(const Vector3d& target, int n, double noise_rad, int n_wrong) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal(0, noise_rad);
+  std::vector<Ray> rays;
+  for (int i = 0; i < n; ++i) {
+    const double angle = 2 * M_PI * i / n;
+    const Vector3d center(2800 * std::sin(angle), 1200 + 300 * (i % 3), 2800 * std::cos(angle));
+    Vector3d to = (target - center).normalized();
+    to += Vector3d(normal(random), normal(random), normal(random));
+    if (i < n_wrong) to += 0.15 * (Eigen::AngleAxisd(2.4 * i, to) * to.unitOrthogonal());
+    rays.push_back({center, to.normalized(), 1});
+  }
+  return rays;
+}
+
+TEST(Keypoints, TriangulationFindsThePoint) {
+  const Vector3d target(150, 1300, -80);
+  const SpacePoint exact = triangulate(rays_to(target, 12, 0, 0));
+  ASSERT_TRUE(exact.found);
+  EXPECT_LT((exact.position - target).norm(), test::kTriangulatedMm);
+  EXPECT_EQ(exact.n_inliers, 12);
+  // A third of the views see something else; 5 mrad is 14 mm.
+  const SpacePoint noisy = triangulate(rays_to(target, 60, 0.005, 20));
+  ASSERT_TRUE(noisy.found);
+  EXPECT_LT((noisy.position - target).norm(), test::kTriangulatedNoisyMm);
+  EXPECT_GE(noisy.n_inliers, 38);
+}
+
+TEST(Keypoints, TriangulationRefusesWhatHasNoPoint) {
+  EXPECT_FALSE(triangulate({}).found);
+  EXPECT_FALSE(
+      triangulate({{Vector3d(0, 0, 0), Vector3d::UnitZ(), 1}, {Vector3d(50, 0, 0), Vector3d::UnitZ(), 1}}).found);
+  const auto two = rays_to({0, 1000, 0}, 2, 0, 0);
+  EXPECT_FALSE(triangulate(two).found) << "two rays always nearly meet";
+}
+
+// A standing person's keypoints in a world that is turned, scaled and shifted.
+acquire::SpaceKeypoints standing(double units_per_mm, const Eigen::Matrix3d& turn, const Vector3d& shift) {
+  acquire::SpaceKeypoints points;
+  const auto set = [&](int k, double x, double y, double z) {
+    points[k].found = true;
+    points[k].position = turn * (units_per_mm * Vector3d(x, y, z)) + shift;
+  };
+  set(kLeftHip, 90, 900, 0), set(kRightHip, -90, 900, 0);
+  set(kLeftShoulder, 170, 1400, 0), set(kRightShoulder, -170, 1400, 0);
+  set(kLeftAnkle, 110, 80, 0), set(kRightAnkle, -110, 80, 0);
+  set(kNose, 0, 1560, 110);
+  return points;
+}
+
+TEST(Keypoints, PersonFrameUndoesTurnScaleAndShift) {
+  const Eigen::Matrix3d turn =
+      (Eigen::AngleAxisd(1.1, Vector3d::UnitX()) * Eigen::AngleAxisd(0.7, Vector3d::UnitY())).toRotationMatrix();
+  for (double unit : {1000.0, 10.0, 1.0, 25.4}) {
+    std::vector<std::string> notes;
+    const auto world = standing(1 / unit, turn, Vector3d(3, -7, 2));
+    const auto frame = acquire::find_person_frame(world, 0, 0, notes);
+    EXPECT_NEAR(frame.scale_mm, unit, 1e-9 * unit);
+    EXPECT_EQ(notes.size(), 1u);
+    const auto rest = acquire::move_keypoints(frame, world);
+    EXPECT_LT((rest[kLeftShoulder].position - rest[kLeftHip].position - Vector3d(80, 500, 0)).norm(),
+              test::kTriangulatedMm);
+    EXPECT_LT((rest[kNose].position - rest[kLeftAnkle].position - Vector3d(-110, 1480, 110)).norm(),
+              test::kTriangulatedMm);
+  }
+  std::vector<std::string> notes;
+  EXPECT_THROW(acquire::find_person_frame(standing(0.37, turn, {0, 0, 0}), 0, 0, notes), ConfigError);
+  EXPECT_THROW(acquire::find_person_frame(standing(1, turn, {0, 0, 0}), 1000, 0, notes), ConfigError);
+  EXPECT_NO_THROW(acquire::find_person_frame(standing(0.37, turn, {0, 0, 0}), 0, 1700, notes));
+  EXPECT_THROW(acquire::find_person_frame({}, 0, 0, notes), ConfigError);
+  EXPECT_THROW(acquire::unit_in_mm("feet"), ConfigError);
+}
+
+TEST(Keypoints, SymmetryMakesPairsEquallyLong) {
+  acquire::BodyJoints joints;
+  for (int bone = 0; bone < acquire::kBodyBoneCount; ++bone)
+    joints[bone] = Vector3d(std::sin(3.0 * bone), std::cos(5.0 * bone), std::sin(7.0 * bone)) * 300;
+  const acquire::BodyJoints before = joints;
+  acquire::make_symmetric(joints);
+  const auto length = [](const acquire::BodyJoints& j, int bone) {
+    return (j[bone] - j[acquire::kBodyBones[bone].parent]).norm();
+  };
+  for (const auto& [left, right] : {std::pair{acquire::kLeftForeArmBone, acquire::kRightForeArmBone},
+                                    std::pair{acquire::kLeftUpLegBone, acquire::kRightUpLegBone},
+                                    std::pair{acquire::kLeftFootBone, acquire::kRightFootBone}}) {
+    EXPECT_NEAR(length(joints, left), length(joints, right), test::kTriangulatedMm);
+    EXPECT_NEAR(length(joints, left), (length(before, left) + length(before, right)) / 2, test::kTriangulatedMm);
+  }
+}
+
+}  // namespace
+}  // namespace livecap

@@ -1,0 +1,1 @@
+target_link_libraries(test_acquire PRIVATE livecap_eval nlohmann_json::nlohmann_json)

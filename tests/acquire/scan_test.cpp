@@ -1,0 +1,114 @@
+#include "acquire/scan.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <functional>
+
+#include "acquire/true_actor.h"
+#include "base/text.h"
+#include "livecap/error.h"
+
+namespace livecap {
+namespace {
+
+using Eigen::Vector3d;
+
+class Scan : public testing::Test {
+ protected:
+  Scan() : folder_(std::filesystem::path(testing::TempDir()) / "scan_test") {
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+    const meshing::DistanceField field = [](const Vector3d& p) { return p.norm() - 80; };
+    ball_ = meshing::extract_surface(field, Vector3d::Constant(-120), Vector3d::Constant(120), 20);
+  }
+  ~Scan() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path write(const char* name, const std::string& text) {
+    write_file_atomically(folder_ / name, text);
+    return folder_ / name;
+  }
+  std::string obj() const {
+    std::string text = "# a ball\n";
+    for (const Vector3d& p : ball_.vertices) text += format("v %.9g %.9g %.9g 1 0.5 0\n", p.x(), p.y(), p.z());
+    for (const auto& t : ball_.triangles) text += format("f %d//1 %d//1 %d//1\n", t[0] + 1, t[1] + 1, t[2] + 1);
+    return text;
+  }
+  std::string ply(bool binary) const {
+    std::string text = format(
+        "ply\nformat %s 1.0\nelement vertex %zu\nproperty float x\nproperty float y\nproperty float z\nproperty uchar "
+        "red\nproperty uchar green\nproperty uchar blue\nelement face %zu\nproperty list uchar int "
+        "vertex_indices\nend_header\n",
+        binary ? "binary_little_endian" : "ascii", ball_.vertices.size(), ball_.triangles.size());
+    const auto bytes = [&](const auto& value) { text.append(reinterpret_cast<const char*>(&value), sizeof(value)); };
+    for (const Vector3d& p : ball_.vertices) {
+      if (!binary) text += format("%.9g %.9g %.9g 255 128 0\n", p.x(), p.y(), p.z());
+      if (binary)
+        for (int k = 0; k < 3; ++k) bytes(static_cast<float>(p[k]));
+      if (binary)
+        for (uint8_t c : {255, 128, 0}) bytes(c);
+    }
+    for (const auto& t : ball_.triangles) {
+      if (!binary) text += format("3 %d %d %d\n", t[0], t[1], t[2]);
+      if (binary) bytes(uint8_t{3});
+      if (binary)
+        for (int k = 0; k < 3; ++k) bytes(static_cast<int32_t>(t[k]));
+    }
+    return text;
+  }
+  std::string failure(const std::filesystem::path& path) {
+    try {
+      std::vector<std::string> notes;
+      acquire::read_scan(path, notes);
+    } catch (const IoError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  std::filesystem::path folder_;
+  meshing::Surface ball_;
+};
+
+TEST_F(Scan, EveryFormatGivesTheSameMesh) {
+  for (const auto& path : {write("a.obj", obj()), write("a.ply", ply(false)), write("b.ply", ply(true))}) {
+    std::vector<std::string> notes;
+    const acquire::Scan scan = acquire::read_scan(path, notes);
+    EXPECT_TRUE(notes.empty());
+    ASSERT_EQ(scan.surface.vertices.size(), ball_.vertices.size()) << path;
+    ASSERT_EQ(scan.surface.triangles.size(), ball_.triangles.size()) << path;
+    EXPECT_TRUE(acquire::is_closed_manifold(scan.surface));
+    ASSERT_TRUE(scan.has_color());
+    EXPECT_NEAR(scan.colors[5].x(), 1, 0.003);  // 8 bit
+    EXPECT_NEAR(scan.colors[5].y(), 0.5, 0.003);
+  }
+}
+
+TEST_F(Scan, ReadsARiggedGlbWithItsTexture) {
+  const auto path = write("actor.glb", make_builtin_actor_glb("trousers", 1700, 2000));
+  std::vector<std::string> notes;
+  const acquire::Scan scan = acquire::read_scan(path, notes);
+  const Actor actor = load_actor(path);
+  EXPECT_EQ(static_cast<int>(scan.surface.vertices.size()), actor.n_vertices());
+  EXPECT_FALSE(scan.texture.empty());
+  EXPECT_EQ(scan.uvs.size(), 3 * scan.surface.triangles.size());
+}
+
+TEST_F(Scan, FaultsNameTheFile) {
+  const std::string text = obj(), binary = ply(true);
+  EXPECT_NE(failure(folder_ / "none.obj").find("none.obj"), std::string::npos);
+  EXPECT_NE(failure(write("a.stl", text)).find(".obj, .ply or .glb"), std::string::npos);
+  EXPECT_NE(failure(write("few.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")).find("no scan of a person"),
+            std::string::npos);
+  EXPECT_NE(failure(write("bad.obj", text + "f 1 2 999999\n")).find("no vertex 999999"), std::string::npos);
+  EXPECT_NE(failure(write("nan.obj", text + "v nan 0 0\n")).find("not finite"), std::string::npos);
+  EXPECT_NE(failure(write("cut.ply", binary.substr(0, binary.size() / 2))).find("ends before"), std::string::npos);
+  EXPECT_NE(failure(write("head.ply", binary.substr(0, 40))).find("end_header"), std::string::npos);
+  std::string big = ply(false);
+  big.replace(big.find("ascii"), 5, "binary_big_endian");
+  EXPECT_NE(failure(write("big.ply", big)).find("little endian"), std::string::npos);
+  EXPECT_NE(failure(write("cut.glb", "glTF")).find("cut.glb"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace livecap

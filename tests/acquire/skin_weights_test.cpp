@@ -1,0 +1,125 @@
+#include "acquire/skin_weights.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "acquire/mesh_volume.h"
+#include "acquire/true_actor.h"
+#include "eval/compare_actors.h"
+#include "meshing/actor_glb.h"
+#include "support/data_dir.h"
+#include "support/tolerances.h"
+
+namespace livecap {
+namespace {
+
+using acquire::BodyJoints;
+using Eigen::Vector3d;
+
+// The actor's mesh and joints with weights of our own, folded onto the 14 bones as a loader does.
+SkinWeights own_weights(const Actor& actor) {
+  meshing::ActorFile file;
+  file.surface = test::surface_of(actor);
+  const BodyJoints joints = test::true_joints(actor);
+  file.weights = acquire::heat_weights(file.surface, joints, acquire::volume_of(file.surface, 8));
+  for (int bone = 0; bone < acquire::kBodyBoneCount; ++bone)
+    file.bones.push_back({acquire::kBodyBones[bone].name, acquire::kBodyBones[bone].parent, joints[bone]});
+  file.labels = actor.labels;
+  for (int i = 0; i < actor.n_vertices(); ++i) {
+    file.atlas.vertex.push_back(i);
+    file.atlas.uvs.emplace_back(0.5, 0.5);
+  }
+  file.atlas.triangles = file.surface.triangles;
+  file.texture = {8, 8, std::vector<uint8_t>(192, 128)};
+  return load_actor_bytes(meshing::actor_glb(file), "own").skin;
+}
+
+struct PosedError {
+  double mean = 0, body_mean = 0;        // mm; body: without skirt
+  double stretch = 0, true_stretch = 0;  // the most an edge of over 5 mm grows, times its length; ours and the rig's
+};
+
+PosedError posed_error(const Actor& actor, const SkinWeights& own) {
+  PosedError error;
+  int64_t n = 0, n_body = 0;
+  for (const Eigen::VectorXd& angles : test_poses(actor.skeleton, 20)) {
+    const auto a = pose_actor(actor, actor.skeleton, own, angles),
+               b = pose_actor(actor, actor.skeleton, actor.skin, angles);
+    for (int i = 0; i < actor.n_vertices(); ++i) {
+      error.mean += (a[i] - b[i]).norm(), ++n;
+      if (actor.labels[i] != 12) error.body_mean += (a[i] - b[i]).norm(), ++n_body;
+    }
+    for (size_t t = 0; t < actor.mesh.triangles.size(); ++t) {
+      const int i = actor.mesh.triangles[t], j = actor.mesh.triangles[t / 3 * 3 + (t + 1) % 3];
+      const auto rest = [&](int v) {
+        return Eigen::Map<const Eigen::Vector3f>(&actor.mesh.positions[3 * v]).cast<double>().eval();
+      };
+      if (const double length = (rest(i) - rest(j)).norm(); length > 5) {
+        error.stretch = std::max(error.stretch, (a[i] - a[j]).norm() / length);
+        error.true_stretch = std::max(error.true_stretch, (b[i] - b[j]).norm() / length);
+      }
+    }
+  }
+  error.mean /= static_cast<double>(n);
+  error.body_mean /= static_cast<double>(n_body);
+  return error;
+}
+
+void check(const Actor& actor, const std::string& name, double mean_bound) {
+  const PosedError error = posed_error(actor, own_weights(actor));
+  std::printf("%s: %.1f mm, without skirt %.1f mm, longest edge x %.1f (true rig: x %.1f)\n", name.c_str(), error.mean,
+              error.body_mean, error.stretch, error.true_stretch);
+  EXPECT_LT(error.mean, mean_bound) << name;
+  EXPECT_LT(error.body_mean, test::kPosedBodyMm) << name;
+  EXPECT_LT(error.stretch, test::kStretchRatio * error.true_stretch) << name;
+}
+
+// A rig is one author's choice: how much a skirt follows the legs differs most.
+TEST(SkinWeights, PoseLikeTheTrueRig) {
+  check(test::builtin_actor("trousers"), "trousers", test::kPosedMm);
+  check(test::builtin_actor("skirt"), "skirt", test::kPosedSkirtMm);
+}
+
+TEST(SkinWeights, PoseLikeTheRecordedRig) {
+  LIVECAP_DATA_OR_SKIP(path, "skirt_dance/actor.glb");
+  check(load_actor(path), "recorded", test::kPosedMm);
+}
+
+// Independent of any rig: on a cylinder around two bones in line the heat equation is one-dimensional.
+TEST(SkinWeights, OfACapsuleFollowTheHeatEquation) {
+  const acquire::SkinOptions options;
+  const double half = 300, radius = 50;
+  const meshing::DistanceField field = [&](const Vector3d& p) {
+    return (p - Vector3d(0, std::clamp(p.y(), -half, half), 0)).norm() - radius;
+  };
+  const meshing::Surface surface = meshing::extract_surface(field, {-90, -390, -90}, {90, 390, 90}, 13);
+  BodyJoints joints;
+  joints.fill(Vector3d(0, 0, 20000));  // out of reach
+  joints[acquire::kLeftUpLegBone] = {0, half, 0};
+  joints[acquire::kLeftLegBone] = {0, 6.5, 0};  // between two layers of vertices
+  joints[acquire::kLeftFootBone] = {0, -half, 0};
+  joints[acquire::kLeftToeBone] = {0, -half, 0};
+  for (int bone = acquire::kRightUpLegBone; bone <= acquire::kRightToeBone; ++bone) joints[bone] = {0, half, 0};
+  const auto weights = acquire::heat_weights(surface, joints, acquire::volume_of(surface, 10), options);
+  int n_middle = 0;
+  for (size_t i = 0; i < weights.size(); ++i) {
+    double upper = 0, lower = 0, sum = 0;
+    for (const auto& [bone, weight] : weights[i]) {
+      sum += weight;
+      const bool is_lower = bone > acquire::kLeftUpLegBone && bone <= acquire::kLeftToeBone;
+      (is_lower ? lower : upper) += weight;
+    }
+    const double y = surface.vertices[i].y() - 6.5;
+    EXPECT_NEAR(sum, 1, test::kWeightSum);
+    if (std::abs(y) > 240) continue;
+    // -u'' + c/r^2 u = c/r^2 on one side: an exponential with the length r / sqrt(c).
+    const double expected = 0.5 * std::exp(-std::sqrt(options.heat) * std::abs(y) / radius);
+    EXPECT_NEAR(y > 0 ? lower : upper, expected, test::kHeatProfile) << y;
+    n_middle += expected > 0.1;
+  }
+  EXPECT_GT(n_middle, 10);
+}
+
+}  // namespace
+}  // namespace livecap

@@ -1,0 +1,49 @@
+// Actors whose every part is known: the built-in ones, and the recorded one when its data is there.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "acquire/body_rig.h"
+#include "actor/actor.h"
+#include "geometry/skeleton.h"
+#include "meshing/isosurface.h"
+#include "synth/synth.h"
+
+namespace livecap::test {
+
+inline const Actor& builtin_actor(const std::string& name) {
+  static std::map<std::string, Actor> actors;
+  auto found = actors.find(name);
+  if (found == actors.end()) found = actors.emplace(name, load_actor_bytes(make_builtin_actor_glb(name), name)).first;
+  return found->second;
+}
+
+inline meshing::Surface surface_of(const Actor& actor) {
+  meshing::Surface surface;
+  const auto& p = actor.mesh.positions;
+  for (size_t i = 0; i < p.size(); i += 3) surface.vertices.emplace_back(p[i], p[i + 1], p[i + 2]);
+  const auto& t = actor.mesh.triangles;
+  for (size_t i = 0; i < t.size(); i += 3) surface.triangles.emplace_back(t[i], t[i + 1], t[i + 2]);
+  return surface;
+}
+
+// Where the actor's own rig has the bones of a built one.
+inline acquire::BodyJoints true_joints(const Actor& actor) {
+  const PosedSkeleton rest = forward_kinematics(actor.skeleton, rest_pose(actor.skeleton));
+  acquire::BodyJoints joints;
+  for (int bone = 0; bone < acquire::kBodyBoneCount; ++bone) {
+    const std::string name = acquire::kBodyBones[bone].joint_name;
+    if (const int index = actor.skeleton.bone_index(name); index >= 0)
+      joints[bone] = rest.camera_from_bone[index].translation();
+    for (int k = 0; k < kKeypointCount; ++k)
+      if (name == kKeypointNames[k] && actor.skeleton.bone_index(name) < 0)
+        joints[bone] = actor.keypoints[k].rest_position_mm;
+  }
+  joints[acquire::kSpineBone] = 0.6 * joints[acquire::kHipsBone] + 0.4 * joints[acquire::kNeckBone];
+  const Eigen::Vector3d top = actor.keypoints[kHeadTop].rest_position_mm;
+  joints[acquire::kHeadBone] = 0.7 * joints[acquire::kNeckBone] + 0.3 * top;
+  return joints;
+}
+
+}  // namespace livecap::test

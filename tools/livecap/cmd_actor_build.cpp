@@ -1,0 +1,136 @@
+// livecap actor build: from pictures of a person to actor.glb. livecap actor views: pictures of an actor to try it on.
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "acquire/build_actor.h"
+#include "acquire/rehearsal.h"
+#include "acquire/report.h"
+#include "actor/inspect.h"
+#include "base/log.h"
+#include "base/text.h"
+#include "cmd_actor.h"
+#include "livecap/error.h"
+#include "progress.h"
+#include "synth/synth.h"
+
+namespace livecap::tools {
+namespace {
+
+struct ViewsOptions {
+  acquire::RehearsalOptions views;
+  std::string actor;
+  std::string unit = "m";
+  std::string out;
+};
+
+int write_views(const ViewsOptions& options) {
+  const std::string prefix = "builtin:";
+  const Actor actor = options.actor.rfind(prefix, 0) == 0
+                          ? load_actor_bytes(make_builtin_actor_glb(options.actor.substr(prefix.size())), options.actor)
+                          : load_actor(options.actor);
+  acquire::RehearsalOptions views = options.views;
+  if (options.unit != "m") views.unit_mm = acquire::unit_in_mm(options.unit);
+  catch_interrupt();
+  Progress progress("views");
+  acquire::write_rehearsal(actor, views, options.out, [&](int done, int total) {
+    progress.update(done, total);
+    return !interrupted();
+  });
+  progress.finish();
+  if (interrupted()) throw Error("interrupted; " + options.out + " holds a part of the views");
+  return kExitOk;
+}
+
+struct BuildCommand {
+  acquire::BuildOptions build;
+  double height_m = 0;
+  std::string cnn_device, solver_device;
+  std::string out;
+};
+
+int build(const BuildCommand& options) {
+  acquire::BuildOptions build = options.build;
+  build.height_mm = 1000 * options.height_m;
+  build.name = std::filesystem::path(options.out).stem().string();
+  build.validate();
+  const ocl::DevicePair devices = ocl::select_device_pair(options.cnn_device, options.solver_device);
+  ocl::DeviceContext network(devices.cnn), solver(devices.solver);
+  catch_interrupt();
+  std::unique_ptr<Progress> progress;
+  std::string stage;
+  const acquire::BuildResult result =
+      acquire::build_actor(network, solver, build, [&](const std::string& name, int done, int total) {
+        if (name != stage) {
+          if (progress) progress->finish();
+          progress = std::make_unique<Progress>("actor: " + name);
+          stage = name;
+        }
+        progress->update(done, total);
+        return !interrupted();
+      });
+  if (progress) progress->finish();
+  progress.reset();
+  const std::string bytes = meshing::actor_glb(result.actor);
+  write_file_atomically(options.out, bytes);
+  const Actor actor = load_actor_bytes(bytes, options.out);
+  for (const std::string& note : result.notes) log_warning(note);
+  double total_s = 0;
+  for (const auto& [name, seconds] : result.stage_s) {
+    total_s += seconds;
+    std::printf("  %-20s %6.1f s\n", name.c_str(), seconds);
+  }
+  const std::string facts =
+      format("%d vertices from %d views (a person in %d), keypoints agree within %.2f degrees, %.0f s",
+             actor.n_vertices(), result.n_views, result.n_detected, result.keypoint_rad * 180 / M_PI, total_s);
+  const std::filesystem::path report = std::filesystem::path(options.out).replace_extension(".html");
+  write_file_atomically(report, acquire::actor_report_html(actor, {build.name, {facts}, result.notes}));
+  std::printf("%s: %s; see %s\n", options.out.c_str(), facts.c_str(), report.c_str());
+  return kExitOk;
+}
+
+}  // namespace
+
+void add_actor_views_command(CLI::App& actor, Action& action) {
+  auto options = std::make_shared<ViewsOptions>();
+  CLI::App* command = actor.add_subcommand(
+      "views", "pictures of an actor from all around, with cameras, masks and labels: to try `actor build` on");
+  command->fallthrough();
+  command->add_option("file", options->actor, "actor.glb or builtin:NAME")->required();
+  command->add_option("--out", options->out, "folder to write")->required();
+  command->add_option("--views", options->views.n_views, "how many")->capture_default_str();
+  command->add_option("--width", options->views.width, "px")->capture_default_str();
+  command->add_option("--picture-height", options->views.height, "px")->capture_default_str();
+  command->add_option("--noise", options->views.noise, "sensor noise, 8-bit levels")->capture_default_str();
+  command->add_option("--blur", options->views.blur_px, "lens blur, px")->capture_default_str();
+  command->add_option("--unit", options->unit, "of the cameras' world: m, cm, mm, inch")->capture_default_str();
+  command->add_option("--seed", options->views.seed)->capture_default_str();
+  command->callback([options, &action] { action = [options] { return write_views(*options); }; });
+}
+
+void add_actor_build_command(CLI::App& actor, Action& action) {
+  auto options = std::make_shared<BuildCommand>();
+  acquire::BuildOptions& build_options = options->build;
+  CLI::App* command = actor.add_subcommand("build", "make an actor.glb from pictures of a person standing still");
+  command->fallthrough();
+  command->add_option("--images", build_options.views.images, "folder of pictures from all around");
+  command->add_option("--cameras", build_options.views.cameras,
+                      "where they were taken: COLMAP text model (folder) or OpenCV YAML; looked for around --images");
+  command->add_option("--masks", build_options.views.masks, "folder of masks, 255 = person; else the network's");
+  command->add_option("--labels", build_options.views.labels, "folder of label images (LIP ids); else guessed");
+  command->add_option("--mesh", build_options.mesh, "a scan (.obj, .ply, .glb) instead of carving");
+  command->add_option("--joints", build_options.joints, "joints.json: joints that the network need not find");
+  command->add_option("--unit", build_options.unit, "of the cameras' or the scan's world: m, cm, mm, inch, auto")
+      ->capture_default_str();
+  command->add_option("--height", options->height_m, "of the person, metres; sets the scale");
+  command->add_option("--vertices", build_options.target_vertices, "of the actor")->capture_default_str();
+  command->add_option("--texture", build_options.texture_size, "side of the texture, px")->capture_default_str();
+  command->add_option("--grid", build_options.grid_mm, "spacing of the carved volume, mm")->capture_default_str();
+  command->add_option("--model", build_options.model, "lite, full, heavy or a .tflite file")->capture_default_str();
+  command->add_option("--cnn-device", options->cnn_device, "see `livecap devices`");
+  command->add_option("--solver-device", options->solver_device, "see `livecap devices`");
+  command->add_option("--out", options->out, "actor.glb to write")->required();
+  command->callback([options, &action] { action = [options] { return build(*options); }; });
+}
+
+}  // namespace livecap::tools

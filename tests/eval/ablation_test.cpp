@@ -16,6 +16,9 @@ EvalReport with_vertex_error(double mm) {
   report.iou = {10, 0.95, 0.95, 0.9, 1, 0.9, 1};
   report.vertex_aligned_mm = {100, mm, mm, mm, mm, mm, mm};
   report.vertex_jitter = {10, 3, 1, 2};
+  report.labels = {{"hair", 1, {}, {30, 8, 8, 8, 8, 8, 8}},
+                   {"skirt", 1, {}, {9, 99, 9, 9, 9, 9, 9}},
+                   {"face", 1, {}, {10, 4, 4, 4, 4, 4, 4}}};
   return report;
 }
 
@@ -50,6 +53,7 @@ TEST(Ablation, Json) {
   ASSERT_EQ(json["rows"].size(), 4u);
   EXPECT_NEAR(json["rows"][0]["change_of_vertex_error"].get<double>(), 0.5, test::kDoubleExact);
   EXPECT_NEAR(json["rows"][0]["vertex_jitter_ratio"].get<double>(), 1.5, test::kDoubleExact);
+  EXPECT_NEAR(json["rows"][0]["head_translation_aligned_mm"].get<double>(), 7, test::kDoubleExact);
   EXPECT_TRUE(json["rows"][3]["vertex_translation_aligned_mm"].is_null());
   EXPECT_EQ(json["rows"][2]["paper"], "1.7 %");
 }

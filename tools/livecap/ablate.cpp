@@ -1,5 +1,6 @@
 #include "ablate.h"
 
+#include <cmath>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -65,6 +66,9 @@ std::string options_text(const Variant& variant) {
 AblationRow network_row(const EvalReport& full) {
   AblationRow row{"network only: re-boned 3D placed by 2D", kBaseline, "", "", {}};
   row.report.n_person = full.n_person;
+  for (const FrameEval& frame : full.frames) {
+    row.report.n_lost += std::isfinite(frame.joint_mm) && !std::isfinite(frame.network_aligned_mm);
+  }
   row.report.joint_mm = full.network_joint_mm;
   row.report.joint_aligned_mm = full.network_joint_aligned_mm;
   return row;

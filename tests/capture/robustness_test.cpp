@@ -35,8 +35,7 @@ SynthOptions sequence_of(const std::string& scenario, const std::string& motion,
 class Runs {
  public:
   const Captured& of(const SynthOptions& synth, double missed_detections = 0) {
-    const std::string name = format("%s_%s_%d_%d_%g", synth.scenario.c_str(), synth.motions[0].c_str(), synth.width,
-                                    synth.n_frames, missed_detections);
+    const std::string name = format("%s_%g", folder(synth).filename().c_str(), missed_detections);
     const auto found = runs_.find(name);
     if (found != runs_.end()) return found->second;
     const auto sequence = folder(synth), out = scratch_ / ("capture_" + name);
@@ -54,8 +53,8 @@ class Runs {
   }
 
   std::filesystem::path folder(const SynthOptions& synth) const {
-    return scratch_ /
-           format("%s_%s_%d_%d", synth.scenario.c_str(), synth.motions[0].c_str(), synth.width, synth.n_frames);
+    return scratch_ / format("%s_%s_%s_%d_%d", synth.scenario.c_str(), synth.actor.c_str(), synth.motions[0].c_str(),
+                             synth.width, synth.n_frames);
   }
 
  private:
@@ -186,14 +185,20 @@ TEST_F(Robustness, AMovingShadow) {
 
 TEST_F(Robustness, ABackgroundInTheColoursOfTheClothes) {
   LIVECAP_MODEL_OR_SKIP(model, "full");
-  const Captured& plain = runs().of(sequence_of("none", "walk", 60));
-  const Captured& run = runs().of(sequence_of("similar-background", "walk", 60));
-  record("plain", plain);
-  record("similar", run);
-  expect_unbroken(run);
-  EXPECT_GT(run.eval.iou.mean, plain.eval.iou.mean - 0.045);
-  EXPECT_GT(worst(run.eval, &FrameEval::iou, false), 0.80);
-  EXPECT_LT(run.eval.vertex_aligned_mm.mean, 1.15 * plain.eval.vertex_aligned_mm.mean);
+  // The skirt's contour strays to an arm beside it: against another background its colours hold it back.
+  for (const auto& [actor, iou_lost] : {std::pair{"trousers", 0.01}, {"skirt", 0.045}}) {
+    SynthOptions synth = sequence_of("none", "walk", 60);
+    synth.actor = actor;
+    const Captured& plain = runs().of(synth);
+    synth.scenario = "similar-background";
+    const Captured& run = runs().of(synth);
+    record(std::string("plain_") + actor, plain);
+    record(std::string("similar_") + actor, run);
+    expect_unbroken(run);
+    EXPECT_GT(run.eval.iou.mean, plain.eval.iou.mean - iou_lost) << actor;
+    EXPECT_GT(worst(run.eval, &FrameEval::iou, false), 0.80) << actor;
+    EXPECT_LT(run.eval.vertex_aligned_mm.mean, 1.15 * plain.eval.vertex_aligned_mm.mean) << actor;
+  }
 }
 
 // One detection in five is missing: the person is tracked on in these frames too, by the silhouette.
@@ -223,10 +228,12 @@ TEST_F(Robustness, AGapOfATenthOfASecond) {
   expect_unbroken(run);
   EXPECT_GT(run.eval.iou.mean, all.eval.iou.mean - 0.01);
   EXPECT_LT(run.eval.vertex_aligned_mm.mean, 1.08 * all.eval.vertex_aligned_mm.mean);
-  // Row 27 is the first after the gap, frame 30 of the whole sequence.
-  for (int row = 27; row < 32; ++row) {
-    EXPECT_GT(run.frame(row).iou, all.frame(row + 3).iou - 0.04) << row;
-    EXPECT_LT(run.frame(row).vertex_aligned_mm, all.frame(row + 3).vertex_aligned_mm + 12) << row;
+  // The five frames after each gap, before which three and six frames are missing.
+  for (const auto& [first, missing] : {std::pair{21, 3}, {48, 6}}) {
+    for (int row = first; row < first + 5; ++row) {
+      EXPECT_GT(run.frame(row).iou, all.frame(row + missing).iou - 0.04) << row;
+      EXPECT_LT(run.frame(row).vertex_aligned_mm, all.frame(row + missing).vertex_aligned_mm + 12) << row;
+    }
   }
 }
 

@@ -18,7 +18,7 @@ namespace livecap {
 
 // What happened in one input frame. Every input frame gets exactly one.
 enum class TrackStatus {
-  kOk,           // tracked
+  kOk,           // tracked; at most a few frames on end by the silhouette alone when the network misses the person
   kInitialized,  // tracked, after an initialisation (first frame of a person, or recovery after loss)
   kNobody,       // the network sees nobody; the last result is held
   kLost,         // somebody is there but the pose could not be solved; the last result is held

@@ -84,23 +84,19 @@ void trust_network(const cv::Mat& network, const cv::Mat& gate, const cv::Mat& c
 // than `seam` pixels to the network's person it stays: the network's border is not exact enough to tell.
 void drop_strangers(const cv::Mat& network, const cv::Mat& gate, const cv::Rect& box, int seam, float least_share,
                     const std::vector<uint8_t>& difference, cv::Mat& mask) {
-  cv::Mat known;
+  cv::Mat known, beyond(mask.size(), CV_8UC1);  // beyond: differs, outside the gate
   cv::threshold(network, known, kHalf - 1, 255, cv::THRESH_BINARY);
   const int least_area = static_cast<int>(least_share * static_cast<float>(cv::countNonZero(known)));
-  cv::dilate(known, known, disc(seam));
-  cv::Mat others(mask.size(), CV_8UC1), beyond(mask.size(), CV_8UC1);
   std::vector<uint8_t> gate_row(mask.cols);
   for (int y = 0; y < mask.rows; ++y) {
     if (y == 0 || (box.y + y) % kCoarse == 0) spread(gate, box, box.y + y, gate_row);
-    const uint8_t *in_mask = mask.ptr<uint8_t>(y), *is_known = known.ptr<uint8_t>(y), *in_gate = gate_row.data();
-    const uint8_t* d = difference.data() + size_t(y) * mask.cols;
-    uint8_t *other = others.ptr<uint8_t>(y), *out = beyond.ptr<uint8_t>(y);
-    for (int x = 0; x < mask.cols; ++x) {
-      const uint8_t differs = d[x] >= kHalf ? 255 : 0;
-      other[x] = static_cast<uint8_t>((in_gate[x] ? in_mask[x] : differs) & ~is_known[x]);
-      out[x] = static_cast<uint8_t>(~in_gate[x]);
-    }
+    const uint8_t *in_gate = gate_row.data(), *d = difference.data() + size_t(y) * mask.cols;
+    uint8_t* out = beyond.ptr<uint8_t>(y);
+    for (int x = 0; x < mask.cols; ++x) out[x] = static_cast<uint8_t>((d[x] >= kHalf ? 255 : 0) & ~in_gate[x]);
   }
+  if (cv::countNonZero(beyond) <= kShareBeyond * least_area) return;
+  cv::dilate(known, known, disc(seam));
+  const cv::Mat others = (mask | beyond) & ~known;
   const Pieces pieces(others, 255, true);
   std::vector<bool> stranger;
   const std::vector<int> areas_beyond = pieces.areas_in(beyond);

@@ -76,8 +76,9 @@ MovingShadow moving_shadow(double t) {
 }
 
 bool is_left_out(double t) {
-  constexpr double kGap = 0.1;  // s
-  return t - std::floor(t) > 1 - kGap - 1e-9;
+  constexpr double kFrom = 0.7, kTo = 0.8, kRounding = 1e-6;  // s; a beat or an arm's way, not its rest
+  const double within = t - std::floor(t + kRounding);
+  return within > kFrom - kRounding && within < kTo - kRounding;
 }
 
 Wallpaper clothes_wallpaper(const ActorModel& actor) {

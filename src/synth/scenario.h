@@ -29,7 +29,7 @@ std::optional<Posture> passer_by(double t, double out_mm, const Posture& walking
 // kMovingShadow: somebody outside the picture walks to and fro between the lamp and the room.
 MovingShadow moving_shadow(double t);
 
-// kGap: the last frames of every second are missing.
+// kGap: the frames of a tenth of every second are missing.
 bool is_left_out(double t);
 
 // kSimilarBackground: the mean colours of the actor's clothes.

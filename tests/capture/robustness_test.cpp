@@ -1,5 +1,5 @@
 // Difficult videos with known truth (docs/accuracy.md, "Robustness"): each has a criterion, most of them relative to
-// the same sequence without the difficulty. Numbers in comments: what was measured with PoCL, 2026-11-21.
+// the same sequence without the difficulty. What was measured stands there and in the properties each test records.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -35,8 +35,7 @@ SynthOptions sequence_of(const std::string& scenario, const std::string& motion,
 class Runs {
  public:
   const Captured& of(const SynthOptions& synth, double missed_detections = 0) {
-    const std::string name = format("%s_%s_%d_%d_%g", synth.scenario.c_str(), synth.motions[0].c_str(), synth.width,
-                                    synth.n_frames, missed_detections);
+    const std::string name = format("%s_%g", folder(synth).filename().c_str(), missed_detections);
     const auto found = runs_.find(name);
     if (found != runs_.end()) return found->second;
     const auto sequence = folder(synth), out = scratch_ / ("capture_" + name);
@@ -54,8 +53,8 @@ class Runs {
   }
 
   std::filesystem::path folder(const SynthOptions& synth) const {
-    return scratch_ /
-           format("%s_%s_%d_%d", synth.scenario.c_str(), synth.motions[0].c_str(), synth.width, synth.n_frames);
+    return scratch_ / format("%s_%s_%s_%d_%d", synth.scenario.c_str(), synth.actor.c_str(), synth.motions[0].c_str(),
+                             synth.width, synth.n_frames);
   }
 
  private:
@@ -130,16 +129,19 @@ TEST_F(Robustness, APersonLeavesAndReturns) {
       std::find_if(run.rows.begin() + (gone - inside.begin()), run.rows.end(),
                    [](const auto& row) { return row.status == "initialized" || row.status == "ok"; });
   ASSERT_NE(first_after, run.rows.end());
-  EXPECT_LE(first_after->index, back - inside.begin() + 5);  // after 2
+  EXPECT_LE(first_after->index, back - inside.begin() + 5);  // after 3
   for (auto row = first_after; row != run.rows.end(); ++row)
     EXPECT_EQ(row->status, row == first_after ? "initialized" : "ok") << row->index;
   for (int i = 0; inside[i] > 0.5; ++i) EXPECT_TRUE(run.rows[i].status == "ok" || i == 0) << i;
-  // The last fifteen frames against the first fifteen: 0.961 and 0.963.
+  // The last fifteen frames against the first fifteen: 0.950 and 0.958 (PoCL, 2026-11-21).
   double before = 0, after = 0;
   for (int i = 0; i < 15; ++i) {
     before += run.frame(i).iou / 15;
     after += run.frame(synth.n_frames - 1 - i).iou / 15;
   }
+  RecordProperty("iou_before", format("%.4f", before));
+  RecordProperty("iou_after", format("%.4f", after));
+  RecordProperty("frames_until_found", format("%d", static_cast<int>(first_after->index - (back - inside.begin()))));
   EXPECT_GT(after, before - 0.015);
 }
 
@@ -186,14 +188,20 @@ TEST_F(Robustness, AMovingShadow) {
 
 TEST_F(Robustness, ABackgroundInTheColoursOfTheClothes) {
   LIVECAP_MODEL_OR_SKIP(model, "full");
-  const Captured& plain = runs().of(sequence_of("none", "walk", 60));
-  const Captured& run = runs().of(sequence_of("similar-background", "walk", 60));
-  record("plain", plain);
-  record("similar", run);
-  expect_unbroken(run);
-  EXPECT_GT(run.eval.iou.mean, plain.eval.iou.mean - 0.045);
-  EXPECT_GT(worst(run.eval, &FrameEval::iou, false), 0.80);
-  EXPECT_LT(run.eval.vertex_aligned_mm.mean, 1.15 * plain.eval.vertex_aligned_mm.mean);
+  // The skirt's contour strays to an arm beside it: against another background its colours hold it back.
+  for (const auto& [actor, iou_lost] : {std::pair{"trousers", 0.01}, {"skirt", 0.045}}) {
+    SynthOptions synth = sequence_of("none", "walk", 60);
+    synth.actor = actor;
+    const Captured& plain = runs().of(synth);
+    synth.scenario = "similar-background";
+    const Captured& run = runs().of(synth);
+    record(std::string("plain_") + actor, plain);
+    record(std::string("similar_") + actor, run);
+    expect_unbroken(run);
+    EXPECT_GT(run.eval.iou.mean, plain.eval.iou.mean - iou_lost) << actor;
+    EXPECT_GT(worst(run.eval, &FrameEval::iou, false), 0.80) << actor;
+    EXPECT_LT(run.eval.vertex_aligned_mm.mean, 1.15 * plain.eval.vertex_aligned_mm.mean) << actor;
+  }
 }
 
 // One detection in five is missing: the person is tracked on in these frames too, by the silhouette.
@@ -223,10 +231,12 @@ TEST_F(Robustness, AGapOfATenthOfASecond) {
   expect_unbroken(run);
   EXPECT_GT(run.eval.iou.mean, all.eval.iou.mean - 0.01);
   EXPECT_LT(run.eval.vertex_aligned_mm.mean, 1.08 * all.eval.vertex_aligned_mm.mean);
-  // Row 27 is the first after the gap, frame 30 of the whole sequence.
-  for (int row = 27; row < 32; ++row) {
-    EXPECT_GT(run.frame(row).iou, all.frame(row + 3).iou - 0.04) << row;
-    EXPECT_LT(run.frame(row).vertex_aligned_mm, all.frame(row + 3).vertex_aligned_mm + 12) << row;
+  // The five frames after each gap, before which three and six frames are missing.
+  for (const auto& [first, missing] : {std::pair{21, 3}, {48, 6}}) {
+    for (int row = first; row < first + 5; ++row) {
+      EXPECT_GT(run.frame(row).iou, all.frame(row + missing).iou - 0.04) << row;
+      EXPECT_LT(run.frame(row).vertex_aligned_mm, all.frame(row + missing).vertex_aligned_mm + 12) << row;
+    }
   }
 }
 

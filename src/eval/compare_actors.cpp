@@ -128,6 +128,7 @@ ActorComparison compare_actors(const Actor& built, const Actor& truth, int n_pos
     same_class += built.rigidity[i] == truth.rigidity[vertex];
   }
   result.rest_mm = summarize(distances).mean;
+  result.distances_mm = distances;
   result.built_to_truth_mm = summarize(std::move(distances));
   result.labels = static_cast<double>(same_label) / static_cast<double>(on.size());
   result.rigidity = static_cast<double>(same_class) / static_cast<double>(on.size());

@@ -212,7 +212,14 @@ class Builder {
     if (!scan_.has_color()) note("the scan has no colour: every vertex is grey, colour cannot guide the surface");
     result_.actor.atlas =
         meshing::make_atlas(surface(), std::vector<int>(surface().triangles.size(), 0), {1.0}, options_.texture_size);
-    const meshing::NearestSurface near(scan_.surface, 30);
+    if (!scan_.has_color()) {
+      const size_t n = static_cast<size_t>(3) * options_.texture_size * options_.texture_size;
+      result_.actor.texture = {options_.texture_size, options_.texture_size, std::vector<uint8_t>(n, 153)};
+      return;
+    }
+    // Cells of about three edges of the scan.
+    const double cell = 3 * std::sqrt(3e6 / static_cast<double>(scan_.surface.triangles.size()));
+    const meshing::NearestSurface near(scan_.surface, std::clamp(cell, 4.0, 40.0));
     result_.actor.texture = meshing::bake_texture(surface(), result_.actor.atlas, options_.texture_size,
                                                   [&](const Vector3d& p, int) { return scan_.color_at(near.find(p)); });
   }

@@ -8,6 +8,7 @@
 #include "acquire/material_labels.h"
 #include "acquire/mesh_volume.h"
 #include "acquire/person_frame.h"
+#include "acquire/refine.h"
 #include "acquire/scan.h"
 #include "acquire/skin_weights.h"
 #include "acquire/surface_views.h"
@@ -45,6 +46,7 @@ class Builder {
     else
       stage("scan", [&] { take_scan(); });
     stage("thinning", [&] { thin(); });
+    if (options_.refine && options_.mesh.empty()) stage("refining", [&] { refine(); });
     stage("joints", [&] { place(); });
     stage("skin weights", [&] { result_.actor.weights = heat_weights(surface(), result_.joints, volume_); });
     stage("texture", [&] { texture(); });
@@ -168,6 +170,15 @@ class Builder {
     frame_.scale_mm *= scale;
   }
 
+  void refine() {
+    const RefineResult refined =
+        refine_by_color(views_, cover_surface(device_, mesh_of(surface()), views_), {}, surface());
+    if (refined.n_evidence * 5 < static_cast<int>(surface().vertices.size()))
+      note(format(
+          "only %d of %zu vertices have enough texture to see hollows; elsewhere the shape is the silhouettes' hull",
+          refined.n_evidence, surface().vertices.size()));
+  }
+
   void place() {
     result_.joints = place_joints(keypoints_, height_mm_, volume_, result_.notes);
     make_symmetric(result_.joints);
@@ -191,16 +202,24 @@ class Builder {
         meshing::make_atlas(surface(), std::vector<int>(surface().triangles.size(), 0), {1.0}, options_.texture_size);
     BlendedTexture blended = blend_texture(surface(), result_.actor.atlas, options_.texture_size, views_, coverage_);
     result_.actor.texture = std::move(blended.image);
-    if (blended.n_unseen > 0)
-      note(
-          format("%d vertices are seen by no picture; their colour is spread from their neighbours", blended.n_unseen));
+    result_.seen = std::move(blended.seen);
+    if (const auto unseen = std::count(result_.seen.begin(), result_.seen.end(), 0); unseen > 0)
+      note(format("%d vertices are seen by no picture; their colour is spread from their neighbours",
+                  static_cast<int>(unseen)));
   }
 
   void texture_from_scan() {
     if (!scan_.has_color()) note("the scan has no colour: every vertex is grey, colour cannot guide the surface");
     result_.actor.atlas =
         meshing::make_atlas(surface(), std::vector<int>(surface().triangles.size(), 0), {1.0}, options_.texture_size);
-    const meshing::NearestSurface near(scan_.surface, 30);
+    if (!scan_.has_color()) {
+      const size_t n = static_cast<size_t>(3) * options_.texture_size * options_.texture_size;
+      result_.actor.texture = {options_.texture_size, options_.texture_size, std::vector<uint8_t>(n, 153)};
+      return;
+    }
+    // Cells of about three edges of the scan.
+    const double cell = 3 * std::sqrt(3e6 / static_cast<double>(scan_.surface.triangles.size()));
+    const meshing::NearestSurface near(scan_.surface, std::clamp(cell, 4.0, 40.0));
     result_.actor.texture = meshing::bake_texture(surface(), result_.actor.atlas, options_.texture_size,
                                                   [&](const Vector3d& p, int) { return scan_.color_at(near.find(p)); });
   }

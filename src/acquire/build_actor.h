@@ -35,6 +35,7 @@ struct BuildOptions {
 struct BuildResult {
   meshing::ActorFile actor;
   BodyJoints joints;
+  std::vector<char> seen;          // [n_vertices] 0: no picture shows the vertex; empty without pictures
   std::vector<std::string> notes;  // what was assumed, left out or looks wrong, one line each
   std::vector<std::pair<std::string, double>> stage_s;
   int n_views = 0;

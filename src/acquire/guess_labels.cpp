@@ -55,6 +55,7 @@ class Guess {
 
   std::vector<uint8_t> run() {
     find_skin();
+    if (std::count(skin_.begin(), skin_.end(), 1) == 0) bare_by_body_part();
     const double waist = waist_level();
     const bool skirt = thighs_are_covered();
     std::vector<uint8_t> labels(n_);
@@ -87,6 +88,8 @@ class Guess {
       const double chroma = std::hypot(lab_[i][1] - bright * middle[1], lab_[i][2] - bright * middle[2]);
       skin_[i] = chroma < 0.075 && lab_[i][0] > 0.55 * middle[0] && lab_[i][0] < 1.45 * middle[0];
     }
+    // A body without colour is all face.
+    if (std::count(skin_.begin(), skin_.end(), 1) > 0.85 * n_) skin_.assign(n_, 0);
     // Patterns have a thread of any colour: the neighbours decide.
     for (int round = 0; round < 3; ++round) {
       std::vector<char> next = skin_;
@@ -96,6 +99,17 @@ class Guess {
         next[i] = votes > 0;
       }
       skin_.swap(next);
+    }
+  }
+
+  // Nothing known of colours: the face and the hands are bare.
+  void bare_by_body_part() {
+    const Vector3d& head = in_.joints[kHeadBone];
+    for (size_t i = 0; i < n_; ++i) {
+      const int b = bone(i);
+      const bool hand = b == kLeftHandBone || b == kLeftKnuckleBone || b == kRightHandBone || b == kRightKnuckleBone;
+      const bool face = b == kHeadBone && point(i).z() > head.z() + 0.01 * height_ && point(i).y() < 0.95 * height_;
+      skin_[i] = hand || face;
     }
   }
 

@@ -14,7 +14,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kInlierRad = 0.035;  // 100 mm at 2.9 m: hips and shoulders differ that much between views
-constexpr double kCauchyRad = 0.006;  // scale of the final weights
+constexpr double kCauchyRad = 0.010;  // scale of the final weights
 constexpr double kMinConfidence = 0.3;
 
 // Least squares over the squared distances to the rays; false when the rays are parallel.

@@ -95,12 +95,10 @@ double sharpness(const ImageRgb& image) {
   small.convertTo(small, CV_32F);
   cv::Scalar mean, deviation;
   cv::meanStdDev(small, mean, deviation);
-  // What a 3-tap blur takes away, against what an 9-tap blur takes away: sharp edges lose to both.
-  cv::Mat fine, coarse;
-  cv::GaussianBlur(small, fine, {3, 3}, 0.8);
-  cv::GaussianBlur(small, coarse, {13, 13}, 3.0);
-  const double lost_fine = cv::norm(small, fine, cv::NORM_L2), lost_coarse = cv::norm(small, coarse, cv::NORM_L2);
-  return lost_coarse > 1e-6 ? lost_fine / lost_coarse : 0;
+  cv::Mat blurred;
+  cv::GaussianBlur(small, blurred, {3, 3}, 0.8);
+  const double lost = cv::norm(small, blurred, cv::NORM_L2) / std::sqrt(static_cast<double>(small.total()));
+  return deviation[0] > 1 ? lost / deviation[0] : 0;
 }
 
 std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& notes) {
@@ -160,13 +158,13 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
     const double usual = sorted[sorted.size() / 2];
     std::vector<View> kept;
     for (size_t i = 0; i < views.size(); ++i) {
-      if (sharp[i] < 0.5 * usual)
+      if (sharp[i] < 0.4 * usual)
         notes.push_back(views[i].name + format(": blurred (%.2f of the usual sharpness); left out", sharp[i] / usual));
       else
         kept.push_back(std::move(views[i]));
     }
     views = std::move(kept);
-    if (usual < 0.12) notes.push_back("all pictures are blurred; texture and shape will be coarse");
+    if (usual < 0.02) notes.push_back("all pictures are blurred; texture and shape will be coarse");
   }
   if (static_cast<int>(views.size()) < kMinViews)
     throw ConfigError(

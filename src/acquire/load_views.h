@@ -23,8 +23,8 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
 
 inline constexpr int kMinViews = 8;
 
-// Mean absolute difference of neighbouring pixels over the picture's contrast: a measure of blur that light does not
-// change. About 0.05 and more for a sharp picture of a person indoors, below 0.01 for a blurred one.
+// What a slight blur takes away from the picture (640 px), over its contrast: a measure of blur that light does not
+// change.
 double sharpness(const ImageRgb& image);
 
 }  // namespace livecap::acquire

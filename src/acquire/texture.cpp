@@ -82,9 +82,8 @@ std::vector<std::vector<Share>> choose_views(const meshing::Surface& surface, co
 }
 
 // Colours of unseen vertices from their neighbours, ring by ring.
-int spread_colors(const std::vector<std::vector<int>>& neighbors, std::vector<char>& known,
-                  std::vector<Vector3d>& colors) {
-  const int n_unseen = static_cast<int>(std::count(known.begin(), known.end(), 0));
+void spread_colors(const std::vector<std::vector<int>>& neighbors, std::vector<char> known,
+                   std::vector<Vector3d>& colors) {
   for (bool changed = true; changed;) {
     changed = false;
     std::vector<char> next = known;
@@ -101,7 +100,6 @@ int spread_colors(const std::vector<std::vector<int>>& neighbors, std::vector<ch
     }
     known.swap(next);
   }
-  return n_unseen;
 }
 
 }  // namespace
@@ -120,7 +118,8 @@ BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atl
       colors[i] += weight * sample(views[view].image, coverage[view].pixels[i].x(), coverage[view].pixels[i].y());
   }
   BlendedTexture result;
-  result.n_unseen = spread_colors(neighbors, known, colors);
+  spread_colors(neighbors, known, colors);
+  result.seen = known;
   const auto color = [&](const Vector3d& p, int triangle) {
     const auto& t = surface.triangles[triangle];
     const Vector3d &a = surface.vertices[t[0]], &b = surface.vertices[t[1]], &c = surface.vertices[t[2]];

@@ -12,7 +12,7 @@ namespace livecap::acquire {
 
 struct BlendedTexture {
   ImageRgb image;
-  int n_unseen = 0;  // vertices that no view shows; their colour is spread from their neighbours
+  std::vector<char> seen;  // [n_vertices] 0: no view shows it; its colour is spread from its neighbours
 };
 
 BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atlas& atlas, int size,

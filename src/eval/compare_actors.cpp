@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "actor/labels.h"
 #include "base/text.h"
 #include "meshing/nearest_surface.h"
 #include "synth/random.h"
@@ -128,6 +129,14 @@ ActorComparison compare_actors(const Actor& built, const Actor& truth, int n_pos
     same_class += built.rigidity[i] == truth.rigidity[vertex];
   }
   result.rest_mm = summarize(distances).mean;
+  for (int label = 0; label < kLabelCount; ++label) {
+    double total = 0;
+    int n = 0;
+    for (size_t i = 0; i < on.size(); ++i)
+      if (built.labels[i] == label) total += distances[i], ++n;
+    if (n > 0) result.surface_by_label_mm.emplace_back(kLabelNames[label], total / n);
+  }
+  result.distances_mm = distances;
   result.built_to_truth_mm = summarize(std::move(distances));
   result.labels = static_cast<double>(same_label) / static_cast<double>(on.size());
   result.rigidity = static_cast<double>(same_class) / static_cast<double>(on.size());
@@ -180,6 +189,7 @@ std::string comparison_report(const ActorComparison& c) {
   };
   std::string text =
       line("surface, built to true", c.built_to_truth_mm) + line("surface, true to built", c.truth_to_built_mm);
+  for (const auto& [name, error] : c.surface_by_label_mm) text += format("  %-26s      %6.1f\n", name.c_str(), error);
   if (c.posed_mm.n > 0) text += line("posed", c.posed_mm) + format("%-28s mean %6.1f\n", "the same at rest", c.rest_mm);
   text += format("%-28s mean %6.1f mm\n", "joints", c.joints_mean_mm);
   for (const auto& [name, error] : c.joints_mm) text += format("  %-26s      %6.1f\n", name.c_str(), error);

@@ -1,1 +1,2 @@
-target_link_libraries(test_acquire PRIVATE livecap_eval nlohmann_json::nlohmann_json)
+target_link_libraries(test_acquire PRIVATE livecap_eval nlohmann_json::nlohmann_json opencv_core opencv_imgproc)
+set(slow_units build_actor)

@@ -20,7 +20,7 @@ expect() {
   lines=$(grep -c '^error: ' err.txt)
   local others
   # libpng reports on its own before our line, and cannot be told not to.
-  others=$(grep -cvE '^(error: |warning: |capture |synth |detect |eval |libpng error: )' err.txt)
+  others=$(grep -cvE '^(error: |warning: |capture |synth |detect |eval |actor: |views |libpng error: )' err.txt)
   local word missing=
   for word in $pattern; do
     grep '^error: ' err.txt | grep -qF -- "$word" || missing+=" $word"
@@ -188,6 +188,21 @@ if ! "$livecap" eval --ablate --truth seq/truth --video seq/video.mp4 --camera s
   sed 's/^/  | /' err.txt out.txt | head -20
   failures=$((failures + 1))
 fi
+
+# actor build.
+expect 2 '--images --mesh' actor build --out a.glb
+expect 2 'nowhere' actor build --images nowhere --out a.glb
+expect 2 'none.obj' actor build --mesh none.obj --out a.glb
+expect 2 'garbage' actor build --mesh garbage --out a.glb
+expect 2 '--unit feet' actor build --mesh seq/actor.glb --unit feet --out a.glb
+expect 2 '--vertices 3' actor build --mesh seq/actor.glb --vertices 3 --out a.glb
+expect 2 'cameras.txt' actor build --images seq/truth/masks --out a.glb
+printf '1 PINHOLE 540 960 500\n' >cameras.txt
+printf '1 1 0 0 0 0 0 5 1 a.png\n\n' >images.txt
+expect 2 'cameras.txt line 1 PINHOLE' actor build --images seq/truth/masks --cameras . --out a.glb
+expect 2 'nobody' actor views builtin:nobody --out v
+expect 2 'none.glb' actor compare none.glb seq/actor.glb
+[[ ! -e a.glb ]] || { echo "FAILED: actor build left a file"; failures=$((failures + 1)); }
 
 # bench.
 expect 2 'nowhere/video.mp4' bench --sequence nowhere

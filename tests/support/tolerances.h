@@ -119,9 +119,10 @@ inline constexpr double kHeatProfile = 0.06;
 
 // Pose files with eight digits.
 inline constexpr double kPoseDigits = 1e-7;
-// Exact rays or keypoints in double, mm; and 40 rays that are 14 mm off each, 20 that look elsewhere.
+// Exact rays or keypoints in double, mm; and 40 rays that are 14 mm off each (least squares on the right ones alone is 4.7 mm off, weights that do not know them more), 20
+// that look elsewhere, mean of ten draws.
 inline constexpr double kTriangulatedMm = 1e-6;
-inline constexpr double kTriangulatedNoisyMm = 6;
+inline constexpr double kTriangulatedNoisyMm = 7.5;
 // A hull of 36 views in pixels of 5 mm on a grid of 12 mm: a convex solid of 120 mm radius.
 inline constexpr double kHullMeanMm = 2.5;
 inline constexpr double kHullMostMm = 9;
@@ -129,5 +130,18 @@ inline constexpr double kHullMostMm = 9;
 inline constexpr double kMeshVolumeMm = 1.0;
 // Area of a sphere made of facets.
 inline constexpr double kPieceShare = 0.01;
+
+// An actor built from 70 pictures, the project's bars: surface mean and 95 %, joints, mm; labels voted and guessed.
+inline constexpr double kBuiltSurfaceMm = 8;
+inline constexpr double kBuiltSurfaceP95Mm = 20;
+inline constexpr double kBuiltJointsMm = 20;
+inline constexpr double kVotedLabels = 0.95;
+inline constexpr double kGuessedLabels = 0.85;
+// The network's masks are blurred by some pixels of 256 over the person's crop; median.
+inline constexpr double kNetworkMaskMm = 12;
+// A broken scan rebuilt on a grid of 7 mm.
+inline constexpr double kScanSurfaceMm = 1.5;
+// Vertex colours under the lamp of the pictures against those of the file.
+inline constexpr double kColorCorrelation = 0.85;
 
 }  // namespace livecap::test

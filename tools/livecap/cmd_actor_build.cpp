@@ -126,6 +126,7 @@ void add_actor_build_command(CLI::App& actor, Action& action) {
   command->add_option("--vertices", build_options.target_vertices, "of the actor")->capture_default_str();
   command->add_option("--texture", build_options.texture_size, "side of the texture, px")->capture_default_str();
   command->add_option("--grid", build_options.grid_mm, "spacing of the carved volume, mm")->capture_default_str();
+  command->add_flag("!--no-refine", build_options.refine, "keep the hull as it is: no search for hollows by colour");
   command->add_option("--model", build_options.model, "lite, full, heavy or a .tflite file")->capture_default_str();
   command->add_option("--cnn-device", options->cnn_device, "see `livecap devices`");
   command->add_option("--solver-device", options->solver_device, "see `livecap devices`");

@@ -1,0 +1,223 @@
+#include "acquire/build_actor.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "acquire/rehearsal.h"
+#include "acquire/report.h"
+#include "acquire/scan.h"
+#include "acquire/true_actor.h"
+#include "base/text.h"
+#include "eval/compare_actors.h"
+#include "image/image_io.h"
+#include "livecap/error.h"
+#include "support/data_dir.h"
+#include "support/test_device.h"
+#include "support/tolerances.h"
+
+namespace livecap {
+namespace {
+
+using acquire::BuildOptions;
+using acquire::BuildResult;
+
+// Views of an actor in a folder of its own, and builds from them on the first test device.
+class BuildActor : public testing::Test {
+ protected:
+  BuildActor() : folder_(std::filesystem::path(testing::TempDir()) / "build_actor_test") {
+    std::filesystem::remove_all(folder_);
+  }
+  ~BuildActor() override { std::filesystem::remove_all(folder_); }
+
+  void photograph(const Actor& actor, int n_views, double unit_mm = 1000, int height = 640) {
+    acquire::RehearsalOptions options;
+    options.n_views = n_views;
+    options.width = height * 3 / 4;
+    options.height = height;
+    options.unit_mm = unit_mm;
+    acquire::write_rehearsal(actor, options, folder_);
+  }
+  BuildOptions options() const {
+    BuildOptions options;
+    options.views.images = folder_ / "images";
+    options.views.masks = folder_ / "masks";
+    options.views.labels = folder_ / "labels";
+    return options;
+  }
+  BuildResult build(const BuildOptions& options) {
+    ocl::DeviceContext device(ocl::select_device(test::device_selectors().front()));
+    return acquire::build_actor(device, device, options);
+  }
+  static Actor loaded(const BuildResult& result) { return load_actor_bytes(meshing::actor_glb(result.actor), "built"); }
+  static bool noted(const BuildResult& result, const std::string& what) {
+    return std::any_of(result.notes.begin(), result.notes.end(),
+                       [&](const std::string& note) { return note.find(what) != std::string::npos; });
+  }
+  std::string failure(const BuildOptions& options) {
+    try {
+      build(options);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  std::filesystem::path folder_;
+};
+
+// Distance to the true surface of the vertices that a picture shows.
+Summary seen_distances(const BuildResult& result, const ActorComparison& c) {
+  std::vector<double> distances;
+  for (size_t i = 0; i < result.seen.size(); ++i)
+    if (result.seen[i]) distances.push_back(c.distances_mm[i]);
+  return summarize(distances);
+}
+
+void print(const char* name, const ActorComparison& c) {
+  std::printf("%s: surface %.1f mm (95 %% %.1f), joints %.1f mm, posed %.1f mm, labels %.1f %%\n", name,
+              c.built_to_truth_mm.mean, c.built_to_truth_mm.p95, c.joints_mean_mm, c.posed_mm.mean, 100 * c.labels);
+}
+
+TEST_F(BuildActor, FromPicturesMeetsTheBars) {
+  const Actor& truth = test::builtin_actor("trousers");
+  photograph(truth, 70);
+  const BuildResult result = build(options());
+  const Actor built = loaded(result);
+  const ActorComparison c = compare_actors(built, truth);
+  print("trousers", c);
+  EXPECT_NEAR(built.n_vertices(), 5000, 250);
+  EXPECT_TRUE(acquire::is_closed_manifold(result.actor.surface));
+  EXPECT_EQ(connected_components(built.n_vertices(), built.mesh.triangles), 1);
+  EXPECT_LT(c.built_to_truth_mm.mean, test::kBuiltSurfaceMm);
+  EXPECT_LT(c.built_to_truth_mm.p95, test::kBuiltSurfaceP95Mm);
+  EXPECT_LT(seen_distances(result, c).p95, test::kBuiltSurfaceP95Mm);
+  EXPECT_LT(c.joints_mean_mm, test::kBuiltJointsMm);
+  EXPECT_GT(c.labels, test::kVotedLabels);
+  // The colours of the template: lit by the rehearsal's lamp, so only their order is compared.
+  double agree = 0;
+  const auto nearest = [&](int i) {
+    int best = 0;
+    double best_d = 1e9;
+    for (int j = 0; j < truth.n_vertices(); ++j) {
+      double d = 0;
+      for (int k = 0; k < 3; ++k) d += std::pow(built.mesh.positions[3 * i + k] - truth.mesh.positions[3 * j + k], 2);
+      if (d < best_d) best_d = d, best = j;
+    }
+    return best;
+  };
+  double sx = 0, sy = 0, sxx = 0, syy = 0, sxy = 0;
+  int n = 0;
+  for (int i = 0; i < built.n_vertices(); i += 7, ++n) {
+    const double x = built.colors[3 * i + 2] - built.colors[3 * i], t = nearest(i);
+    const double y = truth.colors[3 * static_cast<int>(t) + 2] - truth.colors[3 * static_cast<int>(t)];
+    sx += x, sy += y, sxx += x * x, syy += y * y, sxy += x * y;
+  }
+  agree = (n * sxy - sx * sy) / std::sqrt((n * sxx - sx * sx) * (n * syy - sy * sy));
+  EXPECT_GT(agree, test::kColorCorrelation) << "correlation of blue minus red";
+  const std::string html = acquire::actor_report_html(built, {"t", {"a < b"}, result.notes});
+  EXPECT_NE(html.find("a &lt; b"), std::string::npos);
+  EXPECT_EQ(html.find("http"), std::string::npos) << "the report must stand alone";
+}
+
+TEST_F(BuildActor, WithoutMasksOrLabelsInCentimetres) {
+  const Actor& truth = test::builtin_actor("skirt");
+  photograph(truth, 40, 10);
+  BuildOptions build_options = options();
+  build_options.views.masks.clear();
+  build_options.views.labels.clear();
+  const BuildResult result = build(build_options);
+  const ActorComparison c = compare_actors(loaded(result), truth);
+  print("skirt, network masks, guessed labels", c);
+  std::printf("what pictures show: %.1f mm (95 %% %.1f)\n", seen_distances(result, c).mean,
+              seen_distances(result, c).p95);
+  EXPECT_TRUE(noted(result, "taken as cm"));
+  EXPECT_TRUE(noted(result, "masks are the network's"));
+  EXPECT_TRUE(noted(result, "no label images"));
+  EXPECT_LT(c.built_to_truth_mm.median, test::kNetworkMaskMm);
+  EXPECT_LT(c.joints_mean_mm, test::kBuiltJointsMm);
+  EXPECT_GT(c.labels, test::kGuessedLabels);
+}
+
+TEST_F(BuildActor, FromTheRecordedActor) {
+  LIVECAP_DATA_OR_SKIP(path, "skirt_dance/actor.glb");
+  const Actor truth = load_actor(path);
+  photograph(truth, 70, 1000, 960);
+  const BuildResult result = build(options());
+  const ActorComparison c = compare_actors(loaded(result), truth);
+  print("recorded", c);
+  const Summary seen = seen_distances(result, c);
+  std::printf("recorded, what pictures show: %.1f mm (95 %% %.1f)\n", seen.mean, seen.p95);
+  EXPECT_LT(c.built_to_truth_mm.mean, test::kBuiltSurfaceMm);
+  EXPECT_LT(seen.mean, test::kBuiltSurfaceMm);
+  EXPECT_LT(c.joints_mean_mm, test::kBuiltJointsMm);
+  EXPECT_GT(c.labels, test::kVotedLabels);
+}
+
+TEST_F(BuildActor, FromAScanAlone) {
+  const Actor& truth = test::builtin_actor("trousers");
+  std::filesystem::create_directories(folder_);
+  // In inches, standing along Z, with a hole in the crown.
+  std::string obj;
+  for (int i = 0; i < truth.n_vertices(); ++i) {
+    const float* p = &truth.mesh.positions[3 * i];
+    obj += format("v %.9g %.9g %.9g %.4g %.4g %.4g\n", p[0] / 25.4, -p[2] / 25.4, p[1] / 25.4, truth.colors[3 * i],
+                  truth.colors[3 * i + 1], truth.colors[3 * i + 2]);
+  }
+  for (size_t t = 0; t < truth.mesh.triangles.size(); t += 3) {
+    const int32_t* v = &truth.mesh.triangles[t];
+    if (truth.mesh.positions[3 * v[0] + 1] < 1690) obj += format("f %d %d %d\n", v[0] + 1, v[1] + 1, v[2] + 1);
+  }
+  write_file_atomically(folder_ / "scan.obj", obj);
+  BuildOptions build_options;
+  build_options.mesh = folder_ / "scan.obj";
+  const BuildResult result = build(build_options);
+  const ActorComparison c = compare_actors(loaded(result), truth);
+  print("scan", c);
+  EXPECT_TRUE(noted(result, "taken as inch"));
+  EXPECT_TRUE(noted(result, "not closed"));
+  EXPECT_LT(c.built_to_truth_mm.mean, test::kScanSurfaceMm);
+  EXPECT_LT(c.joints_mean_mm, test::kBuiltJointsMm);
+}
+
+TEST_F(BuildActor, BadPicturesAreRefusedOrTold) {
+  photograph(test::builtin_actor("trousers"), 12, 1000, 320);
+  BuildOptions build_options = options();
+  EXPECT_NE(failure({}).find("--images or --mesh"), std::string::npos);
+  build_options.unit = "feet";
+  EXPECT_NE(failure(build_options).find("--unit feet"), std::string::npos);
+  build_options.unit = "cm";  // they are metres
+  EXPECT_NE(failure(build_options).find("--unit"), std::string::npos) << failure(build_options);
+  build_options = options();
+  build_options.views.masks = folder_ / "none";
+  EXPECT_NE(failure(build_options).find("none"), std::string::npos);
+  build_options = options();
+  build_options.model = "none.tflite";
+  EXPECT_NE(failure(build_options).find("none.tflite"), std::string::npos);
+
+  // Two blurred pictures, one that is no picture, one mask missing: told, and built without them.
+  for (const char* name : {"003.png", "007.png"}) {
+    ImageRgb image = read_image_rgb(folder_ / "images" / name);
+    cv::Mat pixels(image.height, image.width, CV_8UC3, image.pixels.data());
+    cv::blur(pixels, pixels, {21, 21});
+    write_png(image, folder_ / "images" / name);
+  }
+  write_file_atomically(folder_ / "images" / "005.png", "no picture");
+  std::filesystem::remove(folder_ / "masks" / "001.png");
+  const BuildResult result = build(options());
+  EXPECT_EQ(result.n_views, 9);
+  EXPECT_TRUE(noted(result, "003.png: blurred"));
+  EXPECT_TRUE(noted(result, "007.png: blurred"));
+  EXPECT_TRUE(noted(result, "005.png"));
+  EXPECT_TRUE(noted(result, "1 pictures have no mask"));
+
+  for (int i = 3; i < 12; ++i) std::filesystem::remove(folder_ / "images" / format("%03d.png", i));
+  EXPECT_NE(failure(options()).find("3 usable pictures"), std::string::npos) << failure(options());
+  std::filesystem::remove(folder_ / "cameras.txt");
+  EXPECT_NE(failure(options()).find("cameras.txt"), std::string::npos) << failure(options());
+}
+
+}  // namespace
+}  // namespace livecap

@@ -30,10 +30,11 @@ echo "== capturing it into $capture"
   ${LIVECAP_DEMO_OPTIONS:-}
 
 echo "== comparing with the ground truth"
-"$livecap" eval --capture "$capture" --truth "$sequence/truth"
+"$livecap" eval --capture "$capture" --truth "$sequence/truth" --html "$out/report.html"
 
 echo
 for file in overlay.mp4 capture.glb report.json; do
   [[ -s $capture/$file ]] || { echo "demo.sh: $capture/$file is missing" >&2; exit 1; }
   printf '%-13s %s\n' "$file" "$capture/$file"
 done
+printf '%-13s %s\n' report.html "$out/report.html"

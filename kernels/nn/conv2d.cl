@@ -3,71 +3,81 @@
 // share a panel (see also conv_split.cl).
 #include "nn/panel.h"
 
-#define NN_MAD(x, w, sum) mad((float16)(x), w, sum)
+// Written out: compilers contract the expression to one instruction; PoCL's mad() is a multiplication and an addition.
+#define NN_MAD(x, w, sum) ((float16)(x) * (w) + (sum))
 
 #if LC_CPU
 
-// 1x1 kernel, stride 1: a matrix product [pixels x in_channels] [in_channels x out_channels].
-// count = tiles of pixels * panels.
+// The register tile: NN_TILE pixels of one panel (a) or of two neighbours (a, b), which halves the reads of inputs.
+#define NN_EACH_PIXEL(M) M(0) M(1) M(2) M(3) M(4) M(5) M(6) M(7)
+#define NN_CLEAR(p) float16 a##p = bias_a, b##p = bias_b;
+#define NN_ADD_ONE(p) a##p = NN_MAD(NN_INPUT(p), wa, a##p);
+#define NN_ADD_TWO(p)              \
+  {                                \
+    const float16 x = NN_INPUT(p); \
+    a##p = x * wa + a##p;          \
+    b##p = x * wb + b##p;          \
+  }
+#define NN_STORE(p)                                                                              \
+  if (p < n_pixels) {                                                                            \
+    nn_store_panel(op, arena, at + p * op.out_channels, a##p, n);                                \
+    if (two) nn_store_panel(op, arena, at + p * op.out_channels + NN_PANEL, b##p, n - NN_PANEL); \
+  }
+
+// 1x1 kernel, stride 1: a matrix product [pixels x in_channels] [in_channels x out_channels]. One work-item = NN_STRIP
+// pixels x two panels. count = strips * ceil(panels / 2).
 kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_pointwise(NnOp op, global const float* restrict weights,
                                                                           global float* arena) {
   const int id = get_global_id(0);
   if (id >= op.count) return;
-  const int n_pixels = op.out_height * op.out_width;
-  const int n_tiles = (n_pixels + NN_TILE - 1) / NN_TILE;
-  const int n_panels = (op.out_channels + NN_PANEL - 1) / NN_PANEL;
-  const int tile = op.panels_innermost ? id / n_panels : id % n_tiles;
-  const int panel = op.panels_innermost ? id % n_panels : id / n_tiles;
-  const int first = tile * NN_TILE;
-  const int last = n_pixels - 1;
-  const int k_count = op.in_channels;
-  global const float* restrict w = weights + op.weight_offset + panel * k_count * NN_PANEL;
-  global const float* x = arena + op.in_offset;
-  global const float* x0 = x + first * k_count;
-  global const float* x1 = x + min(first + 1, last) * k_count;
-  global const float* x2 = x + min(first + 2, last) * k_count;
-  global const float* x3 = x + min(first + 3, last) * k_count;
-  global const float* x4 = x + min(first + 4, last) * k_count;
-  global const float* x5 = x + min(first + 5, last) * k_count;
-  global const float* x6 = x + min(first + 6, last) * k_count;
-  global const float* x7 = x + min(first + 7, last) * k_count;
-  const float16 bias = vload16(panel, weights + op.bias_offset);
-  float16 a0 = bias, a1 = bias, a2 = bias, a3 = bias, a4 = bias, a5 = bias, a6 = bias, a7 = bias;
-  for (int k = 0; k < k_count; ++k) {
-    const float16 wk = vload16(k, w);
-    a0 = NN_MAD(x0[k], wk, a0);
-    a1 = NN_MAD(x1[k], wk, a1);
-    a2 = NN_MAD(x2[k], wk, a2);
-    a3 = NN_MAD(x3[k], wk, a3);
-    a4 = NN_MAD(x4[k], wk, a4);
-    a5 = NN_MAD(x5[k], wk, a5);
-    a6 = NN_MAD(x6[k], wk, a6);
-    a7 = NN_MAD(x7[k], wk, a7);
-  }
+  const int all_pixels = op.out_height * op.out_width;
+  const int n_strips = (all_pixels + NN_STRIP - 1) / NN_STRIP;
+  const int n_pairs = (op.out_channels + 2 * NN_PANEL - 1) / (2 * NN_PANEL);
+  const int strip = op.panels_innermost ? id / n_pairs : id % n_strips;
+  const int panel = 2 * (op.panels_innermost ? id % n_pairs : id / n_strips);
   const int n = op.out_channels - panel * NN_PANEL;
-  const int stride = op.out_channels;
-  const int at = first * stride + panel * NN_PANEL;
-  nn_store_panel(op, arena, at, a0, n);
-  if (first + 1 <= last) nn_store_panel(op, arena, at + stride, a1, n);
-  if (first + 2 <= last) nn_store_panel(op, arena, at + 2 * stride, a2, n);
-  if (first + 3 <= last) nn_store_panel(op, arena, at + 3 * stride, a3, n);
-  if (first + 4 <= last) nn_store_panel(op, arena, at + 4 * stride, a4, n);
-  if (first + 5 <= last) nn_store_panel(op, arena, at + 5 * stride, a5, n);
-  if (first + 6 <= last) nn_store_panel(op, arena, at + 6 * stride, a6, n);
-  if (first + 7 <= last) nn_store_panel(op, arena, at + 7 * stride, a7, n);
+  const int two = n > NN_PANEL;
+  const int k_count = op.in_channels;
+  global const float* restrict weights_a = weights + op.weight_offset + panel * k_count * NN_PANEL;
+  global const float* restrict weights_b = weights_a + (two ? k_count * NN_PANEL : 0);
+  const float16 bias_a = vload16(panel, weights + op.bias_offset);
+  const float16 bias_b = vload16(panel + two, weights + op.bias_offset);
+  const int end = min((strip + 1) * NN_STRIP, all_pixels);
+  for (int first = strip * NN_STRIP; first < end; first += NN_TILE) {
+    const int n_pixels = end - first;
+    global const float* x = arena + op.in_offset + first * k_count;
+#define NN_POINT(p) global const float* x##p = x + min(p, n_pixels - 1) * k_count;
+    NN_EACH_PIXEL(NN_POINT)
+    NN_EACH_PIXEL(NN_CLEAR)
+#define NN_INPUT(p) x##p[k]
+    if (two) {
+      for (int k = 0; k < k_count; ++k) {
+        const float16 wa = vload16(k, weights_a), wb = vload16(k, weights_b);
+        NN_EACH_PIXEL(NN_ADD_TWO)
+      }
+    } else {
+      for (int k = 0; k < k_count; ++k) {
+        const float16 wa = vload16(k, weights_a);
+        NN_EACH_PIXEL(NN_ADD_ONE)
+      }
+    }
+#undef NN_INPUT
+    const int at = first * op.out_channels + panel * NN_PANEL;
+    NN_EACH_PIXEL(NN_STORE)
+  }
 }
 
 // Any kernel, stride, dilation and padding. The tile is NN_TILE neighbours in one row; pixels outside the image are
-// read from the zeros at the beginning of the arena. count = rows * tiles per row * panels.
+// read from the zeros at the beginning of the arena. count = rows * tiles per row * ceil(panels / 2).
 kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_window(NnOp op, global const float* restrict weights,
                                                                        global float* arena) {
   const int id = get_global_id(0);
   if (id >= op.count) return;
   const int tiles_per_row = (op.out_width + NN_TILE - 1) / NN_TILE;
   const int n_tiles = op.out_height * tiles_per_row;
-  const int n_panels = (op.out_channels + NN_PANEL - 1) / NN_PANEL;
-  const int tile = op.panels_innermost ? id / n_panels : id % n_tiles;
-  const int panel = op.panels_innermost ? id % n_panels : id / n_tiles;
+  const int n_pairs = (op.out_channels + 2 * NN_PANEL - 1) / (2 * NN_PANEL);
+  const int tile = op.panels_innermost ? id / n_pairs : id % n_tiles;
+  const int panel = 2 * (op.panels_innermost ? id % n_pairs : id / n_tiles);
   const int y = tile / tiles_per_row;
   const int x_first = tile % tiles_per_row * NN_TILE;
   const int channels = op.in_channels;
@@ -77,47 +87,43 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_window(NnOp op, 
   // Inside, the kernel's columns are contiguous in memory and count as one long row of inputs.
   const int n_segments = inside ? 1 : op.kernel_w;
   const int segment = inside ? op.kernel_w * channels : channels;
-  const float16 bias = vload16(panel, weights + op.bias_offset);
-  float16 a0 = bias, a1 = bias, a2 = bias, a3 = bias, a4 = bias, a5 = bias, a6 = bias, a7 = bias;
+  const int n = op.out_channels - panel * NN_PANEL;
+  const int two = n > NN_PANEL;
+  const int panel_size = op.kernel_h * op.kernel_w * channels * NN_PANEL;
+  const float16 bias_a = vload16(panel, weights + op.bias_offset);
+  const float16 bias_b = vload16(panel + two, weights + op.bias_offset);
+  NN_EACH_PIXEL(NN_CLEAR)
   for (int ky = 0; ky < op.kernel_h; ++ky) {
     const int in_y = y * op.stride_h - op.pad_top + ky * op.dilation_h;
     if (in_y < 0 || in_y >= op.in_height) continue;
     const int row = op.in_offset + in_y * op.in_width * channels;
     for (int s = 0; s < n_segments; ++s) {
       const int tap_x = in_x + s * op.dilation_w;
-      int at[NN_TILE];
-#pragma unroll
-      for (int p = 0; p < NN_TILE; ++p) {
-        const int px = tap_x + p * op.stride_w;
-        at[p] = px >= 0 && px < op.in_width ? row + px * channels : 0;
+#define NN_PLACE(p)                          \
+  const int px##p = tap_x + p * op.stride_w; \
+  global const float* x##p = arena + (px##p >= 0 && px##p < op.in_width ? row + px##p * channels : 0);
+      NN_EACH_PIXEL(NN_PLACE)
+      global const float* restrict weights_a =
+          weights + op.weight_offset + panel * panel_size + (ky * op.kernel_w + s) * channels * NN_PANEL;
+      global const float* restrict weights_b = weights_a + (two ? panel_size : 0);
+#define NN_INPUT(p) x##p[k]
+      if (two) {
+        for (int k = 0; k < segment; ++k) {
+          const float16 wa = vload16(k, weights_a), wb = vload16(k, weights_b);
+          NN_EACH_PIXEL(NN_ADD_TWO)
+        }
+      } else {
+        for (int k = 0; k < segment; ++k) {
+          const float16 wa = vload16(k, weights_a);
+          NN_EACH_PIXEL(NN_ADD_ONE)
+        }
       }
-      global const float* restrict w =
-          weights + op.weight_offset + ((panel * op.kernel_h + ky) * op.kernel_w + s) * channels * NN_PANEL;
-      for (int k = 0; k < segment; ++k) {
-        const float16 wk = vload16(k, w);
-        a0 = NN_MAD(arena[at[0] + k], wk, a0);
-        a1 = NN_MAD(arena[at[1] + k], wk, a1);
-        a2 = NN_MAD(arena[at[2] + k], wk, a2);
-        a3 = NN_MAD(arena[at[3] + k], wk, a3);
-        a4 = NN_MAD(arena[at[4] + k], wk, a4);
-        a5 = NN_MAD(arena[at[5] + k], wk, a5);
-        a6 = NN_MAD(arena[at[6] + k], wk, a6);
-        a7 = NN_MAD(arena[at[7] + k], wk, a7);
-      }
+#undef NN_INPUT
     }
   }
-  const int n = op.out_channels - panel * NN_PANEL;
-  const int stride = op.out_channels;
-  const int at = (y * op.out_width + x_first) * stride + panel * NN_PANEL;
   const int n_pixels = op.out_width - x_first;
-  nn_store_panel(op, arena, at, a0, n);
-  if (n_pixels > 1) nn_store_panel(op, arena, at + stride, a1, n);
-  if (n_pixels > 2) nn_store_panel(op, arena, at + 2 * stride, a2, n);
-  if (n_pixels > 3) nn_store_panel(op, arena, at + 3 * stride, a3, n);
-  if (n_pixels > 4) nn_store_panel(op, arena, at + 4 * stride, a4, n);
-  if (n_pixels > 5) nn_store_panel(op, arena, at + 5 * stride, a5, n);
-  if (n_pixels > 6) nn_store_panel(op, arena, at + 6 * stride, a6, n);
-  if (n_pixels > 7) nn_store_panel(op, arena, at + 7 * stride, a7, n);
+  const int at = (y * op.out_width + x_first) * op.out_channels + panel * NN_PANEL;
+  NN_EACH_PIXEL(NN_STORE)
 }
 
 // A window convolution to a few channels (a mask): a panel would be nearly empty, so the input channels are the vector.
@@ -127,23 +133,37 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_narrow(NnOp op, 
   const int y = get_global_id(0);
   if (y >= op.count) return;
   const int channels = op.in_channels;
+  const int segment = op.kernel_w * channels;
   for (int n = 0; n < op.out_channels; ++n) {
+    global const float* restrict weights_n = weights + op.weight_offset + n * op.kernel_h * segment;
+    const float bias = weights[op.bias_offset + n];
     for (int x = 0; x < op.out_width; ++x) {
-      float8 sum = (float8)(0.0f);
-      global const float* restrict w = weights + op.weight_offset + n * op.kernel_h * op.kernel_w * channels;
+      const int first_x = x * op.stride_w - op.pad_left;
+      const int inside = op.dilation_w == 1 && first_x >= 0 && first_x + op.kernel_w <= op.in_width;
+      float16 sum = (float16)(0.0f);
       for (int ky = 0; ky < op.kernel_h; ++ky) {
         const int in_y = y * op.stride_h - op.pad_top + ky * op.dilation_h;
+        if (in_y < 0 || in_y >= op.in_height) continue;
+        global const float* restrict w = weights_n + ky * segment;
+        const int row = op.in_offset + in_y * op.in_width * channels;
+        if (inside) {  // the kernel's columns are contiguous
+          global const float* p = arena + row + first_x * channels;
+          int k = 0;
+          for (; k + 16 <= segment; k += 16) sum = vload16(0, p + k) * vload16(0, w + k) + sum;
+          if (k < segment) sum.lo = vload8(0, p + k) * vload8(0, w + k) + sum.lo;
+          continue;
+        }
         for (int kx = 0; kx < op.kernel_w; ++kx, w += channels) {
-          const int in_x = x * op.stride_w - op.pad_left + kx * op.dilation_w;
-          if (in_y < 0 || in_y >= op.in_height || in_x < 0 || in_x >= op.in_width) continue;
-          global const float* p = arena + op.in_offset + (in_y * op.in_width + in_x) * channels;
-          for (int k = 0; k < channels; k += 8) sum = mad(vload8(0, p + k), vload8(0, w + k), sum);
+          const int in_x = first_x + kx * op.dilation_w;
+          if (in_x < 0 || in_x >= op.in_width) continue;
+          global const float* p = arena + row + in_x * channels;
+          for (int k = 0; k < channels; k += 8) sum.lo = vload8(0, p + k) * vload8(0, w + k) + sum.lo;
         }
       }
-      const float4 half_sum = sum.lo + sum.hi;
-      const float2 quarter = half_sum.lo + half_sum.hi;
-      nn_store(op, arena, (y * op.out_width + x) * op.out_channels + n,
-               weights[op.bias_offset + n] + quarter.x + quarter.y);
+      const float8 eight = sum.lo + sum.hi;
+      const float4 four = eight.lo + eight.hi;
+      const float2 pair = four.lo + four.hi;
+      nn_store(op, arena, (y * op.out_width + x) * op.out_channels + n, bias + pair.x + pair.y);
     }
   }
 }

@@ -8,6 +8,8 @@
 #define NN_PANEL 16
 // Output pixels in the register tile of a convolution.
 #define NN_TILE 8
+// Output pixels of one work-item of a 1x1 convolution on a CPU, a multiple of NN_TILE.
+#define NN_STRIP 32
 // The arena begins with zeros for reads outside an image and ends with slack, so that a vector of NN_PANEL channels may
 // be read (never written) past the last channel of the last pixel.
 #define NN_SLACK 64

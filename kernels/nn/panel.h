@@ -6,7 +6,8 @@
 // Adds the residual, clamps, and writes the first n (>= 1; all when n >= 16) channels of v at element `at`.
 static inline void nn_store_panel(NnOp op, global float* arena, int at, float16 v, int n) {
   if (op.residual_offset >= 0) v += vload16(0, arena + op.residual_offset + at);
-  v = clamp(v, (float16)(op.low), (float16)(op.high));
+  v = v > op.low ? v : (float16)(op.low);  // one instruction each, which clamp() is not
+  v = v < op.high ? v : (float16)(op.high);
   global float* out = arena + op.out_offset + at;
   if (n >= 16) {
     vstore16(v, 0, out);
@@ -49,7 +50,7 @@ static inline void nn_store4(NnOp op, global float* arena, int pixel, int channe
 }
 
 static inline float4 nn_broadcast_mad(float x, float4 w, float4 sum) {
-  return mad((float4)(x), w, sum);
+  return (float4)(x)*w + sum;
 }
 
 // Work-items that share a panel, 4 channels each.

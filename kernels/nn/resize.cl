@@ -37,10 +37,9 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void resize_bilinear(NnOp 
       const float16 v01 = vload16(0, arena + row0 + right + c);
       const float16 v10 = vload16(0, arena + row1 + left + c);
       const float16 v11 = vload16(0, arena + row1 + right + c);
-      const float16 top = mad((float16)(sx.t), v01 - v00, v00);
-      const float16 bottom = mad((float16)(sx.t), v11 - v10, v10);
-      nn_store_panel(op, arena, (y * op.out_width + x) * channels + c, mad((float16)(sy.t), bottom - top, top),
-                     channels - c);
+      const float16 top = sx.t * (v01 - v00) + v00;
+      const float16 bottom = sx.t * (v11 - v10) + v10;
+      nn_store_panel(op, arena, (y * op.out_width + x) * channels + c, sy.t * (bottom - top) + top, channels - c);
     }
   }
 }

@@ -24,28 +24,35 @@ kernel void project_vertices(int n, Pinhole camera, global const float* restrict
 #if LC_CPU
 
 // One work-item per band of rows, which it alone writes. depth: [w*h] mm, INFINITY = empty; ids: [w*h], -1 = empty.
+// drawn: [4*n_bands] columns and rows (first, last, first, last) that are not empty before and, at the end, after it.
 kernel void raster_bands(int n_triangles, int width, int height, int n_bands, int cull,
                          global const float* restrict projected, global const int* restrict triangles,
-                         global float* restrict depth, global int* restrict ids) {
+                         global float* restrict depth, global int* restrict ids, global int* restrict drawn) {
   const int band = get_global_id(0);
   if (band >= n_bands) return;
   const int first_row = (int)((long)height * band / n_bands);
   const int last_row = (int)((long)height * (band + 1) / n_bands) - 1;
-  int p = first_row * width;
-  const int end = (last_row + 1) * width;
-  for (; p + 16 <= end; p += 16) {
-    vstore16((float16)INFINITY, 0, depth + p);
-    vstore16((int16)(-1), 0, ids + p);
+  const int4 old_box = vload4(band, drawn);
+  for (int y = old_box.z; y <= old_box.w; ++y) {
+    int p = y * width + old_box.x;
+    const int end = y * width + old_box.y + 1;
+    for (; p + 16 <= end; p += 16) {
+      vstore16((float16)INFINITY, 0, depth + p);
+      vstore16((int16)(-1), 0, ids + p);
+    }
+    for (; p < end; ++p) {
+      depth[p] = INFINITY;
+      ids[p] = -1;
+    }
   }
-  for (; p < end; ++p) {
-    depth[p] = INFINITY;
-    ids[p] = -1;
-  }
+  int4 box = (int4)(width, -1, height, -1);
   const float8 lane = (float8)(0, 1, 2, 3, 4, 5, 6, 7);
   for (int t = 0; t < n_triangles; ++t) {
     const RasterTriangle tri = raster_triangle(t, width, height, cull, projected, triangles);
     const int y0 = max(tri.y0, first_row);
     const int y1 = min(tri.y1, last_row);
+    if (y0 > y1 || tri.x0 > tri.x1) continue;
+    box = (int4)(min(box.x, tri.x0), max(box.y, tri.x1), min(box.z, y0), max(box.w, y1));
     for (int y = y0; y <= y1; ++y) {
       for (int x = tri.x0; x <= tri.x1; x += 8) {
         if (width >= 8) {
@@ -68,6 +75,7 @@ kernel void raster_bands(int n_triangles, int width, int height, int n_bands, in
       }
     }
   }
+  vstore4(box, band, drawn);
 }
 
 #else

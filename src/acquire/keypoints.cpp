@@ -51,7 +51,7 @@ std::vector<Detections> detect_in_views(ocl::DeviceContext& device, const std::s
   for (size_t i = 0; i < views.size(); ++i) {
     if (progress && !progress(static_cast<int>(i), static_cast<int>(views.size()))) break;
     detector.reset();
-    detections[i] = detector.detect(views[i].image, views[i].camera, static_cast<int64_t>(i));
+    detections[i] = detector.detect(views[i].image, views[i].camera, static_cast<int64_t>(i), static_cast<double>(i));
   }
   return detections;
 }

@@ -39,6 +39,7 @@ CaptureOutput::CaptureOutput(const CaptureOptions& options, const Actor& actor, 
   bvh_.emplace(in_folder("motion.bvh"), actor, fps_, options.bvh_unit_m);
   frames_csv_.emplace(in_folder("frames.csv"), stage_names());
   joints_csv_.emplace(in_folder("joints.csv"), actor);
+  angles_csv_.emplace(in_folder("angles.csv"), actor.skeleton);
   detections_.emplace(in_folder("detections.jsonl"));
   if (options.overlay) overlay_.emplace(in_folder("overlay.mp4").string(), camera.width, camera.height, fps_);
 
@@ -60,8 +61,10 @@ void CaptureOutput::write_result(const FrameReport& report, const TrackResult& r
   pc2_->append(held_vertices_m_);
   if (held_pose_) {
     joints_csv_->append(report.index, report.pts_ms, tracked, *held_pose_);
+    angles_csv_->append(report.index, report.pts_ms, tracked, *held_pose_);
   } else {
     joints_csv_->append_missing(report.index, report.pts_ms);
+    angles_csv_->append_missing(report.index, report.pts_ms);
   }
   detections_->append(detections);
   CapturedFrame frame;

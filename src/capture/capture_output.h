@@ -58,6 +58,7 @@ class CaptureOutput {
   std::optional<BvhWriter> bvh_;
   std::optional<FramesCsvWriter> frames_csv_;
   std::optional<JointsCsvWriter> joints_csv_;
+  std::optional<AnglesCsvWriter> angles_csv_;
   std::optional<detect::DetectionsWriter> detections_;
   std::optional<VideoWriter> overlay_;
 

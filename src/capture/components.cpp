@@ -26,7 +26,9 @@ const std::vector<std::string>& component_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> list;
     for (const Term& term : term_table()) list.emplace_back(term.name);
-    for (const char* name : {"face", "warping", "part_mask", "snapping", "confidence"}) list.emplace_back(name);
+    for (const char* name :
+         {"face", "warping", "part_mask", "snapping", "confidence", kMaskGating.data(), "pose_solver"})
+      list.emplace_back(name);
     return list;
   }();
   return names;
@@ -58,6 +60,8 @@ void switch_off(const std::string& name, TrackerOptions& options) {
     options.snapping = false;
   } else if (name == "confidence") {
     options.ignore_confidence = true;
+  } else if (name == "pose_solver") {
+    options.solve_pose = false;
   }
 }
 

@@ -49,9 +49,13 @@ void CaptureOptions::validate() const {
   if (!detections.empty() && background.empty() && background_frames == 0)
     throw ConfigError(
         "--detections needs --background or --background-frames: without the network there is no person mask");
+  if (!(missed_detections >= 0 && missed_detections <= 1))
+    throw ConfigError(format("--miss-detections %g: must be between 0 and 1", missed_detections));
   if (sequential && realtime) throw ConfigError("--sequential and --pace realtime exclude each other");
   if (!(bvh_unit_m > 0) || !std::isfinite(bvh_unit_m))
     throw ConfigError("--bvh-unit: must be a positive length in metres");
+  if (rigidity != 0 && !(rigidity > 0 && rigidity <= 1e6))
+    throw ConfigError(format("--rigidity %g: must be between 0 and 1e6; the labels' are 1 to 200", rigidity));
   for (const std::string& name : without) require_component(name);
 }
 

@@ -75,11 +75,13 @@ std::string report_json(const CaptureOptions& options, const CaptureReport& repo
   o["height_mm"] = options.height_mm;
   o["model"] = options.model;
   o["detections"] = path_json(options.detections);
+  o["missed_detections"] = options.missed_detections;
   o["surface"] = options.surface;
   o["sequential"] = options.sequential;
   o["pace"] = options.realtime ? "realtime" : "every frame";
   o["smooth"] = options.smooth;
   o["without"] = options.without;
+  o["rigidity"] = options.rigidity;
   o["first"] = options.first;
   o["frames"] = options.frames;
 

@@ -1,4 +1,6 @@
 // run_capture: opens everything, warms up, runs the pipeline, closes the outputs.
+#include <algorithm>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -36,14 +38,14 @@ std::string actor_bytes(const CaptureOptions& options) {
 // Thread 2: the network, or detections from a file.
 class DetectionSource {
  public:
-  DetectionSource(const CaptureOptions& options, ocl::DeviceContext& device, double fps) {
+  DetectionSource(const CaptureOptions& options, ocl::DeviceContext& device)
+      : missed_share_(options.missed_detections) {
     if (!options.detections.empty()) {
       recorded_ = detect::load_detections(options.detections);
       return;
     }
     detect::PoseDetectorOptions detector;
     detector.model = options.model;
-    detector.frame_rate_hz = fps > 0 ? fps : 30;
     network_.emplace(device, detector);
   }
 
@@ -51,10 +53,11 @@ class DetectionSource {
     if (network_) warm_up_detector(*network_, camera);
   }
 
-  Detections detect(const ImageRgb& image, const Camera& camera, int64_t frame_index) {
-    if (network_) return network_->detect(image, camera, frame_index);
+  Detections detect(const ImageRgb& image, const Camera& camera, int64_t frame_index, double time_s) {
+    const bool missed = is_missed(frame_index);
+    if (network_) return network_->detect(missed ? black_picture(camera) : image, camera, frame_index, time_s);
     for (; next_ < recorded_.size() && recorded_[next_].frame_index <= frame_index; ++next_) {
-      if (recorded_[next_].frame_index == frame_index) return recorded_[next_];
+      if (recorded_[next_].frame_index == frame_index && !missed) return recorded_[next_];
     }
     Detections nobody;
     nobody.frame_index = frame_index;
@@ -62,20 +65,46 @@ class DetectionSource {
   }
 
  private:
+  // One in 1 / share of the frames, the same in every run: the hash of SplitMix64 (Steele et al. 2014).
+  bool is_missed(int64_t frame_index) const {
+    uint64_t x = (static_cast<uint64_t>(frame_index) + 1) * 0x9e3779b97f4a7c15ull;
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+    return static_cast<double>((x ^ (x >> 31)) >> 11) * 0x1p-53 < missed_share_;
+  }
+  static ImageRgb black_picture(const Camera& camera) {
+    return {camera.width, camera.height, std::vector<uint8_t>(size_t(3) * camera.width * camera.height, 0)};
+  }
+
+  double missed_share_;
   std::optional<detect::PoseDetector> network_;
   std::vector<Detections> recorded_;
   size_t next_ = 0;
 };
 
-// Thread 3: which pixels are the person.
-void segment(const ForegroundModel& foreground, WorkItem& item) {
-  Timer timer;
-  if (item.detections.person) {
-    item.mask = foreground.segment(item.image, item.detections.mask);
-    item.silhouette = make_silhouette(item.mask);
+// Thread 3: which pixels are the person. In the first frames without one, in case that the network has just missed the
+// person: which are not the background. gated: the network's mask takes part; without an empty plate it always does.
+class Segmenter {
+ public:
+  Segmenter(const ForegroundModel& foreground, bool gated)
+      : foreground_(foreground), gated_(gated || !foreground.has_background()) {}
+
+  void segment(WorkItem& item) {
+    Timer timer;
+    const bool person = item.detections.person;
+    missed_frames_ = person ? 0 : missed_frames_ + 1;
+    if (person || (foreground_.has_background() && missed_frames_ <= TrackerOptions{}.max_missed_frames)) {
+      item.mask = foreground_.segment(item.image, gated_ ? item.detections.mask : PersonMask());
+      item.silhouette = make_silhouette(item.mask);
+    }
+    item.report.stage_ms[static_cast<int>(CaptureStage::kSegment)] = timer.elapsed_ms();
   }
-  item.report.stage_ms[static_cast<int>(CaptureStage::kSegment)] = timer.elapsed_ms();
-}
+
+ private:
+  const ForegroundModel& foreground_;
+  bool gated_;
+  int64_t missed_frames_ = std::numeric_limits<int32_t>::max();  // nobody yet
+};
 
 // Thread 4: both stages.
 class Solver {
@@ -101,6 +130,7 @@ class Solver {
   static TrackerOptions tracker_options(const CaptureOptions& options) {
     TrackerOptions tracker;
     tracker.enable_surface = options.surface;
+    tracker.surface.constant_rigidity = static_cast<float>(options.rigidity);
     for (const std::string& name : options.without) switch_off(name, tracker);
     return tracker;
   }
@@ -125,21 +155,24 @@ CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& 
   const ocl::DevicePair devices = ocl::select_device_pair(options.cnn_device, options.solver_device);
   ocl::DeviceContext cnn(devices.cnn);
   ocl::DeviceContext solver_device(devices.solver);
-  DetectionSource detection(options, cnn, reader.info().fps);
+  DetectionSource detection(options, cnn);
   detection.warm_up(reader.camera());
   Solver solver(options, solver_device, actor, reader.camera());
+
+  const bool gated = std::count(options.without.begin(), options.without.end(), kMaskGating) == 0;
+  Segmenter segmenter(foreground, gated);
 
   PipelineStages stages;
   stages.read = [&](WorkItem& item) { return reader.read(item); };
   stages.detect = [&](WorkItem& item) {
     if (item.report.status == TrackStatus::kDamaged) return;
     Timer timer;
-    item.detections = detection.detect(item.image, reader.camera(), item.report.index);
+    item.detections = detection.detect(item.image, reader.camera(), item.report.index, item.report.pts_ms / 1000);
     item.report.score = item.detections.score;
     item.report.stage_ms[static_cast<int>(CaptureStage::kNetwork)] = timer.elapsed_ms();
   };
   stages.segment = [&](WorkItem& item) {
-    if (item.report.status != TrackStatus::kDamaged) segment(foreground, item);
+    if (item.report.status != TrackStatus::kDamaged) segmenter.segment(item);
   };
   stages.solve = [&](WorkItem& item) {
     if (item.report.status != TrackStatus::kDamaged) solver.solve(item);

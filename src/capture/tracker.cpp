@@ -5,11 +5,15 @@
 
 #include "base/log.h"
 #include "base/timer.h"
+#include "capture/expected_detections.h"
 #include "livecap/error.h"
 #include "pose/leg_exchange.h"
 
 namespace livecap {
 namespace {
+
+// Of keypoints that nobody saw: they only lead where the silhouette says nothing.
+constexpr float kExpectedConfidence = 0.3f;
 
 // Vertical extent of the confident keypoints: the person's size in the picture, px.
 double person_height_px(const Detections& detections) {
@@ -68,6 +72,7 @@ void Tracker::reset() {
   n_history_ = 0;
   exchanged_frames_ = 0;
   doubtful_frames_ = 0;
+  missed_frames_ = 0;
   displacement_rest_.fill(0);
   before_displacement_rest_.fill(0);
 }
@@ -130,14 +135,28 @@ bool Tracker::believable(const PoseResult& result, const Detections& detections)
   return height > 0 && result.keypoint_error_px < options_.lost_error_fraction * height;
 }
 
+// The last pose moved on as it moved before. After a gap not further than that: a speed that is multiplied leads away
+// more often than near.
+Pose Tracker::predict() const {
+  return predict_pose(actor_.skeleton, pose_before_last_ ? &*pose_before_last_ : nullptr, *last_pose_, options_.pose);
+}
+
 Tracker::Solved Tracker::solve_pose(const TrackInput& input) {
   Solved solved;
   const PoseOptions& options = options_.pose;
+  if (!options_.solve_pose) {
+    const std::optional<Pose> found = initialize_pose(actor_, camera_, input.detections, options);
+    solved.accepted = found.has_value();
+    if (found) solved.pose.pose = *found;
+    return solved;
+  }
   if (last_pose_) {
-    const Pose predicted =
-        predict_pose(actor_.skeleton, pose_before_last_ ? &*pose_before_last_ : nullptr, *last_pose_, options);
-    solved.pose = solve_tracked(input, predicted);
+    solved.pose = solve_tracked(input, predict());
     const bool believed = believable(solved.pose, input.detections);
+    if (missed_frames_ > 0) {
+      solved.accepted = believed;
+      return solved;
+    }
     doubtful_frames_ = believed ? 0 : doubtful_frames_ + 1;
     solved.accepted = solved.pose.status == SolveStatus::kOk && doubtful_frames_ <= options_.max_doubtful_frames;
     if (solved.accepted) return solved;
@@ -153,6 +172,21 @@ Tracker::Solved Tracker::solve_pose(const TrackInput& input) {
   solved.pose = solve_pose_from(input, *initial);
   if (solved.pose.status == SolveStatus::kOk) solved.pose = solve_pose_from(input, solved.pose.pose);
   solved.accepted = believable(solved.pose, input.detections);
+  return solved;
+}
+
+// A frame in which the network sees nobody: the silhouette, near where the motion would have led.
+Tracker::Solved Tracker::solve_missed(const TrackInput& input) {
+  Solved solved;
+  if (!last_pose_ || input.silhouette.empty()) return solved;
+  const Pose predicted = predict();
+  const Detections expected = expected_detections(actor_, camera_, predicted, kExpectedConfidence);
+  solved.pose = solve_tracked({input.image, expected, input.silhouette, input.mask}, predicted);
+  if (solved.pose.status != SolveStatus::kOk) return solved;
+  skinner_.set_pose(bone_dual_quats(forward_kinematics(actor_.skeleton, solved.pose.pose)));
+  skinner_.skin(zero_, start_);
+  rasterizer_.render(start_, camera_);
+  solved.accepted = intersection_over_union(rasterizer_.read_mask(), input.mask) >= options_.least_missed_iou;
   return solved;
 }
 
@@ -207,23 +241,29 @@ void Tracker::solve_surface(const Pose& pose, bool has_picture, TrackResult& res
   n_history_ = std::min(n_history_ + 1, 2);
 }
 
-TrackResult Tracker::track(const TrackInput& input) {
-  TrackResult result;
-  if (input.detections.person && input.mask.pixels.size() != size_t(camera_.width) * camera_.height)
-    throw LogicError("capture: the mask is not of the camera's size");
-  if (!input.detections.person) {
-    reset();
-    return result;
+TrackResult Tracker::track(const TrackInput& given) {
+  Detections certain;
+  if (options_.ignore_confidence) {
+    certain = given.detections;
+    for (KeypointDetection& keypoint : certain.keypoints) keypoint.confidence = keypoint.confidence > 0 ? 1 : 0;
   }
+  const TrackInput input{given.image, options_.ignore_confidence ? certain : given.detections, given.silhouette,
+                         given.mask};
+  TrackResult result;
+  const bool person = input.detections.person;
+  if ((person || !input.silhouette.empty()) && input.mask.pixels.size() != size_t(camera_.width) * camera_.height)
+    throw LogicError("capture: the mask is not of the camera's size");
+  if (!person && last_pose_ && ++missed_frames_ > options_.max_missed_frames) reset();
   Timer timer;
   if (!input.silhouette.empty()) frame_.upload(input.silhouette, input.image);
-  const Solved solved = solve_pose(input);
+  const Solved solved = person ? solve_pose(input) : solve_missed(input);
   result.pose_ms = timer.elapsed_ms();
   result.pose_energy = solved.pose.energy.total();
-  result.keypoint_error_px = solved.pose.keypoint_error_px;
+  if (person) result.keypoint_error_px = solved.pose.keypoint_error_px;
   if (!solved.accepted) {
-    reset();
-    result.status = TrackStatus::kLost;
+    const bool missed = !person || missed_frames_ > 0;
+    if (!missed) result.status = TrackStatus::kLost;
+    if (!missed || (person && ++missed_frames_ > options_.max_missed_frames)) reset();
     return result;
   }
   result.status = solved.initialized ? TrackStatus::kInitialized : TrackStatus::kOk;
@@ -240,6 +280,7 @@ TrackResult Tracker::track(const TrackInput& input) {
 
   pose_before_last_ = last_pose_;
   last_pose_ = result.pose;
+  if (person) missed_frames_ = 0;
   return result;
 }
 

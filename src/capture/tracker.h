@@ -25,6 +25,7 @@ struct TrackerOptions {
   SurfaceOptions surface;
   SnapOptions snap;
   VisibilityOptions visibility;
+  bool solve_pose = true;          // false: stage I ends with its initialisation from each frame's detections alone
   bool enable_surface = true;      // false: the result is the skinned template of stage I
   bool warp_displacements = true;  // carry the non-rigid displacement to the next frame
   // Only cloth keeps its displacement: what skin, hair and shoes seem to be displaced by is an error of the pose, and
@@ -49,13 +50,18 @@ struct TrackerOptions {
   // ... unless it was believed until a moment ago: networks have single frames in which they see somebody else's limbs,
   // and stage I does not follow these (PoseOptions::keypoint_2d_huber_px). For so many frames on end its pose is kept.
   int max_doubtful_frames = 3;
+  // After a frame in which the network saw nobody, the person is taken up again where the motion would have led for so
+  // many frames on end. What is not believed then is nobody: networks go on seeing something where a person just was.
+  // In between the silhouette alone is followed, as long as the mesh has this IoU with it.
+  int max_missed_frames = 5;
+  double least_missed_iou = 0.75;
 };
 
 struct TrackInput {
   const ImageRgb& image;  // undistorted
   const Detections& detections;
-  const Silhouette& silhouette;
-  const ImageGray& mask;  // the silhouette as pixels, for the IoU
+  const Silhouette& silhouette;  // without a person in the detections: of whatever is not the background
+  const ImageGray& mask;         // the silhouette as pixels, for the IoU
 };
 
 struct TrackResult {
@@ -75,8 +81,8 @@ class Tracker {
   // camera: undistorted. Builds every program and allocates every buffer. The actor must outlive the tracker.
   Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const TrackerOptions& options);
 
-  // Throws LogicError when there is a person and the mask is not of the camera's size.
-  TrackResult track(const TrackInput& input);
+  // Throws LogicError when there is a person or a silhouette and the mask is not of the camera's size.
+  TrackResult track(const TrackInput& given);
 
   // Forgets the person: the next frame with detections is initialised.
   void reset();
@@ -88,6 +94,8 @@ class Tracker {
     bool initialized = false;
   };
   Solved solve_pose(const TrackInput& input);
+  Solved solve_missed(const TrackInput& input);
+  Pose predict() const;
   PoseResult solve_tracked(const TrackInput& input, const Pose& predicted);
   std::vector<int32_t> find_contour(const TrackInput& input, const Pose& pose);
   PoseResult solve_pose_from(const TrackInput& input, const Pose& initial);
@@ -122,6 +130,7 @@ class Tracker {
   int n_history_ = 0;            // of how many frames (at most two) there is a displacement
 
   int doubtful_frames_ = 0;   // on end until the last frame
+  int missed_frames_ = 0;     // on end until the last frame, those in which the silhouette was followed included
   int exchanged_frames_ = 0;  // since the detections last agreed with the prediction
   std::optional<Pose> last_pose_;
   std::optional<Pose> pose_before_last_;

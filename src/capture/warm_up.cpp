@@ -1,12 +1,12 @@
 #include "capture/warm_up.h"
 
-#include <cmath>
+#include "capture/expected_detections.h"
 
 namespace livecap {
 
 void warm_up_detector(detect::PoseDetector& detector, const Camera& camera) {
   ImageRgb picture{camera.width, camera.height, std::vector<uint8_t>(size_t(3) * camera.width * camera.height, 128)};
-  detector.detect(picture, camera, 0);
+  detector.detect(picture, camera, 0, 0);
   detector.reset();
 }
 
@@ -15,18 +15,7 @@ void warm_up_tracker(Tracker& tracker, const Actor& actor, const Camera& camera)
   pose.root_rotation = Eigen::Vector3d(1, -1, -1).asDiagonal();  // upright, facing the camera
   pose.root_translation_mm = {0, 0, 4000};
 
-  Detections detections;
-  detections.person = true;
-  detections.score = 1;
-  const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
-  for (int k = 0; k < kKeypointCount; ++k) {
-    if (actor.keypoints[k].bone < 0) continue;
-    const Eigen::Vector2d px = project_px(camera, positions[k]);
-    const Eigen::Vector3d relative = positions[k] - pose.root_translation_mm;
-    detections.keypoints[k] = {static_cast<float>(px.x()),       static_cast<float>(px.y()),
-                               static_cast<float>(relative.x()), static_cast<float>(relative.y()),
-                               static_cast<float>(relative.z()), 1.0f};
-  }
+  const Detections detections = expected_detections(actor, camera, pose, 1);
   // A box for a silhouette is enough: what comes out is thrown away.
   ImageGray mask{camera.width, camera.height, std::vector<uint8_t>(size_t(camera.width) * camera.height, 0)};
   for (int y = camera.height / 4; y < camera.height * 3 / 4; ++y) {

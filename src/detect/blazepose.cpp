@@ -84,7 +84,7 @@ int mirror_partner(int landmark) {
 }
 
 // Left to right; image: [width*height*channels].
-void mirror(std::span<float> image, int width, int channels) {
+void mirror(std::span<uint8_t> image, int width, int channels) {
   for (size_t row = 0; row < image.size(); row += size_t(width) * channels) {
     for (int a = 0, b = width - 1; a < b; ++a, --b)
       std::swap_ranges(&image[row + a * channels], &image[row + a * channels] + channels, &image[row + b * channels]);
@@ -95,12 +95,12 @@ void mirror(std::span<float> image, int width, int channels) {
 
 BlazePose::BlazePose(ocl::DeviceContext& device, const std::filesystem::path& model, bool with_mask)
     : net_(device, load_checked(model), requested(with_mask)),
-      input_(3 * kCropSize * kCropSize),
       landmarks_(kLandmarkCount * 5),
       score_(1),
       heatmap_(kHeatmapSize * kHeatmapSize * kLandmarkCount),
       world_(kLandmarkCount * 3),
-      mask_(with_mask ? kCropSize * kCropSize : 0) {}
+      mask_(with_mask ? kCropSize * kCropSize : 0),
+      mask_probability_{kCropSize, kCropSize, std::vector<uint8_t>(mask_.size())} {}
 
 // As MediaPipe's "refine landmarks from heatmap": the centre of mass of the probabilities in a window around the
 // landmark. positions: fractions of the crop.
@@ -129,8 +129,8 @@ void BlazePose::estimate(const ImageRgb& image, const CropRegion& crop, float re
                          PoseEstimate& result) {
   sampler_.sample(image, crop, kCropSize, input_);
   mirrored_ = mirrored;
-  if (mirrored) mirror(input_, kCropSize, 3);
-  net_.set_input(input_);
+  if (mirrored) mirror(input_.pixels, kCropSize, 3);
+  net_.set_input_u8(input_.pixels, 1.0f / 255, 0);
   net_.run();
   net_.read_output(0, landmarks_);
   net_.read_output(1, score_);
@@ -163,12 +163,13 @@ void BlazePose::estimate(const ImageRgb& image, const CropRegion& crop, float re
   }
 }
 
-std::span<const float> BlazePose::mask_probability() {
+const ImageGray& BlazePose::mask_probability() {
   if (mask_.empty()) throw LogicError("detect::BlazePose: made without the mask");
   net_.read_output(4, mask_);
-  for (float& v : mask_) v = sigmoid(v);
-  if (mirrored_) mirror(mask_, kCropSize, 1);
-  return mask_;
+  for (size_t i = 0; i < mask_.size(); ++i)
+    mask_probability_.pixels[i] = static_cast<uint8_t>(255 * sigmoid(mask_[i]) + 0.5f);
+  if (mirrored_) mirror(mask_probability_.pixels, kCropSize, 1);
+  return mask_probability_;
 }
 
 CropRegion BlazePose::next_crop(const PoseEstimate& estimate) {

@@ -45,8 +45,8 @@ class BlazePose {
   void estimate(const ImageRgb& image, const CropRegion& crop, float refine_threshold, bool mirrored,
                 PoseEstimate& result);
 
-  // Person probability over the last estimated crop, [kCropSize*kCropSize]. Only with_mask.
-  std::span<const float> mask_probability();
+  // Person probability over the last estimated crop, kCropSize x kCropSize, 255 = 1. Only with_mask.
+  const ImageGray& mask_probability();
 
   // Where to look next: centre = landmark 33, side = 2.5 |l34 - l33|, 33 to 34 points up.
   static CropRegion next_crop(const PoseEstimate& estimate);
@@ -56,13 +56,14 @@ class BlazePose {
 
   nn::Executor net_;
   CropSampler sampler_;
-  std::vector<float> input_;
+  ImageRgb input_;
   std::vector<float> landmarks_;  // [39*5] x, y, z in crop px, visibility and presence logits
   std::vector<float> score_;      // [1]
   std::vector<float> heatmap_;    // [64*64*39] logits
   std::vector<float> world_;      // [39*3] m
   bool mirrored_ = false;         // the last estimate
-  std::vector<float> mask_;       // [256*256] logits, then probabilities
+  std::vector<float> mask_;       // [256*256] logits
+  ImageGray mask_probability_;    // of the last estimate
 };
 
 // The 23 observation keypoints from the network's landmarks: positions and confidences are means and minima of the

@@ -1,9 +1,6 @@
 // The rotated square of the picture that the network sees, sampling it, and warping its mask back.
 #pragma once
 
-#include <span>
-#include <vector>
-
 #include "base/image_rgb.h"
 #include "livecap/detections.h"
 
@@ -32,20 +29,15 @@ CropRegion whole_image_crop(int width, int height);
 // Reads crops of an image; keeps its work memory between frames.
 class CropSampler {
  public:
-  // out: [3*size*size] RGB in [0,1]. Bilinear, black outside the image. Where the crop is shrunk by more than 1.5,
-  // image pixels are averaged in blocks first, so that nothing aliases.
-  void sample(const ImageRgb& image, const CropRegion& crop, int size, std::span<float> out);
+  // Writes size x size pixels. Bilinear, black outside the image. Where the crop is shrunk by more than 1.5, image
+  // pixels are averaged in blocks first, so that nothing aliases.
+  void sample(const ImageRgb& image, const CropRegion& crop, int size, ImageRgb& out);
 
  private:
-  void shrink(const ImageRgb& image, int factor, int x_begin, int y_begin, int x_end, int y_end);
-
-  std::vector<float> blocks_;  // [3*block_width_*block_height_], 0..1
-  int block_width_ = 0;
-  int block_height_ = 0;
+  ImageRgb blocks_;
 };
 
-// probability: [size*size] in [0,1] over the crop. Writes the whole image's mask (bilinear; 0 outside the crop).
-void warp_mask(std::span<const float> probability, int size, const CropRegion& crop, int width, int height,
-               PersonMask& mask);
+// probability: square, over the crop, 255 = 1. Writes the whole image's mask (bilinear; 0 outside the crop).
+void warp_mask(const ImageGray& probability, const CropRegion& crop, int width, int height, PersonMask& mask);
 
 }  // namespace livecap::detect

@@ -12,6 +12,8 @@ namespace {
 
 constexpr int kSearchWindows = 3;  // along the longer side of the image
 
+constexpr double kUsualPeriodS = 1.0 / 30;  // from frame to frame where times do not say
+
 constexpr double kCropMm = 2000;  // roughly what the side of a person's crop measures
 
 // A square of the image's shorter side, at one of kSearchWindows places along the longer one: the middle first.
@@ -36,12 +38,11 @@ Matrix3 rotation_from_axis_to(double dx, double dy, double dz) {
 }  // namespace
 
 void PoseDetectorOptions::validate() const {
-  if (!(frame_rate_hz > 0) || !std::isfinite(frame_rate_hz))
-    throw ConfigError(format("frame rate %g Hz must be positive", frame_rate_hz));
   if (!(score_threshold >= 0 && score_threshold <= 1))
     throw ConfigError(format("score threshold %g must be in 0..1", double(score_threshold)));
   if (!(refine_threshold >= 0))
     throw ConfigError(format("heatmap threshold %g must not be negative", double(refine_threshold)));
+  if (max_missed_frames < 0) throw ConfigError(format("max_missed_frames %d must not be negative", max_missed_frames));
   sides.validate();
   posture.validate();
   filter_2d.validate();
@@ -60,6 +61,7 @@ void PoseDetector::reset() {
 // What is known of the picture stays: where was searched, how the camera is tilted.
 void PoseDetector::forget_person() {
   tracking_ = false;
+  missed_ = 0;
   mirror_next_ = false;
   raw_.clear();
   sides_.reset();
@@ -85,14 +87,15 @@ bool PoseDetector::accept(const ImageRgb& image) {
 
 bool PoseDetector::find_person(const ImageRgb& image) {
   if (tracking_) {
-    network_.estimate(image, next_crop_, options_.refine_threshold, mirror_next_, estimate_);
+    network_.estimate(image, followed_, options_.refine_threshold, mirror_next_, estimate_);
     mirror_next_ = options_.alternate_mirror && !mirror_next_;
-    return accept(image);
+    if (accept(image)) return true;
+    if (missed_ == 0) return false;  // one frame is often just missed
   }
   // The whole image; if nobody is there a closer look at a part of it, another one each frame.
   network_.estimate(image, whole_image_crop(image.width, image.height), options_.refine_threshold, false, estimate_);
   bool found = accept(image);
-  if (!found && image.width != image.height) {
+  if (!found && !tracking_ && image.width != image.height) {
     network_.estimate(image, search_window(image.width, image.height, search_step_++), options_.refine_threshold, false,
                       estimate_);
     found = accept(image);
@@ -100,7 +103,9 @@ bool PoseDetector::find_person(const ImageRgb& image) {
   if (!found) return false;
   // A second look with the person's own crop.
   network_.estimate(image, next_crop_, options_.refine_threshold, false, estimate_);
-  return accept(image);
+  if (!accept(image)) return false;
+  forget_person();  // found elsewhere: the filters' past is of no use
+  return true;
 }
 
 // 3D points from the crop's camera to the image's: by the crop's roll, then to the viewing ray of its centre. Origin
@@ -144,7 +149,7 @@ void PoseDetector::filter_keypoints(double dt_s, Detections& detections) {
   }
 }
 
-Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camera, int64_t frame_index) {
+Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camera, int64_t frame_index, double time_s) {
   if (undistorted.empty() || undistorted.width != camera.width || undistorted.height != camera.height)
     throw ConfigError(format("frame %lld is %dx%d, the camera's pictures are %dx%d",
                              static_cast<long long>(frame_index), undistorted.width, undistorted.height, camera.width,
@@ -154,8 +159,9 @@ Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camer
   const bool found = find_person(undistorted);
   detections.score = estimate_.score;
   if (!found) {
-    forget_person();
-    last_frame_ = frame_index;
+    raw_.clear();
+    if (!tracking_ || ++missed_ > options_.max_missed_frames) forget_person();
+    if (!tracking_) last_time_s_ = time_s;
     return detections;
   }
   detections.person = true;
@@ -163,15 +169,16 @@ Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camer
   raw_ = estimate_.landmarks;
   turn_to_camera_axes(camera);
   detections.keypoints = keypoints_from_landmarks(raw_);
-  const double dt_s = static_cast<double>(std::max<int64_t>(1, frame_index - last_frame_)) / options_.frame_rate_hz;
+  const double dt_s = time_s > last_time_s_ ? time_s - last_time_s_ : kUsualPeriodS;
   if (options_.keep_sides) sides_.update(options_.sides, dt_s, kCropMm / estimate_.crop.side_px, detections.keypoints);
   if (options_.correct_posture) posture_.update(options_.posture, dt_s, detections.keypoints);
   if (options_.filter) filter_keypoints(dt_s, detections);
   if (options_.mask)
-    warp_mask(network_.mask_probability(), BlazePose::kCropSize, estimate_.crop, undistorted.width, undistorted.height,
-              detections.mask);
+    warp_mask(network_.mask_probability(), estimate_.crop, undistorted.width, undistorted.height, detections.mask);
   tracking_ = true;
-  last_frame_ = frame_index;
+  missed_ = 0;
+  followed_ = next_crop_;
+  last_time_s_ = time_s;
   return detections;
 }
 

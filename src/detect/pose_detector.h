@@ -20,7 +20,6 @@ namespace livecap::detect {
 struct PoseDetectorOptions {
   std::string model = "full";     // lite, full, heavy, or the path of a .tflite file
   bool mask = true;               // also the person mask
-  double frame_rate_hz = 30;      // of the frame indices given to detect()
   float score_threshold = 0.5f;   // below: nobody
   float refine_threshold = 0.5f;  // heatmap probability from which landmarks are refined; > 1 switches it off
   // The network takes every crop for the picture of a camera that looks straight at it. On: its 3D points are also
@@ -29,6 +28,9 @@ struct PoseDetectorOptions {
   // Every second picture of a followed person is shown to the network in the mirror. Its errors on a picture and on the
   // mirror image differ, and the filters average over the two at no cost.
   bool alternate_mirror = true;
+  // So many frames after a person was last seen they are first looked for where they were, and their filters' past is
+  // kept: networks miss single frames.
+  int max_missed_frames = 5;
   bool keep_sides = true;  // undo sudden exchanges of left and right
   SideTrackerOptions sides;
   bool correct_posture = true;
@@ -50,9 +52,10 @@ class PoseDetector {
   // Throws IoError (model), ConfigError (options), OclError.
   PoseDetector(ocl::DeviceContext& device, const PoseDetectorOptions& options);
 
-  // undistorted: the camera's size, else ConfigError. frame_index: rising; a gap counts as time. Nobody in view gives
-  // person = false and the next frame is searched as a whole; it is never an error.
-  Detections detect(const ImageRgb& undistorted, const Camera& camera, int64_t frame_index);
+  // undistorted: the camera's size, else ConfigError. frame_index: only passed on. time_s: of the frame, rising (else a
+  // thirtieth of a second is taken to have passed). Nobody in view gives person = false and the next frame is also
+  // searched as a whole; it is never an error.
+  Detections detect(const ImageRgb& undistorted, const Camera& camera, int64_t frame_index, double time_s);
 
   // Forgets the person and the filters' past.
   void reset();
@@ -77,10 +80,12 @@ class PoseDetector {
   PoseEstimate estimate_;
   std::vector<RawLandmark> raw_;
   bool tracking_ = false;
-  CropRegion next_crop_;
+  int missed_ = 0;        // frames on end without the person that is followed
+  CropRegion next_crop_;  // of what accept() saw last
+  CropRegion followed_;   // where the person that is followed is expected
   bool mirror_next_ = false;
-  int search_step_ = 0;  // which window is tried next while nobody is found
-  int64_t last_frame_ = 0;
+  int search_step_ = 0;     // which window is tried next while nobody is found
+  double last_time_s_ = 0;  // of the last frame with the person that is followed; without one, of the last frame
   SideTracker sides_;
   Posture posture_;
   std::array<std::array<OneEuroFilter, 5>, kKeypointCount> filters_;

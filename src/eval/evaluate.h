@@ -1,4 +1,4 @@
-// Comparing a capture folder with the ground truth of its sequence (docs/formats.md).
+// Comparing a capture folder with the ground truth of its sequence (docs/formats.md, docs/evaluation.md).
 //
 // Judged are all frames in which the truth has a person: frames the capture lost count with the result it held, and
 // with an IoU of 0 when it held none. Nothing is left out because it went wrong.
@@ -10,7 +10,11 @@
 #include <utility>
 #include <vector>
 
+#include "eval/capture_folder.h"
+#include "eval/extra_view.h"
 #include "eval/metrics.h"
+#include "eval/motion_metrics.h"
+#include "eval/vertex_errors.h"
 
 namespace livecap {
 
@@ -19,37 +23,82 @@ struct EvalOptions {
   std::filesystem::path truth;    // truth folder: any of vertices.pc2, joints.json, masks/
   std::string actor;              // empty: what report.json names
   std::string camera;             // empty: what report.json names
+  std::vector<ExtraView> views;   // further cameras with masks
 };
 
 // Values are NaN where the frame has no such truth or no result.
 struct FrameEval {
-  int64_t index = 0;             // of the input frame
-  std::string status;            // of the capture
-  bool tracked = false;          // status ok or initialized
-  double iou = 0;                // captured mesh against the true mask
-  double vertex_mm = 0;          // mean vertex distance
-  double vertex_aligned_mm = 0;  // after the best translation of the frame
-  double joint_mm = 0;           // mean joint distance
-  double joint_aligned_mm = 0;   // after the best similarity transform of the frame
+  int64_t index = 0;              // of the input frame
+  int64_t row = 0;                // of the capture's tables
+  std::string status;             // of the capture
+  bool tracked = false;           // status ok or initialized
+  double iou = 0;                 // captured mesh against the true mask
+  double vertex_mm = 0;           // mean vertex distance
+  double vertex_aligned_mm = 0;   // after the best translation of the frame
+  double loose_aligned_mm = 0;    // the same of the loose garments' vertices
+  double joint_mm = 0;            // mean joint distance
+  double joint_aligned_mm = 0;    // after the best similarity transform of the frame
+  double network_aligned_mm = 0;  // the same of the network's own joints
+  bool arms_exchanged = false;    // left and right, see sides_exchanged()
+  bool legs_exchanged = false;
+  bool limb_inside = false;  // an elbow or wrist in the trunk, see limb_inside_trunk()
+};
+
+// 3DPCK at 150 mm and the area under its curve, over all joints of all judged frames; missing results are misses.
+struct PckScore {
+  double pck = 0;
+  double auc = 0;
+};
+
+struct ViewScore {
+  std::string name;
+  Summary iou;  // over frames
 };
 
 struct EvalReport {
+  std::string run;               // what was unusual about the capture, CaptureFolder::run
   int64_t n_frames = 0;          // rows of the capture
   int64_t n_person = 0;          // of these the truth has a person in: the frames judged
   int64_t n_tracked = 0;         // judged frames with status ok or initialized
   int64_t n_lost = 0;            // judged frames with another status
   int64_t n_without_result = 0;  // judged frames in which the capture has no mesh at all
   int64_t n_invented = 0;        // tracked though the truth has nobody
-  Summary iou;                   // over frames
-  Summary vertex_mm;             // over all vertices of all frames
+  Losses losses;
+  Summary iou;  // over frames
+  std::vector<ViewScore> views;
+
+  Summary vertex_mm;  // over all vertices of all frames
   Summary vertex_aligned_mm;
+  Summary loose_mm;  // of loose garments (is_loose_garment); n = 0 when the actor wears none
+  Summary loose_aligned_mm;
+  std::vector<LabelError> labels;
+  std::vector<float> vertex_mean_mm;  // [n_vertices] translation-aligned, mean over frames; empty without true vertices
+
   Summary joint_mm;  // over all joints of all frames
   Summary joint_aligned_mm;
+  PckScore pck_similarity;  // after the similarity alignment of the frame; NaN without true joints
+  PckScore pck_root;        // with the roots on top of each other, without the root
   std::vector<std::pair<std::string, double>> joints_aligned_mm;  // mean of each joint
-  std::vector<FrameEval> frames;                                  // the judged ones
+  Summary network_joint_mm;  // the network's own joints, from detections.jsonl (network_baseline.h)
+  Summary network_joint_aligned_mm;
+
+  double video_fps = 0;
+  Jitter vertex_jitter;
+  Jitter vertex_jitter_centred;  // of the vertices relative to their centroid: without the body's wobble as a whole
+  Jitter joint_jitter;
+  FootSlide foot_slide;  // of both ankles
+  int64_t n_arms_exchanged = 0;
+  int64_t n_legs_exchanged = 0;
+  int64_t n_limb_inside = 0;
+  double at_limit = 0;  // share of the angles of the judged frames; NaN without angles.csv
+  std::vector<std::pair<std::string, double>> angles_at_limit;  // share of each angle that ever is
+  CaptureSpeed speed;
+
+  std::vector<FrameEval> frames;  // the judged ones
 };
 
-// Throws IoError naming the file when a folder does not hold what is needed or the sizes do not fit together.
+// Throws IoError naming the file when a folder does not hold what is needed, the sizes do not fit together or the truth
+// has nobody in any captured frame.
 EvalReport evaluate(const EvalOptions& options);
 
 std::string eval_report_text(const EvalReport& report);

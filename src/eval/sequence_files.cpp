@@ -130,13 +130,34 @@ JointTrack read_joints_csv(const std::filesystem::path& path) {
   return track;
 }
 
+AngleTrack read_angles_csv(const std::filesystem::path& path) {
+  const Table table = read_table(path);
+  const size_t first = column(table, "tracked", path) + 1;
+  AngleTrack track;
+  track.names.assign(table.columns.begin() + static_cast<std::ptrdiff_t>(first), table.columns.end());
+  for (const std::vector<std::string>& row : table.rows) {
+    std::vector<double> angles;
+    for (size_t c = first; c < row.size(); ++c) angles.push_back(to_float(row[c]));
+    const bool known = std::all_of(angles.begin(), angles.end(), [](double value) { return std::isfinite(value); });
+    track.frames.push_back(known ? angles : std::vector<double>());
+  }
+  return track;
+}
+
 std::vector<FrameRow> read_frames_csv(const std::filesystem::path& path) {
   const Table table = read_table(path);
   const size_t index = column(table, "index", path);
   const size_t status = column(table, "status", path);
+  const auto optional_column = [&](const char* name) {
+    return std::find(table.columns.begin(), table.columns.end(), name) - table.columns.begin();
+  };
+  const size_t pts = optional_column("pts_ms");
+  const size_t latency = optional_column("latency_ms");
   std::vector<FrameRow> rows;
   for (const std::vector<std::string>& row : table.rows) {
-    rows.push_back({static_cast<int64_t>(std::strtoll(row[index].c_str(), nullptr, 10)), row[status]});
+    const auto number = [&](size_t c) { return c < row.size() ? to_float(row[c]) : std::nanf(""); };
+    rows.push_back({static_cast<int64_t>(std::strtoll(row[index].c_str(), nullptr, 10)), row[status], number(pts),
+                    number(latency)});
   }
   return rows;
 }

@@ -22,9 +22,22 @@ JointTrack read_joints_json(const std::filesystem::path& path);
 // the column or the line.
 JointTrack read_joints_csv(const std::filesystem::path& path);
 
+// Joint angles over time, degrees.
+struct AngleTrack {
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> frames;  // [n_frames] of [n_names]; empty where there is no result
+  bool empty() const { return names.empty(); }
+};
+
+// angles.csv of a capture folder: the columns after `tracked`. Throws IoError naming the column or the line.
+AngleTrack read_angles_csv(const std::filesystem::path& path);
+
 struct FrameRow {
-  int64_t index = 0;   // of the input frame
-  std::string status;  // livecap/capture.h's track_status_name
+  int64_t index = 0;      // of the input frame
+  std::string status;     // livecap/capture.h's track_status_name
+  double pts_ms = 0;      // NaN when the file has no such column
+  double latency_ms = 0;  // likewise
+  bool tracked() const { return status == "ok" || status == "initialized"; }
 };
 
 // frames.csv of a capture folder.

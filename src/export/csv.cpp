@@ -1,6 +1,7 @@
 #include "export/csv.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "base/text.h"
 #include "export/export_frame.h"
@@ -47,6 +48,12 @@ std::vector<std::string> frame_columns(const std::vector<std::string>& stage_nam
                                       "iou",   "pose_energy", "surface_energy", "keypoint_error_px"};
   for (const std::string& stage : stage_names) columns.push_back(stage + "_ms");
   columns.push_back("latency_ms");
+  return columns;
+}
+
+std::vector<std::string> angle_columns(const Skeleton& skeleton) {
+  std::vector<std::string> columns = {"index", "pts_ms", "tracked"};
+  for (const Dof& dof : skeleton.dofs) columns.push_back(dof.name);
   return columns;
 }
 
@@ -103,6 +110,21 @@ void JointsCsvWriter::append_missing(int64_t index, double pts_ms) {
   size_t n_points = skeleton_.bones.size();
   for (const KeypointAnchor& anchor : keypoints_) n_points += anchor.bone >= 0;
   cells.resize(3 + 3 * n_points);
+  csv_.append(cells);
+}
+
+AnglesCsvWriter::AnglesCsvWriter(const std::filesystem::path& path, const Skeleton& skeleton)
+    : n_angles_(skeleton.n_dofs()), csv_(path, angle_columns(skeleton)) {}
+
+void AnglesCsvWriter::append(int64_t index, double pts_ms, bool tracked, const Pose& pose) {
+  std::vector<std::string> cells = {std::to_string(index), csv_number(pts_ms), tracked ? "1" : "0"};
+  for (int k = 0; k < n_angles_; ++k) cells.push_back(csv_number(pose.angles_rad[k] * 180 / std::numbers::pi, 6));
+  csv_.append(cells);
+}
+
+void AnglesCsvWriter::append_missing(int64_t index, double pts_ms) {
+  std::vector<std::string> cells = {std::to_string(index), csv_number(pts_ms), "0"};
+  cells.resize(3 + static_cast<size_t>(n_angles_));
   csv_.append(cells);
 }
 

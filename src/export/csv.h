@@ -1,5 +1,5 @@
-// The tables of a capture folder: frames.csv and joints.csv (docs/formats.md). One row per input frame, on disk before
-// the next one begins.
+// The tables of a capture folder: frames.csv, joints.csv and angles.csv (docs/formats.md). One row per input frame, on
+// disk before the next one begins.
 #pragma once
 
 #include <filesystem>
@@ -52,6 +52,20 @@ class JointsCsvWriter {
  private:
   Skeleton skeleton_;
   std::array<KeypointAnchor, kKeypointCount> keypoints_;
+  CsvWriter csv_;
+};
+
+// angles.csv: every joint angle by its name ("left_elbow_y"), degrees.
+class AnglesCsvWriter {
+ public:
+  AnglesCsvWriter(const std::filesystem::path& path, const Skeleton& skeleton);
+  // tracked 0 marks a held result.
+  void append(int64_t index, double pts_ms, bool tracked, const Pose& pose);
+  // A frame without any result: empty cells.
+  void append_missing(int64_t index, double pts_ms);
+
+ private:
+  int n_angles_;
   CsvWriter csv_;
 };
 

@@ -15,6 +15,8 @@ namespace {
 constexpr int kHalf = 128;
 // Gate and core are made on a grid this much coarser: their borders are margins, not results.
 constexpr int kCoarse = 4;
+// A stranger's share beyond the gate, of what is looked at, is at least this.
+constexpr double kShareBeyond = 0.1;
 // A piece that touches less than this many pixels is noise whatever the largest one is.
 constexpr int kMinPiecePx = 16;
 
@@ -77,6 +79,36 @@ void trust_network(const cv::Mat& network, const cv::Mat& gate, const cv::Mat& c
   }
 }
 
+// What the network does not call person and what goes on beyond the gate (coarse) is no part of the person that the
+// network missed but somebody else, when it is large there. difference: [box] 128 or more = not the background. Nearer
+// than `seam` pixels to the network's person it stays: the network's border is not exact enough to tell.
+void drop_strangers(const cv::Mat& network, const cv::Mat& gate, const cv::Rect& box, int seam, float least_share,
+                    const std::vector<uint8_t>& difference, cv::Mat& mask) {
+  cv::Mat known;
+  cv::threshold(network, known, kHalf - 1, 255, cv::THRESH_BINARY);
+  const int least_area = static_cast<int>(least_share * static_cast<float>(cv::countNonZero(known)));
+  cv::dilate(known, known, disc(seam));
+  cv::Mat others(mask.size(), CV_8UC1), beyond(mask.size(), CV_8UC1);
+  std::vector<uint8_t> gate_row(mask.cols);
+  for (int y = 0; y < mask.rows; ++y) {
+    if (y == 0 || (box.y + y) % kCoarse == 0) spread(gate, box, box.y + y, gate_row);
+    const uint8_t *in_mask = mask.ptr<uint8_t>(y), *is_known = known.ptr<uint8_t>(y), *in_gate = gate_row.data();
+    const uint8_t* d = difference.data() + size_t(y) * mask.cols;
+    uint8_t *other = others.ptr<uint8_t>(y), *out = beyond.ptr<uint8_t>(y);
+    for (int x = 0; x < mask.cols; ++x) {
+      const uint8_t differs = d[x] >= kHalf ? 255 : 0;
+      other[x] = static_cast<uint8_t>((in_gate[x] ? in_mask[x] : differs) & ~is_known[x]);
+      out[x] = static_cast<uint8_t>(~in_gate[x]);
+    }
+  }
+  const Pieces pieces(others, 255, true);
+  std::vector<bool> stranger;
+  const std::vector<int> areas_beyond = pieces.areas_in(beyond);
+  for (size_t i = 0; i < areas_beyond.size(); ++i)
+    stranger.push_back(pieces.all()[i].area > least_area && areas_beyond[i] > kShareBeyond * pieces.all()[i].area);
+  pieces.paint(mask, stranger, 0);
+}
+
 // A pixel that the person covers by less than half still differs from the background. Takes off border pixels whose
 // contrast is less than `share` of the largest within two pixels.
 void trim_border(cv::Mat& mask, const std::vector<uint8_t>& contrast, float share) {
@@ -130,7 +162,7 @@ ImageGray ForegroundModel::segment(const ImageRgb& frame, const PersonMask& netw
   // Where the person may be (gate) and certainly is (core), coarse.
   cv::Mat probability, gate, core;
   cv::Rect box({0, 0}, size);
-  int gate_radius = 0;
+  int gate_radius = 0, seam = 0;
   if (!network_mask.empty()) {
     probability = cv::Mat(size, CV_8UC1, const_cast<uint8_t*>(network_mask.probability.data()));
     cv::Mat coarse;
@@ -144,14 +176,18 @@ ImageGray ForegroundModel::segment(const ImageRgb& frame, const PersonMask& netw
       return std::max(1, static_cast<int>(std::lround(margin * static_cast<float>(person.height))));
     };
     gate_radius = radius(options_.gate_margin);
+    const auto height = static_cast<float>(kCoarse * person.height);
+    seam = std::max(2, static_cast<int>(std::lround(options_.seam * height)));
+    const int reach = std::max(kCoarse, static_cast<int>(std::lround(options_.stranger_reach * height)));
     cv::threshold(coarse, core, 255 * options_.core_probability, 255, cv::THRESH_BINARY);
     cv::dilate(gate, gate, disc(gate_radius));
     cv::erode(core, core, disc(radius(options_.core_margin)));
     person = cv::Rect(person.x * kCoarse, person.y * kCoarse, person.width * kCoarse, person.height * kCoarse);
-    box = grown(person, (gate_radius + 1) * kCoarse, size);
+    box = grown(person, gate_radius * kCoarse + reach, size);
   }
 
   BackgroundDistance distance;
+  std::vector<uint8_t> difference;
   cv::Mat score;  // > 128: person
   if (!has_background()) {
     cv::GaussianBlur(probability(box), score, cv::Size(0, 0), std::max(0.5f, options_.smooth_px));
@@ -159,6 +195,7 @@ ImageGray ForegroundModel::segment(const ImageRgb& frame, const PersonMask& netw
     const ImageGray ignore{gate.cols, gate.rows, std::vector<uint8_t>(gate.datastart, gate.dataend)};
     const FrameChange change = background_.estimate_change(frame, ignore, kCoarse);
     distance = background_.distance(frame, change, box.x, box.y, box.x + box.width, box.y + box.height);
+    difference = distance.shadow;
     score = cv::Mat(box.size(), CV_8UC1, distance.shadow.data());
     if (!probability.empty()) trust_network(probability(box), gate, core, box, distance.plain, options_.trust, score);
     if (options_.smooth_px > 0) cv::GaussianBlur(score, score, cv::Size(0, 0), options_.smooth_px);
@@ -166,6 +203,8 @@ ImageGray ForegroundModel::segment(const ImageRgb& frame, const PersonMask& netw
   cv::Mat mask;
   cv::threshold(score, mask, kHalf, 255, cv::THRESH_BINARY);
   if (has_background()) trim_border(mask, distance.contrast, options_.edge_share);
+  if (has_background() && !probability.empty())
+    drop_strangers(probability(box), gate, box, seam, options_.least_stranger, difference, mask);
   clean(mask, options_.min_part, options_.max_hole);
   mask.copyTo(out(box));
   return result;

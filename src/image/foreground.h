@@ -13,11 +13,14 @@ struct ForegroundOptions {
   float gate_margin = 0.08f;   // the network mask grows by this share of the person's height before it gates
   float core_margin = 0.012f;  // and shrinks by this share to the core that is always foreground
   float core_probability = 0.9f;
-  float trust = 2.0f;        // at network probability 1 a difference counts 1 + trust times as much
-  float edge_share = 0.45f;  // border pixels with less than this share of the contrast beside them are background
-  float smooth_px = 1.0f;    // standard deviation of the smoothing before the decision
-  float min_part = 0.02f;    // pieces below this share of the largest one are dropped
-  float max_hole = 0.0015f;  // holes below this share of the person's area are closed
+  float seam = 0.006f;  // what differs so near to the network's mask, share of the height, is never a stranger's
+  float stranger_reach = 0.08f;  // how far beyond the gate strangers are looked for, share of the height
+  float least_stranger = 0.04f;  // a stranger is at least this share of the person in the picture
+  float trust = 2.0f;            // at network probability 1 a difference counts 1 + trust times as much
+  float edge_share = 0.45f;      // border pixels with less than this share of the contrast beside them are background
+  float smooth_px = 1.0f;        // standard deviation of the smoothing before the decision
+  float min_part = 0.02f;        // pieces below this share of the largest one are dropped
+  float max_hole = 0.0015f;      // holes below this share of the person's area are closed
 
   void validate() const;  // throws ConfigError
 };

@@ -25,10 +25,19 @@ cv::Mat decode(const std::filesystem::path& path, int flags) {
   return image;
 }
 
-void write(const cv::Mat& image, const std::filesystem::path& path) {
+std::string encode(const cv::Mat& image, const char* suffix, const std::vector<int>& parameters = {}) {
   std::vector<uint8_t> bytes;
-  if (!cv::imencode(".png", image, bytes)) throw IoError(path.string() + ": PNG encoding failed");
-  write_file_atomically(path, std::string(bytes.begin(), bytes.end()));
+  if (!cv::imencode(suffix, image, bytes, parameters)) throw IoError(format("%s: encoding failed", suffix));
+  return {bytes.begin(), bytes.end()};
+}
+
+cv::Mat to_bgr(const ImageRgb& image, const char* where) {
+  if (image.empty() || image.pixels.size() != size_t(3) * image.width * image.height)
+    throw LogicError(format("%s: %zu bytes for %dx%d RGB", where, image.pixels.size(), image.width, image.height));
+  const cv::Mat rgb(image.height, image.width, CV_8UC3, const_cast<uint8_t*>(image.pixels.data()));
+  cv::Mat bgr;
+  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
+  return bgr;
 }
 
 }  // namespace
@@ -50,18 +59,22 @@ ImageGray read_image_gray(const std::filesystem::path& path) {
 }
 
 void write_png(const ImageRgb& image, const std::filesystem::path& path) {
-  if (image.empty() || image.pixels.size() != size_t(3) * image.width * image.height)
-    throw LogicError(format("write_png: %zu bytes for %dx%d RGB", image.pixels.size(), image.width, image.height));
-  const cv::Mat rgb(image.height, image.width, CV_8UC3, const_cast<uint8_t*>(image.pixels.data()));
-  cv::Mat bgr;
-  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  write(bgr, path);
+  write_file_atomically(path, encode(to_bgr(image, "write_png"), ".png"));
 }
 
 void write_png(const ImageGray& image, const std::filesystem::path& path) {
   if (image.empty() || image.pixels.size() != size_t(image.width) * image.height)
     throw LogicError(format("write_png: %zu bytes for %dx%d grey", image.pixels.size(), image.width, image.height));
-  write(cv::Mat(image.height, image.width, CV_8UC1, const_cast<uint8_t*>(image.pixels.data())), path);
+  const cv::Mat gray(image.height, image.width, CV_8UC1, const_cast<uint8_t*>(image.pixels.data()));
+  write_file_atomically(path, encode(gray, ".png"));
+}
+
+std::string encode_png(const ImageRgb& image) {
+  return encode(to_bgr(image, "encode_png"), ".png");
+}
+
+std::string encode_jpeg(const ImageRgb& image, int quality) {
+  return encode(to_bgr(image, "encode_jpeg"), ".jpg", {cv::IMWRITE_JPEG_QUALITY, quality});
 }
 
 void set_image_threads(int n) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "base/image_rgb.h"
 
@@ -16,6 +17,10 @@ ImageGray read_image_gray(const std::filesystem::path& path);
 // Through a temporary file and a rename. Throws IoError; LogicError when the pixels do not match the size.
 void write_png(const ImageRgb& image, const std::filesystem::path& path);
 void write_png(const ImageGray& image, const std::filesystem::path& path);
+
+// The bytes of a file, for pictures inside another file. quality: 1..100. LogicError as above.
+std::string encode_png(const ImageRgb& image);
+std::string encode_jpeg(const ImageRgb& image, int quality = 88);
 
 // Threads used inside one image operation of this room, process-wide. The pipeline sets 1: its stages already have a
 // thread each, and more would disturb the device that shares the cores.

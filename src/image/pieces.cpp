@@ -55,6 +55,16 @@ void Pieces::connect(size_t above_begin, size_t begin, bool diagonal) {
   }
 }
 
+std::vector<int> Pieces::areas_in(const cv::Mat& place) const {
+  std::vector<int> areas(pieces_.size(), 0);
+  for (const Run& run : runs_) {
+    const uint8_t* row = place.ptr<uint8_t>(run.y);
+    areas[run.piece] +=
+        static_cast<int>(std::count_if(row + run.begin, row + run.end, [](uint8_t pixel) { return pixel != 0; }));
+  }
+  return areas;
+}
+
 void Pieces::paint(cv::Mat& mask, const std::vector<bool>& chosen, uint8_t value) const {
   for (const Run& run : runs_) {
     if (chosen[run.piece]) std::fill_n(mask.ptr<uint8_t>(run.y) + run.begin, run.end - run.begin, value);

@@ -18,6 +18,9 @@ class Pieces {
 
   const std::vector<Piece>& all() const { return pieces_; }
 
+  // How many pixels of each piece lie where `place`, of the mask's size, is not 0; index as in all().
+  std::vector<int> areas_in(const cv::Mat& place) const;
+
   // Sets the pixels of the chosen pieces (index as in all()) to value.
   void paint(cv::Mat& mask, const std::vector<bool>& chosen, uint8_t value) const;
 

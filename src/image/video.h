@@ -66,6 +66,8 @@ class VideoWriter {
 
   // image must have the size given at construction (LogicError). Throws IoError, e.g. when the disk is full.
   void write(const ImageRgb& image);
+  // Leaves out n frames: the next picture is shown so much later.
+  void skip(int n);
   // Flushes, finalises, renames. Throws IoError. Further calls do nothing.
   void close();
 

@@ -184,6 +184,9 @@ VideoWriter::~VideoWriter() = default;
 void VideoWriter::write(const ImageRgb& image) {
   encoder_->write(image);
 }
+void VideoWriter::skip(int n) {
+  encoder_->next_pts += n;
+}
 void VideoWriter::close() {
   encoder_->close();
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <string_view>
 
 #include "base/text.h"
 #include "livecap/error.h"
@@ -168,8 +169,8 @@ void Executor::add_step(const Op& op, const std::vector<int64_t>& offsets, std::
     const int n_panels = panels(p.out_channels);
     if (cpu) {
       const int tiles =
-          pointwise ? (pixels + NN_TILE - 1) / NN_TILE : p.out_height * ((p.out_width + NN_TILE - 1) / NN_TILE);
-      p.count = narrow ? p.out_height : tiles * n_panels;
+          pointwise ? (pixels + NN_STRIP - 1) / NN_STRIP : p.out_height * ((p.out_width + NN_TILE - 1) / NN_TILE);
+      p.count = narrow ? p.out_height : tiles * ((n_panels + 1) / 2);
       step.local = 1;
     } else {
       p.count = (pointwise ? (pixels + 3) / 4 : pixels) * n_panels * 4;
@@ -184,15 +185,29 @@ void Executor::add_step(const Op& op, const std::vector<int64_t>& offsets, std::
     set_window(p, depthwise->window, w.shape[1], w.shape[2]);
     p.weight_offset = pack_depthwise(w, weights);
     p.bias_offset = pack_bias(graph_, op.inputs[2], p.out_channels, weights);
-    const bool plain = p.dilation_h == 1 && p.dilation_w == 1 && p.kernel_h == p.kernel_w;
-    const char* name = plain && p.kernel_h == 3   ? "depthwise_3x3"
-                       : plain && p.kernel_h == 5 ? "depthwise_5x5"
-                                                  : "depthwise_any";
-    step.kernel = kernel("nn/depthwise.cl", name);
+    if (p.out_channels == NN_PANEL / 2) {  // for vectors of two pixels
+      const auto repeat = [&](int offset, int n_vectors) {
+        for (int v = 0; v < n_vectors; ++v)
+          std::copy_n(&weights[offset + v * NN_PANEL], NN_PANEL / 2, &weights[offset + v * NN_PANEL + NN_PANEL / 2]);
+      };
+      repeat(p.weight_offset, p.kernel_h * p.kernel_w);
+      repeat(p.bias_offset, 1);
+    }
     if (cpu) {
-      const bool by_row = plain && (p.kernel_h == 3 || p.kernel_h == 5);
+      const bool plain = p.dilation_h == 1 && p.dilation_w == 1 && p.kernel_h == p.kernel_w;
+      const char* name = !plain                                                      ? "depthwise_any"
+                         : p.kernel_h == 3 && p.stride_w == 1 && p.out_channels == 8 ? "depthwise_3x3_pairs"
+                         : p.kernel_h == 3 && p.stride_w == 1                        ? "depthwise_3x3"
+                         : p.kernel_h == 3 && p.stride_w == 2                        ? "depthwise_3x3_stride_2"
+                         : p.kernel_h == 5 && p.stride_w == 1                        ? "depthwise_5x5"
+                         : p.kernel_h == 5 && p.stride_w == 2                        ? "depthwise_5x5_stride_2"
+                                                                                     : "depthwise_any";
+      const bool by_row = name != std::string_view("depthwise_any");
+      step.kernel = kernel("nn/depthwise.cl", name);
       p.count = panels(p.out_channels) * (by_row ? p.out_height : pixels);
       step.local = 1;
+    } else {
+      step.kernel = kernel("nn/depthwise.cl", "depthwise_any");
     }
     step.has_weights = true;
   } else if (std::holds_alternative<Add>(op.attributes)) {

@@ -53,6 +53,13 @@ DepthRasterizer::DepthRasterizer(ocl::DeviceContext& device, const Mesh& mesh, i
   project_ = ocl::Kernel(device, kFile, "project_vertices");
   if (is_cpu_) {
     bands_ = ocl::Kernel(device, kFile, "raster_bands");
+    std::vector<int32_t> everything;
+    for (int b = 0; b < n_bands_; ++b) {
+      const int first = static_cast<int>(int64_t(height) * b / n_bands_);
+      const int last = static_cast<int>(int64_t(height) * (b + 1) / n_bands_) - 1;
+      everything.insert(everything.end(), {0, width - 1, first, last});
+    }
+    drawn_ = ocl::Buffer<int32_t>(device, everything);
   } else {
     clear_ = ocl::Kernel(device, kFile, "raster_clear");
     nearest_ = ocl::Kernel(device, kFile, "raster_nearest");
@@ -65,7 +72,8 @@ void DepthRasterizer::render(const ocl::Buffer<float>& positions_camera, const C
     throw LogicError(format("rasteriser: %zu coordinates for %d vertices", positions_camera.size(), n_vertices_));
   project_.launch(n_vertices_, kLocal, n_vertices_, pinhole_arg(camera), positions_camera, projected_);
   if (is_cpu_) {
-    bands_.launch(n_bands_, 1, n_triangles_, width_, height_, n_bands_, cull_, projected_, triangles_, depth_, ids_);
+    bands_.launch(n_bands_, 1, n_triangles_, width_, height_, n_bands_, cull_, projected_, triangles_, depth_, ids_,
+                  drawn_);
     return;
   }
   clear_.launch(depth_.size(), kLocal, static_cast<int>(depth_.size()), depth_, ids_);

@@ -51,6 +51,7 @@ class DepthRasterizer {
   ocl::Buffer<float> projected_;
   ocl::Buffer<float> depth_;
   ocl::Buffer<int32_t> ids_;
+  ocl::Buffer<int32_t> drawn_;  // CPU: [4*n_bands] what the last picture covers of each band
   ocl::Kernel project_;
   ocl::Kernel bands_;    // CPU
   ocl::Kernel clear_;    // GPU

@@ -32,7 +32,8 @@ struct SurfaceOptions {
   // the mean IoU rose by 0.001 to 0.02 on the three sequences with ground truth it was tried on, the vertex error
   // stayed.
   float w_silhouette = 4000.0f;
-  float w_smooth = 10.0f;  // mm, as the following
+  float constant_rigidity = 0;  // > 0: s_ij of every edge, instead of its vertices' labels'
+  float w_smooth = 10.0f;       // mm, as the following
   float w_edge = 30.0f;
   float w_velocity = 0.25f;
   float w_acceleration = 0.1f;

@@ -40,6 +40,7 @@ void SurfaceOptions::validate() const {
   require_weight(w_edge, "w_edge");
   require_weight(w_velocity, "w_velocity");
   require_weight(w_acceleration, "w_acceleration");
+  require_weight(constant_rigidity, "constant_rigidity");
   require_weight(color_threshold, "color_threshold");
   if (!(damping > 0.0f) || !std::isfinite(damping)) throw ConfigError("surface option damping must be positive");
   if (!(max_step_mm > 0.0f)) throw ConfigError("surface option max_step_mm must be positive");
@@ -67,7 +68,9 @@ SurfaceSystem::SurfaceSystem(ocl::DeviceContext& device, const Actor& actor, con
     return buffer;
   };
   edge_weights_ = {device, domain_->graph.per_entry([&](int i, int j) {
-                     const double s = 0.5 * (double(actor.rigidity[i]) + actor.rigidity[j]);
+                     const double s = options.constant_rigidity > 0
+                                          ? double(options.constant_rigidity)
+                                          : 0.5 * (double(actor.rigidity[i]) + actor.rigidity[j]);
                      return s * (1.0 / domain_->graph.degree[i] + 1.0 / domain_->graph.degree[j]);
                    })};
   rest_lengths_ = {device, domain_->graph.per_entry([&](int i, int j) { return rest_length(actor.mesh, i, j); })};

@@ -111,8 +111,8 @@ class SampleBuffer {
 constexpr int kShadowCells = 440;
 constexpr double kShadowCell = 10;  // mm
 
-void add_shadow(const Surface& surface, const std::vector<Vec3>& vertices, const Vec3& direction, double below_mm,
-                cv::Mat& map) {
+void cover_floor(const Surface& surface, const std::vector<Vec3>& vertices, const Vec3& direction, double below_mm,
+                 cv::Mat& map) {
   cv::Mat hit = cv::Mat::zeros(map.size(), CV_8U);
   std::vector<cv::Point> points(vertices.size());
   constexpr int kShift = 4;
@@ -135,7 +135,7 @@ void add_shadow(const Surface& surface, const std::vector<Vec3>& vertices, const
 }  // namespace
 
 PersonLayer render_person(const View& view, const Lighting& lighting, const ActorModel& actor,
-                          const std::vector<Vec3>& vertices) {
+                          const std::vector<Vec3>& vertices, const MovingShadow& moving) {
   std::vector<Vec3> camera_points(vertices.size());
   for (size_t i = 0; i < vertices.size(); ++i) camera_points[i] = view.to_camera(vertices[i]);
   SampleBuffer buffer(view, camera_points);
@@ -156,28 +156,42 @@ PersonLayer render_person(const View& view, const Lighting& lighting, const Acto
           b0 * actor.atlas.uvs[uv[0]] + s.b1 * actor.atlas.uvs[uv[1]] + s.b2 * actor.atlas.uvs[uv[2]];
       const Vec3 normal = (b0 * normals[t[0]] + s.b1 * normals[t[1]] + s.b2 * normals[t[2]]).normalized();
       const size_t pixel = static_cast<size_t>(y / kSamplesPerSide) * view.camera.width + x / kSamplesPerSide;
-      layer.color[pixel] += lighting.shade(sample_texture(actor.texture, at.x(), at.y()), normal);
+      double key = 1;
+      if (moving.strength > 0)
+        key = moving.key_visible(lamp_x(lighting, b0 * vertices[t[0]] + s.b1 * vertices[t[1]] + s.b2 * vertices[t[2]]));
+      layer.color[pixel] += lighting.shade(sample_texture(actor.texture, at.x(), at.y()), normal, key);
       ++layer.covered[pixel];
     }
   return layer;
 }
 
-std::vector<Color> shadowed_plate(const Plate& plate, const Lighting& lighting, const ActorModel& actor,
-                                  const std::vector<Vec3>& vertices) {
+double MovingShadow::key_visible(double lamp_x) const {
+  constexpr double kSoft = 80;  // mm
+  const double inside = std::clamp(0.5 + (half_width_mm - std::abs(lamp_x - x_mm)) / kSoft, 0.0, 1.0);
+  return 1 - strength * inside;
+}
+
+void darken(const MovingShadow& moving, Plate& plate) {
+  for (size_t i = 0; i < plate.lit.size(); ++i) {
+    const float shadow = static_cast<float>(1 - moving.key_visible(plate.lamp_x[i]));
+    plate.lit[i] += shadow * (plate.no_key[i] - plate.lit[i]);
+  }
+}
+
+void add_shadow(const Lighting& lighting, const ActorModel& actor, const std::vector<Vec3>& vertices, Plate& plate) {
   // A square lamp as a few directions, and the feet keeping ambient light away.
   cv::Mat direct = cv::Mat::zeros(kShadowCells, kShadowCells, CV_32F), contact = direct.clone();
   constexpr int kLamp = 3;
   for (int i = 0; i < kLamp * kLamp; ++i) {
     const Vec3 offset(0.10 * (i % kLamp - 1), 0, 0.10 * (i / kLamp - 1));
-    add_shadow(actor.surface, vertices, (lighting.key_direction + offset).normalized(), 1e9, direct);
+    cover_floor(actor.surface, vertices, (lighting.key_direction + offset).normalized(), 1e9, direct);
   }
   direct /= kLamp * kLamp;
   cv::GaussianBlur(direct, direct, {0, 0}, 2.5);
-  add_shadow(actor.surface, vertices, Vec3::UnitY(), 160, contact);
+  cover_floor(actor.surface, vertices, Vec3::UnitY(), 160, contact);
   cv::GaussianBlur(contact, contact, {0, 0}, 6);
 
-  std::vector<Color> result = plate.lit;
-  for (size_t i = 0; i < result.size(); ++i) {
+  for (size_t i = 0; i < plate.lit.size(); ++i) {
     if (std::isnan(plate.floor_x[i])) continue;
     const double x = plate.floor_x[i] / kShadowCell + kShadowCells / 2,
                  z = plate.floor_z[i] / kShadowCell + kShadowCells / 2;
@@ -189,9 +203,9 @@ std::vector<Color> shadowed_plate(const Plate& plate, const Lighting& lighting, 
              fz * ((1 - fx) * map.at<float>(iz + 1, ix) + fx * map.at<float>(iz + 1, ix + 1));
     };
     const float shadow = lookup(direct), dark = 1 - 0.45f * lookup(contact);
-    result[i] = dark * (plate.lit[i] + shadow * (plate.no_key[i] - plate.lit[i]));
+    plate.lit[i] = dark * (plate.lit[i] + shadow * (plate.no_key[i] - plate.lit[i]));
+    plate.no_key[i] *= dark;
   }
-  return result;
 }
 
 }  // namespace livecap::synth

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "base/image_rgb.h"
@@ -35,15 +36,38 @@ struct Lighting {
   Color shade(const Color& albedo, const Vec3& normal, double key_visible = 1, double ambient_visible = 1) const;
 };
 
+// Something upright between the lamp and the room: a soft-edged band without the lamp's light.
+struct MovingShadow {
+  double x_mm = 0;  // where the band's middle meets the floor
+  double half_width_mm = 0;
+  double strength = 0;  // share of the lamp's light that is missing in the middle
+
+  // Share of the lamp's light that reaches the point whose ray from the lamp meets the floor at lamp_x (see below).
+  double key_visible(double lamp_x) const;
+};
+
+// x of where the ray from the lamp through p meets the floor.
+inline double lamp_x(const Lighting& lighting, const Vec3& p) {
+  return p.x() - p.y() * lighting.key_direction.x() / lighting.key_direction.y();
+}
+
 // The empty room as the camera sees it.
 struct Plate {
   std::vector<Color> lit;      // [width*height]
   std::vector<Color> no_key;   // [width*height] the same without the lamp: what a full shadow leaves
   std::vector<float> floor_x;  // [width*height] mm, room frame; NaN where the pixel does not show the floor
   std::vector<float> floor_z;
+  std::vector<float> lamp_x;  // [width*height] mm, see lamp_x()
 };
 
-Plate render_plate(const View& view, const Lighting& lighting, uint64_t seed);
+// A room painted in two colours: what is behind the upper part of a person at the actor's place, and the rest.
+struct Wallpaper {
+  Color upper, lower;
+  double border_mm = 0;  // height above the floor at the actor's place
+};
+
+Plate render_plate(const View& view, const Lighting& lighting, uint64_t seed,
+                   const std::optional<Wallpaper>& wallpaper = {});
 
 // The person alone: sums over the covered samples of each pixel.
 struct PersonLayer {
@@ -56,11 +80,13 @@ inline constexpr int kSamples = kSamplesPerSide * kSamplesPerSide;
 
 // vertices: welded, room frame.
 PersonLayer render_person(const View& view, const Lighting& lighting, const ActorModel& actor,
-                          const std::vector<Vec3>& vertices);
+                          const std::vector<Vec3>& vertices, const MovingShadow& moving = {});
+
+// Takes the moving shadow's light away from the plate.
+void darken(const MovingShadow& moving, Plate& plate);
 
 // Darkens the floor of the plate below and behind the person.
-std::vector<Color> shadowed_plate(const Plate& plate, const Lighting& lighting, const ActorModel& actor,
-                                  const std::vector<Vec3>& vertices);
+void add_shadow(const Lighting& lighting, const ActorModel& actor, const std::vector<Vec3>& vertices, Plate& plate);
 
 struct Sensor {
   double blur_px = 0;

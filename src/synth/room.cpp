@@ -108,6 +108,13 @@ Color furniture_color(const Box& box, const Vec3& p, const Vec3& normal, uint64_
   }
 }
 
+// Where the ray from the eye to p passes the actor's place decides.
+Color wallpaper_color(const Wallpaper& paper, const Vec3& eye, const Vec3& p, uint64_t seed) {
+  const double y = p.z() < 0 ? eye.y() + (p.y() - eye.y()) * eye.z() / (eye.z() - p.z()) : p.y();
+  const double blotch = 0.95 + 0.10 * cloud_noise((p.x() + p.z()) / 60, p.y() / 60, seed + 4);
+  return (y > paper.border_mm ? paper.upper : paper.lower) * static_cast<float>(blotch);
+}
+
 struct Hit {
   double t = std::numeric_limits<double>::infinity();
   Vec3 normal = Vec3::Zero();
@@ -167,11 +174,13 @@ Color Lighting::shade(const Color& albedo, const Vec3& normal, double key_visibl
   return albedo.cwiseProduct(up * ambient + k * key + f * fill);
 }
 
-Plate render_plate(const View& view, const Lighting& lighting, uint64_t seed) {
+Plate render_plate(const View& view, const Lighting& lighting, uint64_t seed,
+                   const std::optional<Wallpaper>& wallpaper) {
   const Camera& camera = view.camera;
   const size_t n = static_cast<size_t>(camera.width) * camera.height;
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  Plate plate{std::vector<Color>(n), std::vector<Color>(n), std::vector<float>(n, kNan), std::vector<float>(n, kNan)};
+  Plate plate{std::vector<Color>(n), std::vector<Color>(n), std::vector<float>(n, kNan), std::vector<float>(n, kNan),
+              std::vector<float>(n, 0)};
   const Eigen::Matrix3d room_from_camera = view.camera_from_room_rotation.transpose();
   const Vec3 eye = -room_from_camera * view.camera_from_room_translation;
   constexpr int kSide = 3;
@@ -185,7 +194,8 @@ Plate render_plate(const View& view, const Lighting& lighting, uint64_t seed) {
         const Hit hit = cast(eye, ray, seed);
         if (!std::isfinite(hit.t)) continue;
         const Vec3 p = eye + hit.t * ray;
-        const Color albedo = hit.box == -2   ? floor_color(p.x(), p.z(), seed)
+        const Color albedo = wallpaper       ? wallpaper_color(*wallpaper, eye, p, seed)
+                             : hit.box == -2 ? floor_color(p.x(), p.z(), seed)
                              : hit.box == -3 ? wall_color(p.x(), p.y(), seed)
                                              : furniture_color(kFurniture[hit.box], p, hit.normal, seed);
         // A shadow ray towards the lamp for what the furniture throws on wall and floor.
@@ -196,7 +206,9 @@ Plate render_plate(const View& view, const Lighting& lighting, uint64_t seed) {
         const double open = hit.box < 0 ? openness(p) : 1;
         lit += lighting.shade(albedo, hit.normal, std::isfinite(blocker.t) ? 0.25 : 1, open);
         no_key += lighting.shade(albedo, hit.normal, 0, open);
-        if (s == kSide * kSide / 2 && hit.box == -2) {
+        if (s != kSide * kSide / 2) continue;
+        plate.lamp_x[pixel] = static_cast<float>(lamp_x(lighting, p));
+        if (hit.box == -2) {
           plate.floor_x[pixel] = static_cast<float>(p.x());
           plate.floor_z[pixel] = static_cast<float>(p.z());
         }

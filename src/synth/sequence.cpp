@@ -3,6 +3,8 @@
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <optional>
 #include <system_error>
 
 #include "base/text.h"
@@ -14,6 +16,7 @@
 #include "synth/cloth.h"
 #include "synth/motion.h"
 #include "synth/renderer.h"
+#include "synth/scenario.h"
 #include "synth/synth.h"
 
 namespace livecap {
@@ -111,33 +114,6 @@ std::string labels_npy(const std::vector<uint8_t>& labels) {
   return bytes + header + std::string(labels.begin(), labels.end());
 }
 
-struct Picture {
-  ImageRgb rgb;
-  ImageGray mask;
-};
-
-// vertices: empty for a frame without a person.
-Picture take_picture(const View& view, const Lighting& lighting, const Plate& plate, const ActorModel& actor,
-                     const std::vector<Vec3>& vertices, const Sensor& sensor) {
-  const int width = view.camera.width, height = view.camera.height;
-  Picture picture;
-  picture.mask = {width, height, std::vector<uint8_t>(static_cast<size_t>(width) * height, 0)};
-  if (vertices.empty()) {
-    picture.rgb = expose(plate.lit, width, height, sensor);
-    return picture;
-  }
-  std::vector<Color> linear = shadowed_plate(plate, lighting, actor, vertices);
-  const PersonLayer person = render_person(view, lighting, actor, vertices);
-  for (size_t i = 0; i < linear.size(); ++i) {
-    if (person.covered[i] == 0) continue;
-    const float share = static_cast<float>(person.covered[i]) / kSamples;
-    linear[i] = (1 - share) * linear[i] + person.color[i] / kSamples;
-    picture.mask.pixels[i] = 2 * person.covered[i] >= kSamples ? 255 : 0;
-  }
-  picture.rgb = expose(linear, width, height, sensor);
-  return picture;
-}
-
 // Truth of one frame: bones and cloth surface, room frame.
 struct Performance {
   BonePose pose;
@@ -147,26 +123,23 @@ struct Performance {
 
 class Performer {
  public:
-  Performer(const SynthOptions& options, const ActorModel& actor)
-      : actor_(actor),
-        cloth_(actor),
-        use_cloth_(options.cloth),
-        fps_(options.fps),
-        postures_(make_motion(options.motions, options.fps)) {}
+  Performer(const ActorModel& actor, const SynthOptions& options)
+      : actor_(actor), cloth_(actor), use_cloth_(options.cloth), fps_(options.fps) {}
 
-  int n_postures() const { return static_cast<int>(postures_.size()); }
+  const ActorModel& actor() const { return actor_; }
   const std::vector<int>& cloth_vertices() const { return cloth_.vertices(); }
 
-  // Frames in order from 0; the motion starts again when it ends.
-  Performance perform(int frame) {
+  // The next frame.
+  Performance perform(const Posture& posture) {
     Performance now;
-    now.pose = pose_of(postures_[frame % postures_.size()], actor_.joints, actor_.scale);
+    now.pose = pose_of(posture, actor_.joints, actor_.scale);
     now.skinned = skin_vertices(actor_.surface.vertices, actor_.weights, actor_.joints, now.pose);
     now.vertices = now.skinned;
     if (!use_cloth_) return now;
-    if (frame == 0) {
+    if (!started_) {
       cloth_.reset(now.skinned, now.pose);
       for (int i = 0; i < 60; ++i) cloth_.step(now.skinned, now.pose, 1 / 30.0);  // let it settle
+      started_ = true;
     }
     now.vertices = cloth_.step(now.skinned, now.pose, 1 / fps_);
     return now;
@@ -177,8 +150,109 @@ class Performer {
   Cloth cloth_;
   bool use_cloth_;
   double fps_;
-  std::vector<Posture> postures_;
+  bool started_ = false;
 };
+
+// Who is there in one frame; the first of `people` is the one the truth is about.
+struct Moment {
+  struct Person {
+    const ActorModel* actor;
+    Performance performance;
+  };
+  std::vector<Person> people;
+  MovingShadow shadow;
+};
+
+// The sequence's stage direction: calls each frame in order.
+class Play {
+ public:
+  Play(const SynthOptions& options, const ActorModel& actor)
+      : options_(options),
+        scenario_(scenario_from_name(options.scenario)),
+        postures_(make_motion(options.motions, options.fps)),
+        first_(actor, options) {
+    if (scenario_ != Scenario::kTwoPeople) return;
+    const std::string other = options.actor == "skirt" ? "trousers" : "skirt";
+    second_actor_.emplace(build_actor(other, options.height_mm, 5000));
+    second_.emplace(*second_actor_, options);
+    second_postures_ = make_motion({"walk"}, options.fps);
+  }
+
+  int n_postures() const { return static_cast<int>(postures_.size()); }
+  const std::vector<int>& cloth_vertices() const { return first_.cloth_vertices(); }
+
+  // frame: since the first person's first; the motion starts again when it ends.
+  Moment next(int frame) {
+    const double t = frame / options_.fps;
+    Moment moment;
+    Posture posture = postures_[frame % postures_.size()];
+    if (scenario_ == Scenario::kLeave) leave_and_return(t, out_mm(0), posture);
+    moment.people.push_back({&first_.actor(), first_.perform(posture)});
+    if (second_) {
+      const auto passing = passer_by(t, out_mm(kPasserByZ), second_postures_[frame % second_postures_.size()]);
+      if (passing) moment.people.push_back({&*second_actor_, second_->perform(*passing)});
+    }
+    if (scenario_ == Scenario::kMovingShadow) moment.shadow = moving_shadow(t);
+    return moment;
+  }
+
+  bool left_out(int frame) const { return scenario_ == Scenario::kGap && is_left_out(frame / options_.fps); }
+
+ private:
+  // How far to the side a person at depth z is out of the picture: half of what it shows there and an arm.
+  double out_mm(double z) const {
+    const Camera camera = camera_from_fov(options_.width, options_.height, options_.fov_deg);
+    return 0.5 * camera.width / camera.fx * (options_.distance_mm - z) + 0.28 * options_.height_mm;
+  }
+
+  SynthOptions options_;
+  Scenario scenario_;
+  std::vector<Posture> postures_, second_postures_;
+  Performer first_;
+  std::optional<ActorModel> second_actor_;
+  std::optional<Performer> second_;
+};
+
+struct Picture {
+  ImageRgb rgb;
+  ImageGray mask;             // what is to be seen of the first person
+  bool shows_person = false;  // something of the first person is inside the picture, covered or not
+};
+
+Picture take_picture(const View& view, const Lighting& lighting, const Plate& empty, const Moment& moment,
+                     const Sensor& sensor) {
+  const int width = view.camera.width, height = view.camera.height;
+  Picture picture;
+  picture.mask = {width, height, std::vector<uint8_t>(static_cast<size_t>(width) * height, 0)};
+  if (moment.people.empty()) {
+    picture.rgb = expose(empty.lit, width, height, sensor);
+    return picture;
+  }
+  Plate plate = empty;
+  if (moment.shadow.strength > 0) darken(moment.shadow, plate);
+  for (const auto& person : moment.people) add_shadow(lighting, *person.actor, person.performance.vertices, plate);
+  // Whoever's hips are nearer to the camera covers the other.
+  std::vector<size_t> order(moment.people.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto depth = [&](size_t i) { return view.to_camera(moment.people[i].performance.pose.origins[kHips]).z(); };
+  std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return depth(a) > depth(b); });
+  std::vector<Color>& linear = plate.lit;
+  std::vector<float> seen(linear.size(), 0);  // share of each pixel that shows the first person
+  for (size_t who : order) {
+    const auto& person = moment.people[who];
+    const PersonLayer layer = render_person(view, lighting, *person.actor, person.performance.vertices, moment.shadow);
+    for (size_t i = 0; i < linear.size(); ++i) {
+      if (layer.covered[i] == 0) continue;
+      const float share = static_cast<float>(layer.covered[i]) / kSamples;
+      linear[i] = (1 - share) * linear[i] + layer.color[i] / kSamples;
+      seen[i] = (1 - share) * seen[i] + (who == 0 ? share : 0);
+      if (who == 0) picture.shows_person = true;
+    }
+  }
+  for (size_t i = 0; i < seen.size(); ++i) picture.mask.pixels[i] = seen[i] >= 0.5f ? 255 : 0;
+  picture.rgb = expose(linear, width, height, sensor);
+  return picture;
+}
 
 void require(bool ok, const std::string& message) {
   if (!ok) throw ConfigError("synth: " + message);
@@ -191,6 +265,7 @@ void SynthOptions::validate() const {
   require(height_mm >= 500 && height_mm <= 3000, format("height_mm is %g; it must be within 500..3000", height_mm));
   require(!motions.empty(), "motions is empty; name at least one");
   make_motion(motions, 1);
+  scenario_from_name(scenario);
   for (const auto& [name, value] : {std::pair{"width", width}, {"height", height}})
     require(value >= 64 && value <= 4096 && value % 2 == 0,
             format("%s is %d; it must be even, within 64..4096", name, value));
@@ -223,12 +298,14 @@ SynthReport write_sequence(const SynthOptions& options, const std::filesystem::p
   const View view = make_view(options);
   save_camera(view.camera, folder / "camera.json");
   const Lighting lighting;
-  const Plate plate = render_plate(view, lighting, options.seed);
+  std::optional<Wallpaper> wallpaper;
+  if (scenario_from_name(options.scenario) == Scenario::kSimilarBackground) wallpaper = clothes_wallpaper(actor);
+  const Plate plate = render_plate(view, lighting, options.seed, wallpaper);
   write_png(expose(plate.lit, options.width, options.height, {options.blur_px, 0, 1, 0}), folder / "background.png");
 
-  Performer performer(options, actor);
+  Play play(options, actor);
   SynthReport report;
-  report.n_frames = options.n_frames > 0 ? options.n_frames : options.empty_frames + performer.n_postures();
+  const int n_frames = options.n_frames > 0 ? options.n_frames : options.empty_frames + play.n_postures();
   report.n_vertices = static_cast<int>(actor.surface.vertices.size());
   VideoWriter video((folder / "video.mp4").string(), options.width, options.height, options.fps);
   TruthVertices truth(folder / "truth" / "vertices.pc2", report.n_vertices);
@@ -236,38 +313,41 @@ SynthReport write_sequence(const SynthOptions& options, const std::filesystem::p
   for (const auto& bone : kBones) joints["names"].push_back(bone.name);
   std::vector<float> swing;
   double render_ms = 0;
-  int done = 0;
-  for (; done < report.n_frames; ++done) {
-    if (progress && !progress(done, report.n_frames)) break;
-    const bool person = done >= options.empty_frames;
-    Performance now;
-    if (person) now = performer.perform(done - options.empty_frames);
-    const double seconds = done / options.fps;
+  for (int frame = 0; frame < n_frames; ++frame) {
+    if (progress && !progress(frame, n_frames)) break;
+    Moment moment;
+    if (frame >= options.empty_frames) moment = play.next(frame - options.empty_frames);
+    if (!moment.people.empty() && play.left_out(frame - options.empty_frames)) {
+      video.skip(1);
+      continue;
+    }
+    const double seconds = frame / options.fps;
     const Sensor sensor{options.blur_px, options.noise, 1 + options.gain_drift * std::sin(2 * M_PI * seconds / 4.3),
-                        options.seed * 1000003 + done};
+                        options.seed * 1000003 + frame};
     const Timer timer;
-    const Picture picture = take_picture(view, lighting, plate, actor, now.vertices, sensor);
+    const Picture picture = take_picture(view, lighting, plate, moment, sensor);
     render_ms += timer.elapsed_ms();
     video.write(picture.rgb);
-    write_png(picture.mask, masks / format("%06d.png", done));
+    write_png(picture.mask, masks / format("%06d.png", report.n_frames));
+    const Performance now = picture.shows_person ? moment.people.front().performance : Performance{};
     truth.append(view, now.vertices);
-    joints["frames"].push_back(person ? joints_row(view, now.pose) : nlohmann::json());
-    if (person)
-      for (int i : performer.cloth_vertices())
+    joints["frames"].push_back(picture.shows_person ? joints_row(view, now.pose) : nlohmann::json());
+    if (picture.shows_person)
+      for (int i : play.cloth_vertices())
         swing.push_back(static_cast<float>((now.vertices[i] - now.skinned[i]).norm()));
+    ++report.n_frames;
   }
   video.close();
   truth.close();
   write_file_atomically(folder / "truth" / "joints.json", joints.dump());
 
-  if (done > 0) report.render_ms_per_frame = render_ms / done;
+  if (report.n_frames > 0) report.render_ms_per_frame = render_ms / report.n_frames;
   if (!swing.empty()) {
     for (float d : swing) report.cloth_mean_mm += d / static_cast<double>(swing.size());
     auto p95 = swing.begin() + static_cast<std::ptrdiff_t>(0.95 * (swing.size() - 1));
     std::nth_element(swing.begin(), p95, swing.end());
     report.cloth_p95_mm = *p95;
   }
-  report.n_frames = done;
   return report;
 }
 

@@ -27,14 +27,19 @@ std::string make_builtin_actor_glb(const std::string& name, double height_mm = k
 // and demo (a mix of them).
 const std::vector<std::string>& motion_names();
 
+// What can be made difficult in a sequence (docs/formats.md): none, leave, two-people, moving-shadow,
+// similar-background, gap.
+const std::vector<std::string>& scenario_names();
+
 struct SynthOptions {
   std::string actor = "skirt";                  // one of builtin_actor_names()
   double height_mm = kBuiltinHeightMm;          // of the actor
   std::vector<std::string> motions = {"demo"};  // played one after the other, see motion_names()
+  std::string scenario = "none";                // see scenario_names()
   int width = 540;                              // px, even
   int height = 960;                             // px, even
   double fps = 30;
-  int n_frames = 0;                // all of the video, empty ones included; 0 = until the motions end (once)
+  int n_frames = 0;  // of the video, empty ones and those a gap leaves out included; 0 = until the motions end (once)
   int empty_frames = 10;           // at the start, nobody in the picture
   double fov_deg = 44;             // of the longer side
   double distance_mm = 3600;       // camera to the actor's place
@@ -62,8 +67,9 @@ struct SynthReport {
 using SynthProgress = std::function<bool(int frame, int n_frames)>;
 
 // Writes actor.glb, video.mp4, camera.json, background.png and truth/{vertices.pc2, joints.json, labels.npy, masks/}
-// into `folder` (created when missing). Frames without a person are NaN in vertices.pc2 and null in joints.json. Throws
-// ConfigError for bad options, IoError when something cannot be written.
+// into `folder` (created when missing). The truth is the first person's; frames with nothing of them in the picture are
+// NaN in vertices.pc2 and null in joints.json. Throws ConfigError for bad options, IoError when something cannot be
+// written.
 SynthReport write_sequence(const SynthOptions& options, const std::filesystem::path& folder,
                            const SynthProgress& progress = {});
 

@@ -29,7 +29,8 @@ TEST(Determinism, PipelinedAndSequentialRunsGiveTheSameBytes) {
     EXPECT_EQ(captured.n_vertices(), load_actor(scratch / "sequence/actor.glb").n_vertices());
   }
   // Everything without a clock in it.
-  for (const char* file : {"vertices.pc2", "motion.bvh", "joints.csv", "detections.jsonl", "capture.glb"}) {
+  for (const char* file :
+       {"vertices.pc2", "motion.bvh", "joints.csv", "angles.csv", "detections.jsonl", "capture.glb"}) {
     const std::string first = read_file(scratch / "first" / file);
     EXPECT_GT(first.size(), 1000u) << file;
     EXPECT_TRUE(first == read_file(scratch / "one_thread" / file)) << file << " differs in one thread";

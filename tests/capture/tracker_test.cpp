@@ -63,6 +63,14 @@ class TrackerScene {
     return tracker_.track({picture_, detections, nobody_segmented_, empty_mask_}).status;
   }
 
+  // The network sees nobody.
+  TrackStatus track_nobody() { return tracker_.track({picture_, Detections{}, nobody_segmented_, empty_mask_}).status; }
+
+  TrackStatus track_again(int frame) {
+    const Detections detections = test::exact_detections(actor_, camera_, step_of(actor_, frame));
+    return tracker_.track({picture_, detections, nobody_segmented_, empty_mask_}).status;
+  }
+
   void reset() { tracker_.reset(); }
 
  private:
@@ -109,6 +117,33 @@ TEST(Tracker, ScatteredKeypointsAreDoubtedForAFewFrames) {
     for (; frame < 3; ++frame) scene.track(frame, false);
     for (int i = 0; i < most; ++i, ++frame) EXPECT_EQ(scene.track_scattered(frame), TrackStatus::kOk) << i;
     EXPECT_NE(scene.track_scattered(frame), TrackStatus::kOk);
+  });
+}
+
+TEST(Tracker, AMissedPersonIsTakenUpAgain) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const int most = TrackerOptions().max_missed_frames;
+    TrackerScene scene(device, 0);
+    int frame = 0;
+    for (; frame < 3; ++frame) scene.track_again(frame);
+    for (int missed : {1, 2, most}) {
+      for (int i = 0; i < missed; ++i, ++frame) EXPECT_EQ(scene.track_nobody(), TrackStatus::kNobody) << missed;
+      EXPECT_EQ(scene.track_again(frame), TrackStatus::kOk) << missed;
+      ++frame;
+    }
+    for (int i = 0; i < most + 1; ++i, ++frame) EXPECT_EQ(scene.track_nobody(), TrackStatus::kNobody);
+    EXPECT_EQ(scene.track_again(frame), TrackStatus::kInitialized);
+  });
+}
+
+TEST(Tracker, WhatIsNotBelievedAfterAMissedFrameIsNobody) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    TrackerScene scene(device, 0);
+    for (int frame = 0; frame < 3; ++frame) scene.track(frame, false);
+    EXPECT_EQ(scene.track_nobody(), TrackStatus::kNobody);
+    EXPECT_EQ(scene.track_scattered(4), TrackStatus::kNobody);
+    scene.track(5, true);  // ok
+    EXPECT_EQ(scene.track_scattered(6), TrackStatus::kOk) << "otherwise it is only doubted";
   });
 }
 

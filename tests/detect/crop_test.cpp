@@ -44,9 +44,9 @@ TEST(Crop, AngleTurnsUpTowardsTheRight) {
 
 TEST(Crop, IdentityCropReturnsThePixels) {
   const ImageRgb image = ramps(32, 32);
-  std::vector<float> out(3 * 32 * 32);
+  ImageRgb out;
   detect::CropSampler().sample(image, detect::whole_image_crop(32, 32), 32, out);
-  for (size_t i = 0; i < out.size(); ++i) ASSERT_NEAR(255 * out[i], image.pixels[i], test::kByteRounding);
+  for (size_t i = 0; i < out.pixels.size(); ++i) ASSERT_NEAR(out.pixels[i], image.pixels[i], test::kByteRounding);
 }
 
 // Enlarged, shrunk and turned crops of a ramp read the ramp's value at each crop pixel's own image position.
@@ -55,14 +55,14 @@ TEST(Crop, SamplesAreWhereTheTransformSays) {
   const int size = 64;
   for (const CropRegion& crop : {CropRegion{120, 120, 30, 0.4}, CropRegion{125, 118, 96, -1.1},
                                  CropRegion{120, 120, 150, 2.0}, CropRegion{124.3, 119.6, 200, 0}}) {
-    std::vector<float> out(3 * size * size);
+    ImageRgb out;
     detect::CropSampler().sample(image, crop, size, out);
     for (int v = 0; v < size; ++v) {
       for (int u = 0; u < size; ++u) {
         const Point2 p = crop.image_from_crop({(u + 0.5) / size, (v + 0.5) / size});
         if (p.x < 4 || p.y < 4 || p.x > 245 || p.y > 235) continue;
-        ASSERT_NEAR(255 * out[3 * (v * size + u)], p.x, test::kByteRounding) << crop.side_px;
-        ASSERT_NEAR(255 * out[3 * (v * size + u) + 1], p.y, test::kByteRounding) << crop.side_px;
+        ASSERT_NEAR(out.pixels[3 * (v * size + u)], p.x, test::kSampledBytes) << crop.side_px;
+        ASSERT_NEAR(out.pixels[3 * (v * size + u) + 1], p.y, test::kSampledBytes) << crop.side_px;
       }
     }
   }
@@ -70,12 +70,12 @@ TEST(Crop, SamplesAreWhereTheTransformSays) {
 
 TEST(Crop, OutsideTheImageIsBlack) {
   ImageRgb image{40, 20, std::vector<uint8_t>(3 * 40 * 20, 200)};
-  std::vector<float> out(3 * 40 * 40);
+  ImageRgb out;
   detect::CropSampler().sample(image, detect::whole_image_crop(40, 20), 40, out);
-  EXPECT_EQ(out[3 * (2 * 40 + 20)], 0.0f);
-  EXPECT_NEAR(255 * out[3 * (20 * 40 + 20)], 200, test::kByteRounding);
+  EXPECT_EQ(out.pixels[3 * (2 * 40 + 20)], 0);
+  EXPECT_NEAR(out.pixels[3 * (20 * 40 + 20)], 200, test::kByteRounding);
   detect::CropSampler().sample(image, {-500, -500, 30, 0}, 40, out);
-  EXPECT_EQ(*std::max_element(out.begin(), out.end()), 0.0f);
+  EXPECT_EQ(*std::max_element(out.pixels.begin(), out.pixels.end()), 0);
 }
 
 // A fine checkerboard becomes grey, not a moire pattern.
@@ -84,20 +84,20 @@ TEST(Crop, ShrinkingAverages) {
   for (int y = 0; y < 512; ++y) {
     for (int x = 0; x < 3 * 512; ++x) image.pixels.push_back((x / 3 + y) % 2 ? 255 : 0);
   }
-  std::vector<float> out(3 * 64 * 64);
+  ImageRgb out;
   detect::CropSampler().sample(image, {255.5, 255.5, 256, 0.3}, 64, out);
-  for (float v : out) ASSERT_NEAR(v, 0.5f, test::kByteRounding / 255);
+  for (int v : out.pixels) ASSERT_NEAR(v, 127.5, test::kByteRounding);
 }
 
 TEST(Crop, MaskLandsWhereItWasSeen) {
   const int size = 64;
   const CropRegion crop{70, 55, 60, 0.5};
-  std::vector<float> mask(size * size);
+  ImageGray mask{size, size, std::vector<uint8_t>(size * size)};
   for (int v = 0; v < size; ++v) {
-    for (int u = 0; u < size; ++u) mask[v * size + u] = (u + 0.5f) / size;  // rises to the right of the crop
+    for (int u = 0; u < size; ++u) mask.pixels[v * size + u] = uint8_t(255 * (u + 0.5f) / size + 0.5f);  // rises to the right of the crop
   }
   PersonMask out;
-  detect::warp_mask(mask, size, crop, 140, 100, out);
+  detect::warp_mask(mask, crop, 140, 100, out);
   ASSERT_EQ(out.probability.size(), 140u * 100u);
   int inside = 0;
   for (int y = 0; y < 100; ++y) {
@@ -107,7 +107,7 @@ TEST(Crop, MaskLandsWhereItWasSeen) {
       if (p.x < -0.01 || p.x > 1.01 || p.y < -0.01 || p.y > 1.01) {
         ASSERT_EQ(value, 0) << x << "," << y;
       } else if (p.x > 0.01 && p.x < 0.99 && p.y > 0.01 && p.y < 0.99) {
-        ASSERT_NEAR(value, 255 * p.x, test::kByteRounding) << x << "," << y;
+        ASSERT_NEAR(value, 255 * p.x, test::kSampledBytes) << x << "," << y;
         ++inside;
       }
     }

@@ -10,6 +10,7 @@
 
 #include "actor/actor.h"
 #include "base/text.h"
+#include "eval/html_report.h"
 #include "eval/mask_raster.h"
 #include "export/pc2.h"
 #include "image/image_io.h"
@@ -58,11 +59,13 @@ class Evaluate : public testing::Test {
   static void TearDownTestSuite() { fs::remove_all(folder_); }
 
   // A capture whose frame k has the truth's vertices and joints moved by shift_m[k] along x; NaN: no result.
-  static EvalReport compare(const std::vector<float>& shift_m, const std::vector<std::string>& status) {
+  static EvalReport compare(const std::vector<float>& shift_m, const std::vector<std::string>& status,
+                            const std::vector<ExtraView>& views = {}) {
     const fs::path out = folder_ / "capture";
     fs::create_directories(out);
     Pc2Writer pc2(out / "vertices.pc2", actor_.n_vertices());
-    std::string frames = "index,pts_ms,status\n";
+    std::string frames = "index,pts_ms,status,latency_ms\n";
+    std::string angles = "index,pts_ms,tracked,left_elbow_y,left_knee_x\n";
     std::string joints = "index,pts_ms,tracked";
     for (const char* name : {"joint_root", "joint_left_shoulder", "joint_right_shoulder", "keypoint_left_wrist"}) {
       for (const char* axis : {"_x", "_y", "_z"}) joints += std::string(",") + name + axis;
@@ -73,7 +76,8 @@ class Evaluate : public testing::Test {
       for (size_t i = 0; i < vertices.size(); i += 3) vertices[i] += shift_m[k];
       if (std::isnan(shift_m[k])) vertices.assign(vertices.size(), NAN);
       pc2.append(vertices);
-      frames += format("%d,0,%s\n", k, status[k].c_str());
+      frames += format("%d,%g,%s,%d\n", k, 40.0 * k, status[k].c_str(), 100 + k);
+      angles += format("%d,%g,1,%d,%d\n", k, 40.0 * k, k < 3 ? -60 : -149, 30);
       joints += format("%d,0,1", k);
       for (size_t i = 0; i < kJoints.size(); ++i) {
         joints += std::isnan(shift_m[k]) ? "," : format(",%.9g", kJoints[i] + (i % 3 == 0 ? shift_m[k] : 0));
@@ -82,10 +86,12 @@ class Evaluate : public testing::Test {
     }
     write_file_atomically(out / "frames.csv", frames);
     write_file_atomically(out / "joints.csv", joints);
+    write_file_atomically(out / "angles.csv", angles);
     write_file_atomically(out / "report.json", R"({"options":{"actor":")" + (folder_ / "actor.glb").string() +
                                                    R"(","camera":")" + (folder_ / "camera.json").string() +
                                                    R"(","height_mm":0}})");
-    return evaluate({out, folder_ / "truth", "", ""});
+    EvalOptions options{out, folder_ / "truth", "", "", views};
+    return evaluate(options);
   }
 
   static inline fs::path folder_;
@@ -136,11 +142,114 @@ TEST_F(Evaluate, LostFramesCount) {
 TEST_F(Evaluate, RefusesAnotherActor) {
   compare({0, 0, 0, 0}, {"ok", "ok", "ok", "ok"});
   try {
-    evaluate({folder_ / "capture", folder_ / "truth", "builtin:skirt", ""});
+    evaluate({folder_ / "capture", folder_ / "truth", "builtin:skirt", "", {}});
     FAIL() << "a mesh of another size was accepted";
   } catch (const IoError& error) {
     EXPECT_NE(std::string(error.what()).find("vertices.pc2"), std::string::npos) << error.what();
   }
+}
+
+TEST_F(Evaluate, MotionSpeedAndLimits) {
+  // 25 fps. Frames 1..3 have a person; the capture moves by 0, 80, 0 mm: second difference 160 mm, 100 m/s^2.
+  const EvalReport report = compare({0, 0, 0.08f, 0}, {"nobody", "ok", "ok", "ok"});
+  EXPECT_NEAR(report.video_fps, 25, test::kFloatRelative * 25);
+  EXPECT_EQ(report.vertex_jitter.n, actor_.n_vertices());
+  EXPECT_NEAR(report.vertex_jitter.error, 100, 100 * test::kFloatRelative * 10);
+  EXPECT_EQ(report.vertex_jitter.truth, 0);
+  EXPECT_LT(report.vertex_jitter_centred.error, test::kMillimetreFloat);
+  EXPECT_EQ(report.joint_jitter.n, 4);
+  EXPECT_NEAR(report.joint_jitter.error, 100, 100 * test::kFloatRelative * 10);
+  EXPECT_NEAR(report.at_limit, 1.0 / 6, test::kDoubleExact);  // the elbow in one of three frames, the knee never
+  ASSERT_EQ(report.angles_at_limit.size(), 1u);
+  EXPECT_EQ(report.angles_at_limit[0].first, "left_elbow_y");
+  EXPECT_NEAR(report.speed.latency_p95_ms, 102.9, test::kDoubleExact);  // of 101, 102, 103
+  EXPECT_TRUE(std::isnan(report.speed.latency_ms));                     // report.json has none
+}
+
+TEST_F(Evaluate, PckCountsMissingResultsAsMisses) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const EvalReport report = compare({0, nan, 0, 0}, {"nobody", "lost", "ok", "ok"});
+  EXPECT_NEAR(report.pck_similarity.pck, 2.0 / 3, test::kDoubleExact);
+  EXPECT_NEAR(report.pck_root.pck, 2.0 / 3, test::kDoubleExact);
+  EXPECT_EQ(report.losses.lost, 1);
+  EXPECT_EQ(report.losses.longest_entry, 1);
+}
+
+TEST_F(Evaluate, ErrorsOfEveryLabelAddUp) {
+  const EvalReport report = compare({0, 0.1f, 0.1f, 0.1f}, {"nobody", "ok", "ok", "ok"});
+  int n = 0;
+  for (const LabelError& row : report.labels) {
+    n += row.n_vertices;
+    EXPECT_NEAR(row.direct.mean, 100, test::kMillimetreFloat) << row.label;
+  }
+  EXPECT_EQ(n, actor_.n_vertices());
+  EXPECT_EQ(report.loose_mm.n, 0);  // trousers and t-shirt
+  EXPECT_EQ(report.vertex_mean_mm.size(), size_t(actor_.n_vertices()));
+}
+
+TEST_F(Evaluate, AViewFromTheSideSeesWhatTheCameraDoesNot) {
+  // Its x is the depth of the tracked camera. Masks of the true surface from there.
+  ExtraView view;
+  view.name = "side.json";
+  view.camera = camera_;
+  view.masks = folder_ / "side";
+  view.view_from_camera.linear() << 0, 0, 1, 0, 1, 0, -1, 0, 0;
+  view.view_from_camera.translation() = Eigen::Vector3d(-3000, 0, 3000);
+  fs::create_directories(view.masks);
+  std::vector<float> camera_mm = truth_;
+  for (size_t i = 0; i < camera_mm.size(); ++i) camera_mm[i] *= i % 3 == 0 ? 1000 : -1000;
+  for (int frame = 1; frame < kFrames; ++frame) {
+    write_png(render_silhouette(to_view(view, camera_mm), actor_.mesh.triangles, camera_),
+              view.masks / format("%06d.png", frame));
+  }
+  EvalReport report = compare({0, 0, 0, 0}, {"nobody", "ok", "ok", "ok"}, {view});
+  ASSERT_EQ(report.views.size(), 1u);
+  EXPECT_EQ(report.views[0].iou.n, 3);
+  EXPECT_EQ(report.views[0].iou.min, 1);
+  // A shift along x is towards the side camera: the same outline, larger. The tracked camera sees it as a shift.
+  report = compare({0, 0.1f, 0.1f, 0.1f}, {"nobody", "ok", "ok", "ok"}, {view});
+  EXPECT_LT(report.views[0].iou.max, 1);
+  EXPECT_GT(report.views[0].iou.min, report.iou.max);
+  view.masks = folder_ / "capture";  // no masks there
+  EXPECT_THROW(compare({0, 0, 0, 0}, {"nobody", "ok", "ok", "ok"}, {view}), IoError);
+}
+
+TEST_F(Evaluate, ASkeletonAloneIsJudgedByItsJoints) {
+  compare({0, 0.1f, 0, 0}, {"nobody", "ok", "ok", "ok"});
+  fs::remove(folder_ / "capture/vertices.pc2");
+  const EvalReport report = evaluate({folder_ / "capture", folder_ / "truth", "", "", {}});
+  EXPECT_EQ(report.joint_mm.n, 12);
+  EXPECT_EQ(report.vertex_mm.n, 0);
+  EXPECT_EQ(report.iou.n, 0);
+}
+
+TEST_F(Evaluate, RefusesATruthWithoutAnybody) {
+  compare({0, 0, 0, 0}, {"nobody", "ok", "ok", "ok"});
+  const fs::path empty = folder_ / "empty";
+  fs::create_directories(empty);
+  Pc2Writer pc2(empty / "vertices.pc2", actor_.n_vertices());
+  pc2.append(std::vector<float>(truth_.size(), NAN));
+  EXPECT_THROW(evaluate({folder_ / "capture", empty, "", "", {}}), IoError);
+}
+
+TEST_F(Evaluate, HtmlIsOneFileWithPictures) {
+  const EvalReport report = compare({0, 0.1f, 0, 0}, {"nobody", "ok", "lost", "ok"});
+  const EvalOptions options{folder_ / "capture", folder_ / "truth", "", "", {}};
+  const std::string html = html_report({options, "", report, nullptr, nullptr, judge_bars(report)});
+  EXPECT_EQ(html.rfind("<!DOCTYPE html>", 0), 0u);
+  EXPECT_NE(html.find("</html>"), std::string::npos);
+  for (const char* outside : {"http:", "https:", "<script", "url(", "nan"}) {
+    EXPECT_EQ(html.find(outside), std::string::npos) << outside;
+  }
+  const auto count = [&](const std::string& word) {
+    int n = 0;
+    for (size_t at = html.find(word); at != std::string::npos; at = html.find(word, at + 1)) ++n;
+    return n;
+  };
+  EXPECT_EQ(count("data:image/png"), 1);       // the error on the mesh
+  EXPECT_EQ(count("data:image/jpeg"), 4 * 3);  // three frames: evenly, and worst by vertices, joints and silhouette
+  EXPECT_EQ(count("<svg"), 3);                 // IoU, vertices, joints; nothing loose
+  EXPECT_EQ(count("class=\"lost\""), 3);       // frame 2 in each
 }
 
 TEST_F(Evaluate, JsonHoldsEveryFrame) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "base/text.h"
@@ -83,6 +84,29 @@ TEST_F(SequenceFiles, AJointWinsOverTheKeypointOfTheSameName) {
            "0,1,2,3,4,5,6\n"));
   EXPECT_EQ(track.names, (std::vector<std::string>{"neck"}));
   EXPECT_EQ(track.frames.at(0), (std::vector<float>{4, 5, 6}));
+}
+
+TEST_F(SequenceFiles, AnglesCsv) {
+  const AngleTrack track =
+      read_angles_csv(file("angles.csv", "index,pts_ms,tracked,neck_x,left_elbow_y\n0,0,0,,\n1,40,1,-3.5,90\n"));
+  EXPECT_EQ(track.names, (std::vector<std::string>{"neck_x", "left_elbow_y"}));
+  ASSERT_EQ(track.frames.size(), 2u);
+  EXPECT_TRUE(track.frames[0].empty());
+  EXPECT_EQ(track.frames[1], (std::vector<double>{-3.5, 90}));
+  EXPECT_NE(refusal([&] { read_angles_csv(file("other.csv", "index,neck_x\n")); }).find("tracked"), std::string::npos);
+}
+
+TEST_F(SequenceFiles, FramesCsvHasTimesWhenItHasTheColumns) {
+  const std::vector<FrameRow> rows =
+      read_frames_csv(file("frames.csv", "index,pts_ms,status,latency_ms\n7,280,ok,99.5\n8,320,lost,3\n"));
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0].pts_ms, 280);
+  EXPECT_EQ(rows[0].latency_ms, 99.5);
+  EXPECT_TRUE(rows[0].tracked());
+  EXPECT_FALSE(rows[1].tracked());
+  const std::vector<FrameRow> bare = read_frames_csv(file("bare.csv", "index,status\n7,initialized\n"));
+  EXPECT_TRUE(std::isnan(bare[0].pts_ms));
+  EXPECT_TRUE(bare[0].tracked());
 }
 
 TEST_F(SequenceFiles, FramesCsvLeavesOutALineThatWasCutOff) {

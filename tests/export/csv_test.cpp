@@ -72,5 +72,22 @@ TEST(Csv, JointsAreMetresInTheGltfFrame) {
   EXPECT_NEAR(value("keypoint_left_knee_y"), -knee.y() / 1000, test::kCsvMetres);
 }
 
+TEST(Csv, AnglesAreInDegreesUnderTheirNames) {
+  const Actor actor = test::small_actor();
+  Pose pose = test::smooth_motion(actor.skeleton, 5)[4];
+  const auto path = std::filesystem::path(testing::TempDir()) / "angles.csv";
+  AnglesCsvWriter writer(path, actor.skeleton);
+  writer.append_missing(0, 0);
+  pose.angles_rad[2] = 0.5235987755982988;  // 30 degrees
+  writer.append(1, 40, false, pose);
+  const auto rows = table(path);
+  ASSERT_EQ(rows.size(), 3u);
+  ASSERT_EQ(rows[0].size(), 3u + actor.skeleton.n_dofs());
+  EXPECT_EQ(rows[0][5], actor.skeleton.dofs[2].name);
+  EXPECT_EQ(rows[1][5], "");
+  EXPECT_EQ(rows[2][2], "0");
+  EXPECT_EQ(rows[2][5], "30");
+}
+
 }  // namespace
 }  // namespace livecap

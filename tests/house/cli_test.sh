@@ -20,7 +20,7 @@ expect() {
   lines=$(grep -c '^error: ' err.txt)
   local others
   # libpng reports on its own before our line, and cannot be told not to.
-  others=$(grep -cvE '^(error: |warning: |capture |synth |detect |actor: |views |libpng error: )' err.txt)
+  others=$(grep -cvE '^(error: |warning: |capture |synth |detect |eval |actor: |views |libpng error: )' err.txt)
   local word missing=
   for word in $pattern; do
     grep '^error: ' err.txt | grep -qF -- "$word" || missing+=" $word"
@@ -159,6 +159,50 @@ expect 2 'cameras.txt line 1 PINHOLE' actor build --images seq/truth/masks --cam
 expect 2 'nobody' actor views builtin:nobody --out v
 expect 2 'none.glb' actor compare none.glb seq/actor.glb
 [[ ! -e a.glb ]] || { echo "FAILED: actor build left a file"; failures=$((failures + 1)); }
+
+# A good capture, then what does not go with it.
+mapfile -t args < <(capture --out good)
+"$livecap" -q capture "${args[@]}" >/dev/null || exit 1
+expect 2 '--capture' eval --truth seq/truth
+expect 2 'nowhere folder' eval --capture good --truth nowhere
+mkdir -p nothing
+expect 2 'nothing vertices.pc2 joints.json masks' eval --capture good --truth nothing
+expect 2 'nothing/report.json' eval --capture nothing --truth seq/truth
+cp -r good bare && rm bare/frames.csv
+expect 2 'bare/frames.csv' eval --capture bare --truth seq/truth
+mkdir -p tenth  # ten points, no sample
+printf 'POINTCACHE2\0\1\0\0\0\12\0\0\0\0\0\0\0\0\0\200\77\0\0\0\0' >tenth/vertices.pc2
+expect 2 'tenth/vertices.pc2 10 points' eval --capture good --truth tenth
+cp -r good other && cp tenth/vertices.pc2 other
+expect 2 'other/vertices.pc2 10 points' eval --capture other --truth seq/truth
+expect 2 'wide.json' eval --capture good --truth seq/truth --camera wide.json --view wide.json seq/truth/masks
+sed 's/"width": *540/"width": 640/' seq/camera.json >other.json
+expect 2 'masks 540x960 640x960' eval --capture good --truth seq/truth --camera other.json
+mkdir -p deserted/masks
+"$livecap" -q synth --actor builtin:trousers --motion raise --frames 3 --empty-frames 2 --out empty_seq >/dev/null || exit 1
+cp empty_seq/truth/masks/000000.png deserted/masks/000003.png
+expect 2 'deserted nobody' eval --capture good --truth deserted
+expect 2 'seq/camera.json view_from_camera' eval --capture good --truth seq/truth --view seq/camera.json seq/truth/masks
+sed 's/^{/{"view_from_camera":[[1,0,0,0],[0,1,0,0],[0,0,1,0]],/' seq/camera.json >view.json
+expect 2 'nowhere folder' eval --capture good --truth seq/truth --view view.json nowhere
+expect 2 'nothing 000000.png' eval --capture good --truth seq/truth --view view.json nothing
+expect 2 'nowhere/report.html' eval --capture good --truth seq/truth --html nowhere/report.html
+expect 2 'none' eval --capture good --truth seq/truth --pose-only none
+expect 2 '--video' eval --ablate --truth seq/truth
+expect 2 '--capture --video' eval --ablate --truth seq/truth --capture good
+expect 2 'nowhere folder' eval --ablate --truth nowhere --video seq/video.mp4 --camera seq/camera.json --actor seq/actor.glb
+expect 2 'none.mp4' eval --ablate --truth seq/truth --video none.mp4 --camera seq/camera.json --actor seq/actor.glb
+
+# What it does with good input: every row of the ablation, one self-contained page.
+cases=$((cases + 1))
+if ! "$livecap" eval --ablate --truth seq/truth --video seq/video.mp4 --camera seq/camera.json --actor seq/actor.glb \
+  --background seq/background.png --model lite --view view.json seq/truth/masks --out table --html table.html \
+  >out.txt 2>err.txt || [[ $(grep -cE ' [0-9.]+ +[0-9.]+ +[0-9.]+ +[-+][0-9.]+ %' out.txt) -ne 14 ]] ||
+  [[ ! -s table/ablation.json ]] || ! grep -q '</html>' table.html || grep -qE 'https?:|<script' table.html; then
+  echo "FAILED: eval --ablate"
+  sed 's/^/  | /' err.txt out.txt | head -20
+  failures=$((failures + 1))
+fi
 
 # bench.
 expect 2 'nowhere/video.mp4' bench --sequence nowhere

@@ -87,6 +87,39 @@ TEST(Foreground, FindsThePersonDespiteShadowOthersAndGain) {
   }
 }
 
+// Somebody else comes near: only what the network calls the person is left on that side, while a part of the person
+// that the network missed stays.
+TEST(Foreground, AStrangerBesideThePersonIsLeftOut) {
+  const auto in_stranger = [](int x, int y) {
+    return !in_person(x, y) && std::hypot((x - 160) / 34.0, (y - 125) / 80.0) < 1;
+  };
+  ForegroundModel model;
+  model.train(scene(false, 1, 1));
+  ImageRgb image = scene(true, 1, 2);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      if (in_stranger(x, y)) image.pixels[3 * (y * kWidth + x)] = 230;
+    }
+  }
+  PersonMask network = vague_mask();
+  const auto in_missed_head = [](int x, int y) { return in_person(x, y) && y < 50; };
+  for (int y = 0; y < 50; ++y) std::fill_n(&network.probability[y * kWidth], kWidth, uint8_t{0});
+  const ImageGray mask = model.segment(image, network);
+  const auto area = [&](auto&& part) {
+    int in = 0, all = 0;
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        all += part(x, y);
+        in += part(x, y) && mask.pixels[y * kWidth + x];
+      }
+    }
+    return static_cast<double>(in) / all;
+  };
+  EXPECT_LT(area(in_stranger), 0.06);
+  EXPECT_GT(area(in_missed_head), 0.8);
+  EXPECT_GT(area(in_person), test::kForegroundIou);
+}
+
 TEST(Foreground, WithoutTheNetworkTheLargestPieceIsKept) {
   ForegroundModel model;
   model.train(scene(false, 1, 1));

@@ -29,6 +29,7 @@ TEST(Pieces, AgreeWithOpenCv) {
           const Pieces pieces(mask, value, diagonal);
           cv::Mat labels, stats, centers;
           const cv::Mat chosen = mask == value;
+          const cv::Mat place = noise(width, height, 0.3, 8);
           const int n = cv::connectedComponentsWithStats(chosen, labels, stats, centers, diagonal ? 8 : 4, CV_32S);
           ASSERT_EQ(pieces.all().size(), static_cast<size_t>(n - 1));
           // Painting one piece alone must paint exactly one of OpenCV's labels.
@@ -42,6 +43,7 @@ TEST(Pieces, AgreeWithOpenCv) {
             EXPECT_EQ(cv::countNonZero((labels == label) != (painted == 1)), 0);
             const auto stat = [&](int which) { return stats.at<int>(static_cast<int>(label), which); };
             EXPECT_EQ(pieces.all()[k].area, stat(cv::CC_STAT_AREA));
+            EXPECT_EQ(pieces.areas_in(place)[k], cv::countNonZero((labels == label) & (place != 0)));
             const bool border = stat(cv::CC_STAT_LEFT) == 0 || stat(cv::CC_STAT_TOP) == 0 ||
                                 stat(cv::CC_STAT_LEFT) + stat(cv::CC_STAT_WIDTH) == width ||
                                 stat(cv::CC_STAT_TOP) + stat(cv::CC_STAT_HEIGHT) == height;

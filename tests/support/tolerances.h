@@ -22,13 +22,12 @@ inline constexpr double kDoubleExact = 1e-9;
 inline constexpr double kLayerRelative = 2e-5;
 // A whole network (up to 300 layers, recorded mask and heatmaps rounded to half precision), |a - b| / |b|.
 inline constexpr double kNetworkRelative = 1e-3;
-// Mask probabilities of one crop, mirrored in two ways that round the crop's coordinates differently; seen 8e-4 on
-// PoCL, 1.4e-3 on an NVIDIA GPU.
-inline constexpr double kMirroredMask = 5e-3;
 // Values computed by hand to seven digits.
 inline constexpr double kHandComputed = 1e-6;
 // Pixels are bytes: half a step of rounding on either side.
 inline constexpr double kByteRounding = 1.0;
+// Bytes rounded twice, sampled at positions rounded to 1/32 px; seen 1.01 on ramps of one step per px.
+inline constexpr double kSampledBytes = 1.5;
 // Landmarks of a network run whose outputs agree to kNetworkRelative (1e-3 of coordinates up to 256 px and 900 mm);
 // seen 1e-3.
 inline constexpr double kLandmarkPx = 0.05;

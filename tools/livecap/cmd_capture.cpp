@@ -80,9 +80,13 @@ void add_capture_command(CLI::App& app, Action& action) {
 
   command->add_option("--model", capture.model, "lite, full, heavy or a .tflite file")->capture_default_str();
   command->add_option("--detections", capture.detections, "detections.jsonl to use instead of the network");
+  command->add_option("--miss-detections", capture.missed_detections,
+                      "test of robustness: show the network nothing in this share of the frames, chosen at random");
   command->add_flag("--no-surface", options->no_surface, "stage I only: the skinned pose");
   command->add_option("--without", capture.without, "energy terms and components to switch off, comma-separated")
       ->delimiter(',');
+  command->add_option("--rigidity", capture.rigidity, "material weight of the whole surface, instead of each label's")
+      ->check(CLI::PositiveNumber);
   command->add_flag("--smooth", capture.smooth, "filter the result with [0.15, 0.7, 0.15] over time");
 
   command->add_flag("--sequential", capture.sequential, "one thread; the result is the same");

@@ -115,7 +115,6 @@ int run(const Options& options) {
   detect::PoseDetectorOptions detector_options;
   detector_options.model = options.model;
   detector_options.mask = false;
-  if (info.fps > 0) detector_options.frame_rate_hz = info.fps;
   detect::find_model(options.model);  // complain before the device is set up
   ocl::DeviceContext device(ocl::select_device(options.device));
   detect::PoseDetector detector(device, detector_options);
@@ -140,7 +139,7 @@ int run(const Options& options) {
     if (frame.index < options.first) continue;
     ImageRgb image = undistorter.undistort(frame.image);
     const Timer timer;
-    const Detections detections = detector.detect(image, camera, frame.index);
+    const Detections detections = detector.detect(image, camera, frame.index, frame.pts_ms / 1000);
     network_ms.push_back(timer.elapsed_ms());
     writer.append(detections);
     if (overlay) {

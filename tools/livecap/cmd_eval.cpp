@@ -1,39 +1,162 @@
-// livecap eval: compares a capture with the ground truth of its sequence.
-#include <cstdio>
-#include <memory>
-#include <string>
+// livecap eval: compares a capture with the ground truth of its sequence; --ablate makes the captures itself.
+#include <unistd.h>
 
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ablate.h"
 #include "base/text.h"
 #include "command.h"
+#include "eval/bars.h"
 #include "eval/evaluate.h"
+#include "eval/extra_view.h"
+#include "eval/html_report.h"
+#include "livecap/capture.h"
+#include "livecap/error.h"
 
 namespace livecap::tools {
 namespace {
 
+namespace fs = std::filesystem;
+
 struct Options {
   EvalOptions eval;
-  bool json = false;
+  std::vector<std::pair<std::string, std::string>> views;  // camera file, folder of masks
+  std::string pose_only;
+  std::string html;
   std::string out;
+  bool json = false;
+  bool ablate = false;
+  CaptureOptions capture;  // of --ablate; its video also of --html
 };
 
-int run(const Options& options) {
-  const EvalReport report = evaluate(options.eval);
-  if (!options.out.empty()) write_file_atomically(options.out, eval_report_json(report));
-  std::fputs((options.json ? eval_report_json(report) : eval_report_text(report)).c_str(), stdout);
+// Where --ablate captures when no folder is given.
+class ScratchFolder {
+ public:
+  ScratchFolder() : path_(fs::temp_directory_path() / format("livecap_eval_%d", static_cast<int>(::getpid()))) {}
+  ~ScratchFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+// Fields put before those of a report.
+std::string with_fields(const std::string& report_json,
+                        const std::vector<std::pair<std::string, std::string>>& fields) {
+  std::string json = "{\n";
+  for (const auto& [name, value] : fields) json += "\"" + name + "\": " + value + ",\n";
+  return json + report_json.substr(report_json.find('{') + 1);
+}
+
+// A file that cannot be written is found before the work is done.
+void require_writable(const std::string& file) {
+  if (file.empty()) return;
+  const fs::path folder = fs::path(file).parent_path();
+  if (fs::is_directory(file)) throw IoError(file + ": is a folder, expected a file to write");
+  if (!folder.empty() && !fs::is_directory(folder)) throw IoError(file + ": there is no folder " + folder.string());
+}
+
+int finish(const Options& options, const EvalOptions& pictured, const EvalReport& report, const EvalReport* pose_only,
+           const Ablation* ablation) {
+  const std::vector<Bar> bars = judge_bars(report, pose_only);
+  if (!options.html.empty()) {
+    write_file_atomically(options.html,
+                          html_report({pictured, options.capture.video, report, pose_only, ablation, bars}));
+  }
+  std::vector<std::pair<std::string, std::string>> fields = {{"bars", bars_json(bars)}};
+  if (ablation) fields.emplace_back("ablation", ablation_json(*ablation));
+  const std::string json = with_fields(eval_report_json(report), fields);
+  if (!options.out.empty()) {
+    const fs::path file = ablation ? fs::path(options.out) / "ablation.json" : fs::path(options.out);
+    write_file_atomically(file, json);
+  }
+  if (options.json) {
+    std::fputs(json.c_str(), stdout);
+  } else {
+    std::fputs(((ablation ? ablation_text(*ablation) : eval_report_text(report)) + bars_text(bars)).c_str(), stdout);
+  }
   return kExitOk;
+}
+
+int run_one(const Options& options) {
+  if (options.eval.capture.empty()) throw ConfigError("--capture is missing: a folder that `livecap capture` wrote");
+  const EvalReport report = evaluate(options.eval);
+  std::optional<EvalReport> pose_only;
+  if (!options.pose_only.empty()) {
+    EvalOptions pose = options.eval;
+    pose.capture = options.pose_only;
+    pose_only = evaluate(pose);
+  }
+  return finish(options, options.eval, report, pose_only ? &*pose_only : nullptr, nullptr);
+}
+
+int run_all(Options options) {
+  if (!options.eval.capture.empty())
+    throw ConfigError("--ablate makes its captures itself: give --video, not --capture");
+  if (!options.pose_only.empty()) throw ConfigError("--ablate makes its captures itself: no --pose-only");
+  const ScratchFolder scratch;
+  options.capture.out = options.out.empty() ? scratch.path().string() : options.out;
+  options.capture.camera = options.eval.camera;
+  options.capture.actor = options.eval.actor;
+  const Ablation ablation = run_ablation(options.capture, options.eval);
+  EvalOptions pictured = options.eval;
+  pictured.capture = full_capture_folder(options.capture);
+  return finish(options, pictured, ablation.rows[ablation.full].report, &ablation.rows[ablation.pose_only].report,
+                &ablation);
+}
+
+int run(Options options) {
+  for (const auto& [camera, masks] : options.views) options.eval.views.push_back(open_view(camera, masks));
+  require_writable(options.html);
+  if (!options.ablate) require_writable(options.out);
+  return options.ablate ? run_all(std::move(options)) : run_one(options);
 }
 
 }  // namespace
 
 void add_eval_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
+  CaptureOptions& capture = options->capture;
   CLI::App* command = app.add_subcommand("eval", "compare a capture with ground truth");
-  command->add_option("--capture", options->eval.capture, "folder that `livecap capture` wrote")->required();
+  command->add_option("--capture", options->eval.capture, "folder that `livecap capture` wrote");
   command->add_option("--truth", options->eval.truth, "folder with vertices.pc2, joints.json, masks/")->required();
   command->add_option("--actor", options->eval.actor, "actor of the capture, when its report.json names none");
   command->add_option("--camera", options->eval.camera, "camera of the capture, when its report.json names none");
+  command->add_option("--view", options->views, "CAMERA.json MASKS_DIR of a further camera; repeatable");
+  command->add_option("--pose-only", options->pose_only,
+                      "capture of the same video with --no-surface: what the surface stage is compared with");
   command->add_flag("--json", options->json, "print everything, frame by frame, as JSON");
-  command->add_option("--out", options->out, "also write the JSON to this file");
+  command->add_option("--html", options->html, "also write a report with curves and pictures to this file");
+  command->add_option("--out", options->out,
+                      "also write the JSON to this file; with --ablate: folder that keeps captures and JSON");
+  command->add_option("--video", capture.video, "video for the pictures, when not that of report.json; or of --ablate");
+
+  const std::string group = "Ablation";
+  command->add_flag("--ablate", options->ablate, "capture --video with parts of the method off, print one table")
+      ->group(group);
+  command->add_option("--fov", capture.fov_deg, "instead of --camera: field of view of the longer side, degrees")
+      ->group(group);
+  command->add_option("--background", capture.background, "picture of the empty scene")->group(group);
+  command->add_option("--background-frames", capture.background_frames, "the first N frames of the video are empty")
+      ->group(group);
+  command->add_option("--model", capture.model, "lite, full, heavy or a .tflite file")
+      ->capture_default_str()
+      ->group(group);
+  command->add_option("--cnn-device", capture.cnn_device, "device of the network")->group(group);
+  command->add_option("--solver-device", capture.solver_device, "device of the solvers")->group(group);
+  command->add_option("--first", capture.first, "first frame of the video")
+      ->check(CLI::NonNegativeNumber)
+      ->group(group);
+  command->add_option("--frames", capture.frames, "at most this many")->check(CLI::PositiveNumber)->group(group);
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

@@ -65,6 +65,8 @@ void add_synth_command(CLI::App& app, Action& action) {
       ->capture_default_str();
   command->add_option("--height", options->height_m, "height of the actor, metres")->capture_default_str();
   command->add_option("--motion", synth.motions, "one or more of " + joined(motion_names()))->delimiter(',');
+  command->add_option("--scenario", synth.scenario, "what makes it difficult: one of " + joined(scenario_names()))
+      ->capture_default_str();
   command->add_option("--out", options->out, "folder to write")->required();
   command->add_option("--frames", synth.n_frames, "frames of the video; 0: until the motions end");
   command->add_option("--empty-frames", synth.empty_frames, "frames with nobody at the start")->capture_default_str();

@@ -1,0 +1,139 @@
+#include "eval/capture_folder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "base/text.h"
+#include "eval/metrics.h"
+#include "image/image_io.h"
+#include "livecap/error.h"
+#include "synth/synth.h"
+
+namespace livecap {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kAssumedFps = 30;
+
+Actor load_actor_named(const std::string& name, double height_mm) {
+  const std::string prefix = "builtin:";
+  if (name.rfind(prefix, 0) != 0) return load_actor(name, height_mm);
+  return load_actor_bytes(
+      make_builtin_actor_glb(name.substr(prefix.size()), height_mm > 0 ? height_mm : kBuiltinHeightMm), name);
+}
+
+// Field `name` of a JSON object; `fallback` when it is missing, null or of another type.
+template <typename T>
+T field(const nlohmann::json& object, const char* name, T fallback) {
+  if (!object.is_object()) return fallback;
+  const auto value = object.find(name);
+  if (value == object.end() || value->is_null()) return fallback;
+  try {
+    return value->get<T>();
+  } catch (const nlohmann::json::exception&) {
+    return fallback;
+  }
+}
+
+// The file, or for a capture that was given a field of view only: that, at the size of the true masks.
+Camera load_camera_of(const fs::path& report_path, const std::string& named, const nlohmann::json& options,
+                      const fs::path& masks) {
+  const std::string file = named.empty() ? field<std::string>(options, "camera", "") : named;
+  if (!file.empty()) return load_camera(file);
+  const double fov_deg = field<double>(options, "fov_deg", 0);
+  if (fov_deg > 0 && fs::is_directory(masks)) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(masks)) {
+      const ImageGray mask = read_image_gray(entry.path());
+      return camera_from_fov(mask.width, mask.height, fov_deg);
+    }
+  }
+  throw IoError(report_path.string() + ": field \"options.camera\" is missing; give --camera");
+}
+
+// Of the rows, by the median step of their time stamps.
+double frames_per_second(const std::vector<FrameRow>& rows) {
+  std::vector<double> steps_ms;
+  for (size_t i = 1; i < rows.size(); ++i) steps_ms.push_back(rows[i].pts_ms - rows[i - 1].pts_ms);
+  const double step_ms = summarize(steps_ms).median;
+  return step_ms > 0 ? 1000 / step_ms : kAssumedFps;
+}
+
+// What a reader of a table has to know about how a capture was made.
+std::string describe(const nlohmann::json& options) {
+  std::string text;
+  const auto add = [&](const std::string& words) { text += (text.empty() ? "" : ", ") + words; };
+  if (const std::string model = field<std::string>(options, "model", "full"); model != "full") add(model);
+  if (!field(options, "surface", true)) add("pose only");
+  if (const double rigidity = field(options, "rigidity", 0.0); rigidity > 0) add(format("rigidity %g", rigidity));
+  for (const std::string& name : field(options, "without", std::vector<std::string>())) add("without " + name);
+  if (field(options, "smooth", false)) add("smoothed");
+  return text;
+}
+
+CaptureSpeed speed_of(const nlohmann::json& report, const std::vector<FrameRow>& rows) {
+  std::vector<double> latency_ms;
+  for (const FrameRow& row : rows) {
+    if (row.tracked()) latency_ms.push_back(row.latency_ms);
+  }
+  const Summary summary = summarize(latency_ms);
+  return {field(report, "fps", kNaN), field(report, "latency_ms", kNaN), summary.n > 0 ? summary.p95 : kNaN};
+}
+
+void require_points(const Pc2Reader& vertices, const fs::path& file, const std::string& actor_name, int expected) {
+  if (vertices.n_points() == expected) return;
+  throw IoError(file.string() +
+                format(": has %d points, the actor %s has %d", vertices.n_points(), actor_name.c_str(), expected));
+}
+
+}  // namespace
+
+CaptureFolder open_capture(const fs::path& folder, const std::string& actor, const std::string& camera,
+                           const fs::path& masks) {
+  if (!fs::is_directory(folder)) throw IoError(folder.string() + ": is not a folder");
+  const fs::path report_path = folder / "report.json";
+  const nlohmann::json report = nlohmann::json::parse(read_file(report_path), nullptr, false);
+  if (!report.is_object()) throw IoError(report_path.string() + ": is not a JSON object");
+  const nlohmann::json options = report.value("options", nlohmann::json());
+
+  const std::string actor_name = actor.empty() ? field<std::string>(options, "actor", "") : actor;
+  if (actor_name.empty()) throw IoError(report_path.string() + ": field \"options.actor\" is missing; give --actor");
+  CaptureFolder capture;
+  capture.path = folder;
+  capture.actor = load_actor_named(actor_name, field<double>(options, "height_mm", 0));
+  capture.camera = load_camera_of(report_path, camera, options, masks);
+  capture.rows = read_frames_csv(folder / "frames.csv");
+  capture.fps = frames_per_second(capture.rows);
+  capture.video = field<std::string>(options, "video", "");
+  capture.run = describe(options);
+  capture.speed = speed_of(report, capture.rows);
+  capture.joints = read_joints_csv(folder / "joints.csv");
+  if (fs::exists(folder / "angles.csv")) capture.angles = read_angles_csv(folder / "angles.csv");
+  if (const fs::path file = folder / "vertices.pc2"; fs::exists(file)) {
+    capture.vertices.emplace(file);
+    require_points(*capture.vertices, file, actor_name, capture.actor.n_vertices());
+  }
+  return capture;
+}
+
+std::vector<float> to_camera_mm(std::vector<float> positions) {
+  for (size_t i = 0; i + 2 < positions.size(); i += 3) {
+    positions[i] *= 1000;
+    positions[i + 1] *= -1000;
+    positions[i + 2] *= -1000;
+  }
+  return positions;
+}
+
+std::vector<float> captured_vertices(CaptureFolder& capture, int64_t row) {
+  if (!capture.vertices || row >= capture.vertices->n_samples()) return {};
+  std::vector<float> positions(3 * static_cast<size_t>(capture.vertices->n_points()));
+  capture.vertices->read(static_cast<int>(row), positions);
+  const bool known = std::all_of(positions.begin(), positions.end(), [](float value) { return std::isfinite(value); });
+  return known ? to_camera_mm(std::move(positions)) : std::vector<float>();
+}
+
+}  // namespace livecap

@@ -1,0 +1,48 @@
+// A capture folder (docs/formats.md) opened for comparing: what it says about itself and the files it names.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "actor/actor.h"
+#include "eval/sequence_files.h"
+#include "export/pc2.h"
+#include "livecap/camera.h"
+
+namespace livecap {
+
+// Speed as report.json and frames.csv tell it; NaN where they do not.
+struct CaptureSpeed {
+  double fps = 0;
+  double latency_ms = 0;      // median
+  double latency_p95_ms = 0;  // of the tracked frames
+};
+
+struct CaptureFolder {
+  std::filesystem::path path;
+  Actor actor;
+  Camera camera;      // of the video as it came, with its distortion
+  double fps = 0;     // of the video, from the time stamps of frames.csv; 30 when they do not tell
+  std::string video;  // empty: not known
+  std::string run;    // the options that differ from the defaults, for titles; empty: none
+  CaptureSpeed speed;
+  std::vector<FrameRow> rows;
+  JointTrack joints;
+  AngleTrack angles;                  // empty: no angles.csv
+  std::optional<Pc2Reader> vertices;  // none: a skeleton only
+};
+
+// actor, camera: empty = what report.json names; without a camera file the masks in `masks` give the size for a field
+// of view. Throws IoError naming the file when the folder does not hold what is needed or sizes do not fit together.
+CaptureFolder open_capture(const std::filesystem::path& folder, const std::string& actor, const std::string& camera,
+                           const std::filesystem::path& masks);
+
+// metres, glTF frame -> mm, camera frame.
+std::vector<float> to_camera_mm(std::vector<float> positions);
+
+// The vertices of a row, mm, camera frame; empty when there are none.
+std::vector<float> captured_vertices(CaptureFolder& capture, int64_t row);
+
+}  // namespace livecap

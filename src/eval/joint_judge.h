@@ -1,0 +1,66 @@
+// The joint side of evaluate(): fed the judged frames in the order of the video, it fills the joint fields of the
+// report.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "actor/actor.h"
+#include "eval/capture_folder.h"
+#include "eval/evaluate.h"
+#include "eval/joint_names.h"
+#include "eval/motion_metrics.h"
+#include "eval/pose_metrics.h"
+#include "livecap/detections.h"
+
+namespace livecap {
+
+// With fewer joints of a known name there is no similarity alignment, and nothing is judged.
+inline constexpr size_t kFewestJoints = 3;
+
+// The joints of the captured skeleton.
+class JointJudge {
+ public:
+  // fps: of the video.
+  JointJudge(std::vector<JointPair> pairs, double fps);
+
+  // A frame with a person. Positions of all joints, mm, camera frame; empty: not known.
+  void add(const std::vector<float>& captured, const std::vector<float>& truth, FrameEval& frame);
+  // A frame without one.
+  void skip();
+  void finish(EvalReport& report);
+
+ private:
+  void add_foot(int side, const std::vector<float>& ours, const std::vector<float>& theirs);
+
+  std::vector<JointPair> pairs_;
+  double fps_;
+  int root_;  // among the pairs; -1: not among them
+  int neck_;
+  SidePairs arms_, legs_;
+  std::vector<int> arm_points_;  // both elbows and wrists
+  std::vector<double> direct_, aligned_, from_root_;
+  size_t missed_similarity_ = 0, missed_root_ = 0;  // joints without a result
+  std::vector<std::vector<double>> per_joint_;      // [n_pairs]
+  JitterMeter jitter_;
+  std::vector<std::vector<float>> captured_foot_[2], true_foot_[2];  // left, right ankle
+};
+
+// The joints that the network saw in the capture's frames (eval/network_baseline.h).
+class NetworkJudge {
+ public:
+  NetworkJudge(const CaptureFolder& capture, const std::vector<std::string>& truth_names);
+  void add(const std::vector<float>& truth, FrameEval& frame);
+  void finish(EvalReport& report);
+
+ private:
+  Actor actor_;  // with the network's anchors
+  Camera camera_;
+  std::vector<JointPair> pairs_;
+  std::map<int64_t, Detections> by_frame_;
+  std::vector<double> direct_, aligned_;
+};
+
+}  // namespace livecap

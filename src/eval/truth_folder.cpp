@@ -1,0 +1,65 @@
+#include "eval/truth_folder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/text.h"
+#include "eval/capture_folder.h"
+#include "eval/metrics.h"
+#include "image/image_io.h"
+#include "livecap/error.h"
+
+namespace livecap {
+
+namespace fs = std::filesystem;
+
+TruthFolder open_truth(const fs::path& folder, int n_vertices) {
+  if (!fs::is_directory(folder)) throw IoError(folder.string() + ": is not a folder");
+  TruthFolder truth;
+  truth.path = folder;
+  if (const fs::path file = folder / "vertices.pc2"; fs::exists(file)) {
+    truth.vertices.emplace(file);
+    if (n_vertices > 0 && truth.vertices->n_points() != n_vertices) {
+      throw IoError(file.string() +
+                    format(": has %d points, the capture has %d", truth.vertices->n_points(), n_vertices));
+    }
+  }
+  if (fs::exists(folder / "joints.json")) truth.joints = read_joints_json(folder / "joints.json");
+  if (fs::is_directory(folder / "masks")) truth.masks = folder / "masks";
+  if (!truth.vertices && truth.joints.empty() && truth.masks.empty()) {
+    throw IoError(folder.string() + ": holds none of vertices.pc2, joints.json, masks/");
+  }
+  return truth;
+}
+
+ImageGray read_mask(const fs::path& folder, int64_t index, const Camera& camera) {
+  const fs::path file = folder / format("%06lld.png", static_cast<long long>(index));
+  if (folder.empty() || !fs::exists(file)) return {};
+  ImageGray mask = read_image_gray(file);
+  if (mask.width != camera.width || mask.height != camera.height) {
+    throw IoError(file.string() +
+                  format(": is %dx%d, the camera %dx%d", mask.width, mask.height, camera.width, camera.height));
+  }
+  return mask;
+}
+
+TruthFrame truth_frame(TruthFolder& truth, int64_t index, const Camera& camera) {
+  TruthFrame frame;
+  if (truth.vertices && index < truth.vertices->n_samples()) {
+    std::vector<float> positions(3 * static_cast<size_t>(truth.vertices->n_points()));
+    truth.vertices->read(static_cast<int>(index), positions);
+    const bool known =
+        std::all_of(positions.begin(), positions.end(), [](float value) { return std::isfinite(value); });
+    if (known) frame.vertices_mm = to_camera_mm(std::move(positions));
+  }
+  if (index < static_cast<int64_t>(truth.joints.frames.size())) {
+    frame.joints_mm = to_camera_mm(truth.joints.frames[index]);
+  }
+  frame.mask = read_mask(truth.masks, index, camera);
+  frame.person = truth.vertices          ? !frame.vertices_mm.empty()
+                 : !truth.joints.empty() ? !frame.joints_mm.empty()
+                                         : mask_has_person(frame.mask);
+  return frame;
+}
+
+}  // namespace livecap

@@ -64,6 +64,8 @@ void PoseDetector::forget_person() {
   missed_ = 0;
   mirror_next_ = false;
   raw_.clear();
+  mirrored_ = false;
+  mirror_bias_.reset();
   sides_.reset();
   for (auto& keypoint : filters_) {
     for (OneEuroFilter& filter : keypoint) filter.reset();
@@ -87,7 +89,8 @@ bool PoseDetector::accept(const ImageRgb& image) {
 
 bool PoseDetector::find_person(const ImageRgb& image) {
   if (tracking_) {
-    network_.estimate(image, followed_, options_.refine_threshold, mirror_next_, estimate_);
+    mirrored_ = mirror_next_;
+    network_.estimate(image, followed_, options_.refine_threshold, mirrored_, estimate_);
     mirror_next_ = options_.alternate_mirror && !mirror_next_;
     if (accept(image)) return true;
     if (missed_ == 0) return false;  // one frame is often just missed
@@ -160,6 +163,7 @@ Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camer
   detections.score = estimate_.score;
   if (!found) {
     raw_.clear();
+    mirror_bias_.interrupt();
     if (!tracking_ || ++missed_ > options_.max_missed_frames) forget_person();
     if (!tracking_) last_time_s_ = time_s;
     return detections;
@@ -169,6 +173,7 @@ Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camer
   raw_ = estimate_.landmarks;
   turn_to_camera_axes(camera);
   detections.keypoints = keypoints_from_landmarks(raw_);
+  if (options_.alternate_mirror) mirror_bias_.update(mirrored_, detections.keypoints);
   const double dt_s = time_s > last_time_s_ ? time_s - last_time_s_ : kUsualPeriodS;
   if (options_.keep_sides) sides_.update(options_.sides, dt_s, kCropMm / estimate_.crop.side_px, detections.keypoints);
   if (options_.correct_posture) posture_.update(options_.posture, dt_s, detections.keypoints);

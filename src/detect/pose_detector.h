@@ -9,6 +9,7 @@
 
 #include "base/image_rgb.h"
 #include "detect/blazepose.h"
+#include "detect/mirror_bias.h"
 #include "detect/one_euro.h"
 #include "detect/posture.h"
 #include "detect/side_tracker.h"
@@ -84,6 +85,8 @@ class PoseDetector {
   CropRegion next_crop_;  // of what accept() saw last
   CropRegion followed_;   // where the person that is followed is expected
   bool mirror_next_ = false;
+  bool mirrored_ = false;  // the last picture
+  MirrorBias mirror_bias_;
   int search_step_ = 0;     // which window is tried next while nobody is found
   double last_time_s_ = 0;  // of the last frame with the person that is followed; without one, of the last frame
   SideTracker sides_;

@@ -1,13 +1,14 @@
 #include "detect/mirror_bias.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace livecap::detect {
 namespace {
 
 constexpr double kRate = 0.2;  // share of each new observation: the bias depends on the pose
 // More than this is a keypoint that jumped.
-constexpr double kLargestPx = 8, kLargestMm = 60;
+constexpr double kLargestPx = 4, kLargestMm = 30;
 
 }  // namespace
 
@@ -27,7 +28,7 @@ void MirrorBias::update(bool mirrored, Keypoints& keypoints) {
         // Steady motion cancels: what is left of the last picture against its neighbours is twice its own bias.
         const double largest = c < 2 ? kLargestPx : kLargestMm;
         const double seen = -sign * 0.5 * (last_[i][c] - 0.5 * (value + before_last_[i][c]));
-        bias += rate * (std::clamp(seen, -largest, largest) - bias);
+        if (std::abs(seen) < largest) bias += rate * (seen - bias);
       }
       before_last_[i][c] = last_[i][c];
       last_[i][c] = value;

@@ -43,7 +43,7 @@ struct TrackerOptions {
   // Where the network seems to have exchanged the legs (pose/leg_exchange.h), stage I is solved both ways and the lower
   // energy counts; but for no more than this many frames until both agree again, since in the long run the network is
   // right. 0 = never.
-  int max_exchanged_frames = 12;
+  int max_exchanged_frames = 9;
   // A pose whose mean keypoint error exceeds this fraction of the person's height in the picture is not believed: the
   // frame is solved again from the detections alone, and lost when that does not help.
   double lost_error_fraction = 0.08;

@@ -94,7 +94,8 @@ TEST(Crop, MaskLandsWhereItWasSeen) {
   const CropRegion crop{70, 55, 60, 0.5};
   ImageGray mask{size, size, std::vector<uint8_t>(size * size)};
   for (int v = 0; v < size; ++v) {
-    for (int u = 0; u < size; ++u) mask.pixels[v * size + u] = uint8_t(255 * (u + 0.5f) / size + 0.5f);  // rises to the right of the crop
+    for (int u = 0; u < size; ++u)
+      mask.pixels[v * size + u] = uint8_t(255 * (u + 0.5f) / size + 0.5f);  // rises to the right of the crop
   }
   PersonMask out;
   detect::warp_mask(mask, crop, 140, 100, out);

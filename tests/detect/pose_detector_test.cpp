@@ -149,9 +149,8 @@ TEST(PoseDetector, MirroredEstimateIsThatOfTheMirroredPicture) {
   test::on_every_device([&](ocl::DeviceContext& device) {
     detect::BlazePose network(device, model, true);
     // Crops whose pixels are the picture's, upright and lying: sampling rounds nothing.
-    for (const detect::CropRegion& crop :
-         {detect::CropRegion{141.5, 118.5, detect::BlazePose::kCropSize, 0},
-          detect::CropRegion{139.5, 120.5, detect::BlazePose::kCropSize, M_PI / 2}}) {
+    for (const detect::CropRegion& crop : {detect::CropRegion{141.5, 118.5, detect::BlazePose::kCropSize, 0},
+                                           detect::CropRegion{139.5, 120.5, detect::BlazePose::kCropSize, M_PI / 2}}) {
       detect::CropRegion flipped_crop = crop;
       flipped_crop.center_x_px = kWidth - 1 - crop.center_x_px;
       flipped_crop.angle_rad = -crop.angle_rad;

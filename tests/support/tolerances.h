@@ -119,8 +119,8 @@ inline constexpr double kHeatProfile = 0.06;
 
 // Pose files with eight digits.
 inline constexpr double kPoseDigits = 1e-7;
-// Exact rays or keypoints in double, mm; and 40 rays that are 14 mm off each (least squares on the right ones alone is 4.7 mm off, weights that do not know them more), 20
-// that look elsewhere, mean of ten draws.
+// Exact rays or keypoints in double, mm; and 40 rays that are 14 mm off each (least squares on the right ones alone
+// is 4.7 mm off, weights that do not know them more), 20 that look elsewhere, mean of ten draws.
 inline constexpr double kTriangulatedMm = 1e-6;
 inline constexpr double kTriangulatedNoisyMm = 7.5;
 // A hull of 36 views in pixels of 5 mm on a grid of 12 mm: a convex solid of 120 mm radius.

@@ -82,8 +82,7 @@ BodyJoints place_joints(const SpaceKeypoints& keypoints, double height_mm, const
   const double s = height_mm / kTableHeightMm;
   const auto at = [&](int k) {
     if (!keypoints[k].found)
-      throw ConfigError("the network's " + std::string(kKeypointNames[k]) +
-                        " does not agree between the pictures; give it with --joints");
+      throw ConfigError("the network's " + std::string(kKeypointNames[k]) + " does not agree between the pictures");
     return keypoints[k].position;
   };
   // What the network calls by these names is not where a joint turns: actor/keypoint_offsets.cpp the other way round,
@@ -176,8 +175,7 @@ GivenJoints read_joints(const std::filesystem::path& path) {
   for (const auto& [name, value] : list.items()) {
     if (name == "unit") continue;
     const bool known = std::any_of(kBodyBones.begin(), kBodyBones.end(),
-                                   [&n = name](const BodyBoneInfo& bone) { return n == bone.joint_name; }) ||
-                       std::find(kKeypointNames.begin() + kLeftEye, kKeypointNames.end(), name) != kKeypointNames.end();
+                                   [&n = name](const BodyBoneInfo& bone) { return n == bone.joint_name; });
     if (!known) throw IoError(path.string() + ": there is no joint \"" + name + "\"");
     Vector3d p;
     for (int k = 0; k < 3; ++k) {

@@ -25,7 +25,8 @@ using Eigen::Vector3d;
 
 constexpr int kScanViews = 32;
 constexpr double kScanGridMm = 7;
-constexpr size_t kMostTriangles = 1500000;  // thinned one edge at a time
+constexpr double kLowestMm = 800, kTallestMm = 2500;  // of a person
+constexpr size_t kMostTriangles = 1500000;            // thinned one edge at a time
 
 class Builder {
  public:
@@ -34,6 +35,7 @@ class Builder {
       : network_device_(network_device), device_(device), options_(options), progress_(progress) {}
 
   BuildResult run() {
+    if (!options_.joints.empty()) given_joints_ = read_joints(options_.joints);
     if (!options_.mesh.empty()) stage("reading the scan", [&] { scan_ = read_scan(options_.mesh, result_.notes); });
     if (!options_.views.images.empty())
       stage("reading pictures", [&] { views_ = load_views(options_.views, result_.notes); });
@@ -154,7 +156,7 @@ class Builder {
     double scale = 1;
     if (options_.height_mm > 0) scale = options_.height_mm / (top - bottom);
     height_mm_ = scale * (top - bottom);
-    if (height_mm_ < 800 || height_mm_ > 2500)
+    if (height_mm_ < kLowestMm || height_mm_ > kTallestMm)
       throw ConfigError(format("the body is %.0f mm tall; --unit or --height", height_mm_));
     PersonFrame down;
     down.scale_mm = scale;
@@ -182,7 +184,7 @@ class Builder {
   void place() {
     result_.joints = place_joints(keypoints_, height_mm_, volume_, result_.notes);
     make_symmetric(result_.joints);
-    if (!options_.joints.empty()) override_joints(read_joints(options_.joints), frame_, result_.joints);
+    if (!options_.joints.empty()) override_joints(given_joints_, frame_, result_.joints);
     for (const auto& [name, position] : face_markers(keypoints_)) {
       int best = 0;
       for (size_t i = 1; i < surface().vertices.size(); ++i)
@@ -269,6 +271,7 @@ class Builder {
   std::string stage_;
   std::vector<View> views_;  // in the rest frame once the person is found
   int n_network_masks_ = 0;
+  GivenJoints given_joints_;
   SpaceKeypoints keypoints_;
   PersonFrame frame_;
   Volume volume_;
@@ -288,8 +291,8 @@ void BuildOptions::validate() const {
   unit_in_mm(unit);
   if (target_vertices < 500 || target_vertices > 40000)
     throw ConfigError(format("--vertices %d; must be within 500..40000", target_vertices));
-  if (!(height_mm == 0 || (height_mm >= 500 && height_mm <= 2500)))
-    throw ConfigError(format("--height %g m; must be within 0.5..2.5", height_mm / 1000));
+  if (!(height_mm == 0 || (height_mm >= kLowestMm && height_mm <= kTallestMm)))
+    throw ConfigError(format("--height %g m; must be within 0.8..2.5", height_mm / 1000));
   if (!(grid_mm >= 3 && grid_mm <= 30)) throw ConfigError(format("--grid %g mm; must be within 3..30", grid_mm));
   if (texture_size < 128 || texture_size > 8192)
     throw ConfigError(format("--texture %d; must be within 128..8192", texture_size));

@@ -125,7 +125,6 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
       continue;
     }
     Camera camera = pose.camera;
-    if (camera.width == 0) camera.width = image.width, camera.height = image.height;
     if (image.width != camera.width || image.height != camera.height)
       throw IoError(file.string() + format(": %d x %d, its camera has %d x %d", image.width, image.height, camera.width,
                                            camera.height));

@@ -42,7 +42,7 @@ PersonFrame find_person_frame(const SpaceKeypoints& world, double unit_mm, doubl
     if (!world[k].found)
       throw ConfigError("the network's " + std::string(kKeypointNames[k]) +
                         " does not agree between the pictures: one person, standing still, seen whole from all around "
-                        "is needed (or --joints)");
+                        "is needed");
   const auto at = [&](int k) { return world[k].position; };
   const Vector3d shoulders = (at(kLeftShoulder) + at(kRightShoulder)) / 2,
                  ankles = (at(kLeftAnkle) + at(kRightAnkle)) / 2;

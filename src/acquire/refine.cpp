@@ -56,7 +56,7 @@ bool sample_patch(const View& view, const GrayView& gray, const Vector3d& center
   return true;
 }
 
-// One view that looks at the vertex best, and up to four that look from 8 to 50 degrees beside it.
+// One view that looks at the vertex best, and up to six that look from 8 to 50 degrees beside it.
 std::vector<int> choose_views(size_t vertex, const Vector3d& p, const std::vector<View>& views,
                               const std::vector<Vector3d>& centers, const std::vector<ViewCoverage>& coverage) {
   int reference = -1;

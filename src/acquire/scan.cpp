@@ -74,6 +74,27 @@ Vector3d Scan::color_at(const meshing::SurfacePoint& point) const {
   return point.weights[0] * colors[t[0]] + point.weights[1] * colors[t[1]] + point.weights[2] * colors[t[2]];
 }
 
+namespace {
+
+// Files that are inside out, or mirrored by a transform, enclose a negative volume.
+void turn_outwards(Scan& scan, const std::filesystem::path& path, std::vector<std::string>& notes) {
+  Vector3d middle = Vector3d::Zero();
+  for (const Vector3d& p : scan.surface.vertices) middle += p / static_cast<double>(scan.surface.vertices.size());
+  double volume = 0;
+  for (const auto& t : scan.surface.triangles) {
+    const auto corner = [&](int k) -> Vector3d { return scan.surface.vertices[t[k]] - middle; };
+    volume += corner(0).dot(corner(1).cross(corner(2)));
+  }
+  if (volume >= 0) return;
+  for (size_t i = 0; i < scan.surface.triangles.size(); ++i) {
+    std::swap(scan.surface.triangles[i][1], scan.surface.triangles[i][2]);
+    if (!scan.uvs.empty()) std::swap(scan.uvs[3 * i + 1], scan.uvs[3 * i + 2]);
+  }
+  notes.push_back(path.string() + ": the surface was inside out and has been turned");
+}
+
+}  // namespace
+
 Scan read_scan(const std::filesystem::path& path, std::vector<std::string>& notes) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -93,6 +114,7 @@ Scan read_scan(const std::filesystem::path& path, std::vector<std::string>& note
   weld(scan);
   if (scan.surface.triangles.size() < 100)
     throw IoError(path.string() + format(": %zu triangles are no scan of a person", scan.surface.triangles.size()));
+  turn_outwards(scan, path, notes);
   if (scan.surface.triangles.size() < n_read)
     notes.push_back(path.string() +
                     format(": %zu triangles without area left out", n_read - scan.surface.triangles.size()));

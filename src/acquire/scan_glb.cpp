@@ -15,6 +15,8 @@ Scan read_glb_scan(const std::filesystem::path& path, std::vector<std::string>& 
   bool textured = true, colored = true;
   for (size_t node = 0; node < model.nodes.size(); ++node) {
     if (model.nodes[node].mesh < 0) continue;
+    if (model.nodes[node].mesh >= static_cast<int>(model.meshes.size()))
+      file.fail(format("node %zu names mesh %d of %zu", node, model.nodes[node].mesh, model.meshes.size()));
     const Eigen::Matrix4d world =
         model.nodes[node].skin >= 0 ? Eigen::Matrix4d::Identity() : file.node_world(static_cast<int>(node));
     for (const tinygltf::Primitive& primitive : model.meshes[model.nodes[node].mesh].primitives) {
@@ -35,6 +37,8 @@ Scan read_glb_scan(const std::filesystem::path& path, std::vector<std::string>& 
       if (const auto found = primitive.attributes.find("TEXCOORD_0"); found != primitive.attributes.end())
         uv = file.read(found->second, 2, n, "TEXCOORD_0");
       int source = -1;
+      if (primitive.material >= static_cast<int>(model.materials.size()))
+        file.fail(format("a primitive names material %d of %zu", primitive.material, model.materials.size()));
       if (primitive.material >= 0) {
         const int texture = model.materials.at(primitive.material).pbrMetallicRoughness.baseColorTexture.index;
         if (texture >= 0 && texture < static_cast<int>(model.textures.size())) source = model.textures[texture].source;
@@ -43,6 +47,7 @@ Scan read_glb_scan(const std::filesystem::path& path, std::vector<std::string>& 
       textured = textured && !uv.empty() && source >= 0 && source == image;
       if (const auto found = primitive.attributes.find("COLOR_0"); found != primitive.attributes.end()) {
         const int components = file.components_of(found->second, "COLOR_0");
+        if (components < 3) file.fail(format("COLOR_0 has %d components, expected 3 or 4", components));
         const std::vector<double> c = file.read(found->second, components, n, "COLOR_0");
         for (int64_t i = 0; i < n; ++i)
           scan.colors.emplace_back(c[components * i], c[components * i + 1], c[components * i + 2]);

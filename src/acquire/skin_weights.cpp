@@ -68,7 +68,7 @@ Sparse cotangent_laplacian(const meshing::Surface& surface, Eigen::VectorXd& are
       const int i = t[k], a = t[(k + 1) % 3], b = t[(k + 2) % 3];
       const Vector3d u = surface.vertices[a] - surface.vertices[i], v = surface.vertices[b] - surface.vertices[i];
       const double cross = u.cross(v).norm();
-      // Slivers would make it indefinite: no cotangent below zero after clamping the sum is kept by clamping each.
+      // Obtuse corners and slivers would make it indefinite: each cotangent is clamped.
       const double weight = std::clamp(0.5 * u.dot(v) / std::max(cross, 1e-9), 0.0, 10.0);
       entries.emplace_back(a, b, -weight);
       entries.emplace_back(b, a, -weight);

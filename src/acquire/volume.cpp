@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Labels the face-connected regions of nodes where `inside` says so; sizes by region.
+// Labels the face-connected regions of the `member` nodes; sizes by region.
 std::vector<int> regions(const Volume& volume, const std::vector<char>& member, std::vector<size_t>& sizes) {
   std::vector<int> region(volume.size(), -1);
   std::vector<size_t> queue;

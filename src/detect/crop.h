@@ -29,7 +29,8 @@ CropRegion whole_image_crop(int width, int height);
 // Reads crops of an image; keeps its work memory between frames.
 class CropSampler {
  public:
-  // Writes size x size pixels. Bilinear, black outside the image. Where the crop is shrunk by more than 1.5, image
+  // Writes size x size pixels. Bilinear, black outside the image (and in less than a block at its right and lower
+  // border). Where the crop is shrunk by more than 1.5, image
   // pixels are averaged in blocks first, so that nothing aliases.
   void sample(const ImageRgb& image, const CropRegion& crop, int size, ImageRgb& out);
 

@@ -27,7 +27,7 @@ meshing::Surface surface_of(const Actor& actor) {
   return surface;
 }
 
-// The rigid motion that lays `points` onto the surface: nearest points and least squares, ten times.
+// The rigid motion that lays `points` onto the surface: nearest points and least squares, in turns.
 Eigen::Isometry3d align(const std::vector<Vector3d>& points, const meshing::NearestSurface& surface) {
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
   const int stride = std::max<int>(1, static_cast<int>(points.size() / 2000));

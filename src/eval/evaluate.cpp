@@ -64,6 +64,8 @@ EvalReport evaluate(const EvalOptions& options) {
         format(": only %zu joints have a known name (LiveCap, Mixamo, UE); joint errors are left out", pairs.size()));
   }
 
+  if (!capture.vertices && !options.views.empty())
+    throw IoError(options.capture.string() + ": has no vertices.pc2, which further views need");
   EvalReport report;
   report.run = capture.run;
   report.speed = capture.speed;
@@ -90,6 +92,11 @@ EvalReport evaluate(const EvalOptions& options) {
       *value = kNaN;
     }
     const TruthFrame expected = truth_frame(truth, frame.index, capture.camera);
+    if (row > 0 && capture.rows[row].pts_ms - capture.rows[row - 1].pts_ms > 1500 / capture.fps) {
+      vertex_jitter.add({}, {});  // frames are missing in the video: no motion is known across the gap
+      vertex_jitter_centred.add({}, {});
+      joints.skip();
+    }
     person.push_back(expected.person);
     tracked.push_back(frame.tracked);
     if (!expected.person) {

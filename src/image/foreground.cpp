@@ -134,6 +134,9 @@ void ForegroundOptions::validate() const {
     throw ConfigError("foreground: margins must be in 0..1");
   if (!(core_probability > 0 && core_probability <= 1))
     throw ConfigError("foreground: core_probability must be in (0, 1]");
+  if (!(seam >= 0 && seam <= 1) || !(stranger_reach >= 0 && stranger_reach <= 1) ||
+      !(least_stranger >= 0 && least_stranger <= 1))
+    throw ConfigError("foreground: seam, stranger_reach and least_stranger must be in 0..1");
   if (!(smooth_px >= 0 && smooth_px <= 10)) throw ConfigError("foreground: smooth_px must be in 0..10");
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <functional>
+#include <sstream>
 
 #include "acquire/true_actor.h"
 #include "base/text.h"
@@ -82,6 +83,26 @@ TEST_F(Scan, EveryFormatGivesTheSameMesh) {
     EXPECT_NEAR(scan.colors[5].x(), 1, 0.003);  // 8 bit
     EXPECT_NEAR(scan.colors[5].y(), 0.5, 0.003);
   }
+}
+
+// A file that is inside out gives the same surface, and says so.
+TEST_F(Scan, InsideOutIsTurned) {
+  std::istringstream lines(obj());
+  std::string inside_out;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string kind, a, b, c;
+    words >> kind >> a >> b >> c;
+    inside_out += kind == "f" ? "f " + a + " " + c + " " + b + "\n" : line + "\n";
+  }
+  std::vector<std::string> notes;
+  const acquire::Scan scan = acquire::read_scan(write("out.obj", inside_out), notes);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("inside out"), std::string::npos);
+  double volume = 0;
+  for (const auto& t : scan.surface.triangles)
+    volume += scan.surface.vertices[t[0]].dot(scan.surface.vertices[t[1]].cross(scan.surface.vertices[t[2]])) / 6;
+  EXPECT_GT(volume, 0);
 }
 
 TEST_F(Scan, ReadsARiggedGlbWithItsTexture) {

@@ -119,7 +119,8 @@ void add_actor_build_command(CLI::App& actor, Action& action) {
   command->add_option("--masks", build_options.views.masks, "folder of masks, 255 = person; else the network's");
   command->add_option("--labels", build_options.views.labels, "folder of label images (LIP ids); else guessed");
   command->add_option("--mesh", build_options.mesh, "a scan (.obj, .ply, .glb) instead of carving");
-  command->add_option("--joints", build_options.joints, "joints.json: joints that the network need not find");
+  command->add_option("--joints", build_options.joints,
+                      "joints.json: joints that replace those found from the network");
   command->add_option("--unit", build_options.unit, "of the cameras' or the scan's world: m, cm, mm, inch, auto")
       ->capture_default_str();
   command->add_option("--height", options->height_m, "of the person, metres; sets the scale");

@@ -141,22 +141,30 @@ void add_eval_command(CLI::App& app, Action& action) {
   command->add_option("--video", capture.video, "video for the pictures, when not that of report.json; or of --ablate");
 
   const std::string group = "Ablation";
-  command->add_flag("--ablate", options->ablate, "capture --video with parts of the method off, print one table")
-      ->group(group);
+  CLI::Option* const ablate =
+      command->add_flag("--ablate", options->ablate, "capture --video with parts of the method off, print one table");
+  ablate->group(group);
   command->add_option("--fov", capture.fov_deg, "instead of --camera: field of view of the longer side, degrees")
-      ->group(group);
-  command->add_option("--background", capture.background, "picture of the empty scene")->group(group);
+      ->group(group)
+      ->needs(ablate);
+  command->add_option("--background", capture.background, "picture of the empty scene")->group(group)->needs(ablate);
   command->add_option("--background-frames", capture.background_frames, "the first N frames of the video are empty")
-      ->group(group);
+      ->group(group)
+      ->needs(ablate);
   command->add_option("--model", capture.model, "lite, full, heavy or a .tflite file")
       ->capture_default_str()
-      ->group(group);
-  command->add_option("--cnn-device", capture.cnn_device, "device of the network")->group(group);
-  command->add_option("--solver-device", capture.solver_device, "device of the solvers")->group(group);
+      ->group(group)
+      ->needs(ablate);
+  command->add_option("--cnn-device", capture.cnn_device, "device of the network")->group(group)->needs(ablate);
+  command->add_option("--solver-device", capture.solver_device, "device of the solvers")->group(group)->needs(ablate);
   command->add_option("--first", capture.first, "first frame of the video")
       ->check(CLI::NonNegativeNumber)
-      ->group(group);
-  command->add_option("--frames", capture.frames, "at most this many")->check(CLI::PositiveNumber)->group(group);
+      ->group(group)
+      ->needs(ablate);
+  command->add_option("--frames", capture.frames, "at most this many")
+      ->check(CLI::PositiveNumber)
+      ->group(group)
+      ->needs(ablate);
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

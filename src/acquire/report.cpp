@@ -1,58 +1,26 @@
 #include "acquire/report.h"
 
 #include <map>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "acquire/turnaround_strip.h"
 #include "actor/inspect.h"
 #include "actor/labels.h"
+#include "base/html_text.h"
 #include "base/text.h"
+#include "image/image_io.h"
 #include "livecap/error.h"
 
 namespace livecap::acquire {
 
 namespace {
 
-std::string base64(const std::vector<uint8_t>& bytes) {
-  static const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    const uint32_t b =
-        bytes[i] << 16 | (i + 1 < bytes.size() ? bytes[i + 1] << 8 : 0) | (i + 2 < bytes.size() ? bytes[i + 2] : 0);
-    text += digits[b >> 18];
-    text += digits[b >> 12 & 63];
-    text += i + 1 < bytes.size() ? digits[b >> 6 & 63] : '=';
-    text += i + 2 < bytes.size() ? digits[b & 63] : '=';
-  }
-  return text;
-}
-
 std::string picture(const ImageRgb& image, const std::string& caption) {
-  const cv::Mat rgb(image.height, image.width, CV_8UC3, const_cast<uint8_t*>(image.pixels.data()));
-  cv::Mat bgr;
-  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  std::vector<uint8_t> png;
-  if (!cv::imencode(".png", bgr, png)) throw LogicError("a picture of the report cannot be encoded");
-  return "<h2>" + caption + "</h2>\n<img alt=\"" + caption + "\" src=\"data:image/png;base64," + base64(png) + "\">\n";
-}
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (char c : text) {
-    if (c == '<')
-      out += "&lt;";
-    else if (c == '&')
-      out += "&amp;";
-    else
-      out += c;
-  }
-  return out;
+  return "<h2>" + html_escaped(caption) + "</h2>\n" + inline_image(encode_png(image), "png", caption) + "\n";
 }
 
 std::string list(const std::vector<std::string>& lines) {
   std::string text = "<ul>\n";
-  for (const std::string& line : lines) text += "<li>" + escaped(line) + "</li>\n";
+  for (const std::string& line : lines) text += "<li>" + html_escaped(line) + "</li>\n";
   return text + "</ul>\n";
 }
 
@@ -114,10 +82,11 @@ std::vector<Eigen::VectorXd> check_poses(const Skeleton& skeleton) {
 }
 
 std::string actor_report_html(const Actor& actor, const ReportText& text) {
-  std::string html = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + escaped(text.title) +
+  std::string html = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" +
+                     html_escaped(text.title) +
                      "</title>\n<style>body{font-family:sans-serif;margin:2em;max-width:1840px}img{max-width:100%}"
                      "pre{background:#f4f4f4;padding:1em;overflow:auto}</style></head><body>\n<h1>" +
-                     escaped(text.title) + "</h1>\n" + list(text.facts);
+                     html_escaped(text.title) + "</h1>\n" + list(text.facts);
   html += text.notes.empty() ? "<p>No warnings.</p>\n" : "<h2>Warnings</h2>\n" + list(text.notes);
   constexpr int kViews = 6;
   html += picture(turnaround_strip(actor, StripColor::kTexture, kViews), "From all around");
@@ -125,7 +94,8 @@ std::string actor_report_html(const Actor& actor, const ReportText& text) {
   html += picture(turnaround_strip(actor, StripColor::kWeights, kViews), "Skinning weights");
   html += picture(turnaround_strip(actor, StripColor::kLabels, kViews), "Materials") + label_legend(actor);
   html += picture(pose_strip(actor, check_poses(actor.skeleton)), "Posed");
-  return html + "<h2>livecap actor inspect</h2>\n<pre>" + escaped(inspect_actor(actor)) + "</pre>\n</body></html>\n";
+  return html + "<h2>livecap actor inspect</h2>\n<pre>" + html_escaped(inspect_actor(actor)) +
+         "</pre>\n</body></html>\n";
 }
 
 }  // namespace livecap::acquire

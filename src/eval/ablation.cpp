@@ -4,8 +4,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "base/html_text.h"
 #include "base/text.h"
-#include "eval/html_text.h"
 
 namespace livecap {
 namespace {

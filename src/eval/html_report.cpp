@@ -7,10 +7,10 @@
 #include <limits>
 #include <set>
 
+#include "base/html_text.h"
 #include "base/text.h"
 #include "eval/contact_sheet.h"
 #include "eval/html_style.h"
-#include "eval/html_text.h"
 #include "eval/mesh_picture.h"
 #include "eval/svg_chart.h"
 #include "image/image_io.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/html_text.h"
 #include "base/text.h"
-#include "eval/html_text.h"
 #include "livecap/error.h"
 
 namespace livecap {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "acquire/material_labels.h"
+#include "meshing/surface_parts.h"
 
 namespace livecap::acquire {
 
@@ -46,9 +47,7 @@ class Guess {
  public:
   explicit Guess(const GuessInput& input) : in_(input), n_(input.surface.vertices.size()) {
     for (const Vector3d& c : input.colors) lab_.push_back(lab(c));
-    neighbors_.resize(n_);
-    for (const auto& t : input.surface.triangles)
-      for (int k = 0; k < 3; ++k) neighbors_[t[k]].push_back(t[(k + 1) % 3]);
+    neighbors_ = meshing::neighbors_of(input.surface);
     height_ = 0;
     for (const Vector3d& p : input.surface.vertices) height_ = std::max(height_, p.y());
   }

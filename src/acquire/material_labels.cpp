@@ -3,6 +3,7 @@
 #include <array>
 
 #include "actor/labels.h"
+#include "meshing/surface_parts.h"
 
 namespace livecap::acquire {
 
@@ -33,9 +34,7 @@ MaterialLabels vote_labels(const meshing::Surface& surface, const std::vector<Vi
     if (known[i]) result.labels[i] = static_cast<uint8_t>(best - votes[i].begin());
     result.n_unseen += !known[i];
   }
-  std::vector<std::vector<int>> neighbors(n);
-  for (const auto& t : surface.triangles)
-    for (int k = 0; k < 3; ++k) neighbors[t[k]].push_back(t[(k + 1) % 3]);
+  const std::vector<std::vector<int>> neighbors = meshing::neighbors_of(surface);
   for (bool changed = true; changed;) {
     changed = false;
     std::vector<char> next = known;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "livecap/error.h"
+#include "meshing/surface_parts.h"
 
 namespace livecap::acquire {
 
@@ -101,13 +102,7 @@ double agreement(const std::vector<int>& chosen, const std::vector<View>& views,
 }
 
 std::vector<Vector3d> smooth_normals(const meshing::Surface& surface, const std::vector<std::vector<int>>& neighbors) {
-  std::vector<Vector3d> normals(surface.vertices.size(), Vector3d::Zero());
-  for (const auto& t : surface.triangles) {
-    const Vector3d& a = surface.vertices[t[0]];
-    const Vector3d n = (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a);
-    for (int k = 0; k < 3; ++k) normals[t[k]] += n;
-  }
-  for (Vector3d& n : normals) n.normalize();
+  std::vector<Vector3d> normals = meshing::vertex_normals(surface);
   for (int round = 0; round < 2; ++round) {
     std::vector<Vector3d> next = normals;
     for (size_t i = 0; i < normals.size(); ++i) {
@@ -124,9 +119,7 @@ std::vector<Vector3d> smooth_normals(const meshing::Surface& surface, const std:
 RefineResult refine_by_color(const std::vector<View>& views, const std::vector<ViewCoverage>& coverage,
                              const RefineOptions& options, meshing::Surface& surface) {
   const size_t n = surface.vertices.size();
-  std::vector<std::vector<int>> neighbors(n);
-  for (const auto& t : surface.triangles)
-    for (int k = 0; k < 3; ++k) neighbors[t[k]].push_back(t[(k + 1) % 3]);
+  const std::vector<std::vector<int>> neighbors = meshing::neighbors_of(surface);
   const auto normals = smooth_normals(surface, neighbors);
   std::vector<GrayView> grays;
   std::vector<Vector3d> centers;

@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "image/image_io.h"
 #include "livecap/error.h"
+#include "meshing/surface_parts.h"
 #include "synth/random.h"
 #include "synth/renderer.h"
 
@@ -21,10 +22,7 @@ using Eigen::Vector3d;
 synth::ActorModel subject_of(const Actor& actor) {
   synth::ActorModel subject;
   subject.name = actor.name;
-  const auto& p = actor.mesh.positions;
-  for (size_t i = 0; i < p.size(); i += 3) subject.surface.vertices.emplace_back(p[i], p[i + 1], p[i + 2]);
-  const auto& t = actor.mesh.triangles;
-  for (size_t i = 0; i < t.size(); i += 3) subject.surface.triangles.emplace_back(t[i], t[i + 1], t[i + 2]);
+  subject.surface = meshing::surface_of(actor.mesh);
   const auto& r = actor.render;
   for (size_t i = 0; i < r.template_vertex.size(); ++i) {
     subject.atlas.vertex.push_back(r.template_vertex[i]);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "livecap/error.h"
+#include "meshing/surface_parts.h"
 
 namespace livecap::acquire {
 
@@ -81,17 +82,6 @@ Sparse cotangent_laplacian(const meshing::Surface& surface, Eigen::VectorXd& are
   return laplacian;
 }
 
-std::vector<Vector3d> normals_of(const meshing::Surface& surface) {
-  std::vector<Vector3d> normals(surface.vertices.size(), Vector3d::Zero());
-  for (const auto& t : surface.triangles) {
-    const Vector3d& a = surface.vertices[t[0]];
-    const Vector3d n = (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a);
-    for (int k = 0; k < 3; ++k) normals[t[k]] += n;
-  }
-  for (Vector3d& n : normals) n.normalize();
-  return normals;
-}
-
 // The four largest entries, sum 1.
 meshing::Influences strongest(Eigen::VectorXd row) {
   meshing::Influences result;
@@ -115,7 +105,7 @@ std::vector<meshing::Influences> heat_weights(const meshing::Surface& surface, c
                                               const Volume& volume, const SkinOptions& options) {
   const int n = static_cast<int>(surface.vertices.size());
   const auto segments = bone_segments(joints);
-  const auto normals = normals_of(surface);
+  const auto normals = meshing::vertex_normals(surface);
   Eigen::VectorXd areas;
   Sparse system = cotangent_laplacian(surface, areas);
   Eigen::MatrixXd source = Eigen::MatrixXd::Zero(n, kBodyBoneCount);

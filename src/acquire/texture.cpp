@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "image/silhouette.h"
+#include "meshing/surface_parts.h"
 
 namespace livecap::acquire {
 
@@ -31,13 +32,6 @@ Vector3d sample(const ImageRgb& image, double u, double v) {
   for (int k = 0; k < 3; ++k)
     c[k] = ((1 - fy) * ((1 - fx) * a[k] + fx * a[k + 3]) + fy * ((1 - fx) * b[k] + fx * b[k + 3])) / 255;
   return c;
-}
-
-std::vector<std::vector<int>> neighbors_of(const meshing::Surface& surface) {
-  std::vector<std::vector<int>> neighbors(surface.vertices.size());
-  for (const auto& t : surface.triangles)
-    for (int k = 0; k < 3; ++k) neighbors[t[k]].push_back(t[(k + 1) % 3]);
-  return neighbors;
 }
 
 // The best views of each vertex. A vertex counts as seen when its neighbours are: near an occluder's edge a pixel shows
@@ -106,7 +100,7 @@ void spread_colors(const std::vector<std::vector<int>>& neighbors, std::vector<c
 
 BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atlas& atlas, int size,
                              const std::vector<View>& views, const std::vector<ViewCoverage>& coverage) {
-  const auto neighbors = neighbors_of(surface);
+  const auto neighbors = meshing::neighbors_of(surface);
   const auto shares = choose_views(surface, views, coverage, neighbors);
   std::vector<Vector3d> colors(surface.vertices.size(), Vector3d::Constant(0.5));
   std::vector<char> known(surface.vertices.size(), 0);

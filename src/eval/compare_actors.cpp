@@ -8,6 +8,7 @@
 #include "actor/labels.h"
 #include "base/text.h"
 #include "meshing/nearest_surface.h"
+#include "meshing/surface_parts.h"
 #include "synth/random.h"
 
 namespace livecap {
@@ -17,15 +18,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kCellMm = 40;
-
-meshing::Surface surface_of(const Actor& actor) {
-  meshing::Surface surface;
-  const auto& p = actor.mesh.positions;
-  for (size_t i = 0; i < p.size(); i += 3) surface.vertices.emplace_back(p[i], p[i + 1], p[i + 2]);
-  const auto& t = actor.mesh.triangles;
-  for (size_t i = 0; i < t.size(); i += 3) surface.triangles.emplace_back(t[i], t[i + 1], t[i + 2]);
-  return surface;
-}
 
 // The rigid motion that lays `points` onto the surface: nearest points and least squares, in turns.
 Eigen::Isometry3d align(const std::vector<Vector3d>& points, const meshing::NearestSurface& surface) {
@@ -109,8 +101,8 @@ std::vector<Vector3d> pose_actor(const Actor& actor, const Skeleton& skeleton, c
 
 ActorComparison compare_actors(const Actor& built, const Actor& truth, int n_poses) {
   ActorComparison result;
-  meshing::Surface built_surface = surface_of(built);
-  const meshing::Surface true_surface = surface_of(truth);
+  meshing::Surface built_surface = meshing::surface_of(built.mesh);
+  const meshing::Surface true_surface = meshing::surface_of(truth.mesh);
   const meshing::NearestSurface near_truth(true_surface, kCellMm);
   const Eigen::Isometry3d motion = align(built_surface.vertices, near_truth);
   for (Vector3d& p : built_surface.vertices) p = motion * p;

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "livecap/error.h"
+#include "meshing/surface_parts.h"
 
 namespace livecap::meshing {
 
@@ -54,17 +55,6 @@ std::vector<unsigned char> encode_png(const ImageRgb& image) {
   std::vector<unsigned char> png;
   if (!cv::imencode(".png", bgr, png)) throw LogicError("the texture cannot be encoded as PNG");
   return png;
-}
-
-std::vector<Vector3d> smooth_normals(const Surface& surface) {
-  std::vector<Vector3d> normals(surface.vertices.size(), Vector3d::Zero());
-  for (const auto& t : surface.triangles) {
-    const Vector3d& a = surface.vertices[t[0]];
-    const Vector3d n = (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a);
-    for (int i = 0; i < 3; ++i) normals[t[i]] += n;
-  }
-  for (Vector3d& n : normals) n.normalize();
-  return normals;
 }
 
 void add_bones(const ActorFile& actor, Builder& builder) {
@@ -136,7 +126,7 @@ tinygltf::Primitive add_geometry(const ActorFile& actor, Builder& builder) {
   std::vector<float> positions, normals, uvs, weights, labels;
   std::vector<uint16_t> joints;
   std::vector<uint32_t> indices;
-  const auto vertex_normals = smooth_normals(actor.surface);
+  const auto vertex_normals = meshing::vertex_normals(actor.surface);
   std::vector<double> low(3, std::numeric_limits<double>::max()), high(3, std::numeric_limits<double>::lowest());
   for (size_t i = 0; i < actor.atlas.vertex.size(); ++i) {
     const int vertex = actor.atlas.vertex[i];

@@ -8,6 +8,7 @@
 #include "actor/actor.h"
 #include "geometry/skeleton.h"
 #include "meshing/isosurface.h"
+#include "meshing/surface_parts.h"
 #include "synth/synth.h"
 
 namespace livecap::test {
@@ -20,12 +21,7 @@ inline const Actor& builtin_actor(const std::string& name) {
 }
 
 inline meshing::Surface surface_of(const Actor& actor) {
-  meshing::Surface surface;
-  const auto& p = actor.mesh.positions;
-  for (size_t i = 0; i < p.size(); i += 3) surface.vertices.emplace_back(p[i], p[i + 1], p[i + 2]);
-  const auto& t = actor.mesh.triangles;
-  for (size_t i = 0; i < t.size(); i += 3) surface.triangles.emplace_back(t[i], t[i + 1], t[i + 2]);
-  return surface;
+  return meshing::surface_of(actor.mesh);
 }
 
 // Where the actor's own rig has the bones of a built one.

@@ -1,0 +1,19 @@
+// What many steps derive from a surface.
+#pragma once
+
+#include <vector>
+
+#include "geometry/mesh.h"
+#include "meshing/isosurface.h"
+
+namespace livecap::meshing {
+
+Surface surface_of(const Mesh& mesh);
+
+// Area-weighted unit normal of each vertex; of one without triangles (0, 0, 0).
+std::vector<Eigen::Vector3d> vertex_normals(const Surface& surface);
+
+// The vertices that share an edge with each; of a closed surface each once.
+std::vector<std::vector<int>> neighbors_of(const Surface& surface);
+
+}  // namespace livecap::meshing

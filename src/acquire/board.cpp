@@ -196,26 +196,32 @@ std::string size_name(int columns, int rows) {
   return format("%dx%d", columns, rows);
 }
 
-// The number of inner corners most pictures agree on.
+bool found_in_any(const std::vector<ImageGray>& samples, const BoardOptions& options) {
+  return std::any_of(samples.begin(), samples.end(),
+                     [&](const ImageGray& picture) { return !find_board(picture, options).empty(); });
+}
+
+// The number of inner corners most pictures agree on, unless what was said is found as well.
 bool recognize_chessboard(const std::vector<ImageGray>& samples, BoardOptions& options) {
   std::map<std::pair<int, int>, int> votes;
-  int n_votes = 0;
+  std::vector<ImageGray> with_board;
   for (const ImageGray& picture : samples) {
-    if (n_votes == 3) break;
+    if (with_board.size() == 3) break;
     std::vector<cv::Point2f> points;
     cv::Mat meta;
-    if (cv::findChessboardCornersSB(reduced(as_mat(picture)), {3, 3}, points,
-                                    cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_LARGER, meta) &&
-        !meta.empty())
-      ++n_votes, ++votes[{std::max(meta.cols, meta.rows), std::min(meta.cols, meta.rows)}];
+    if (!cv::findChessboardCornersSB(reduced(as_mat(picture)), {3, 3}, points,
+                                     cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_LARGER, meta) ||
+        meta.empty())
+      continue;
+    with_board.push_back(picture);
+    ++votes[{std::max(meta.cols, meta.rows), std::min(meta.cols, meta.rows)}];
   }
-  std::pair<int, int> best;
+  const std::pair said(std::max(options.columns, options.rows), std::min(options.columns, options.rows));
+  if (votes.count(said) > 0 || found_in_any(with_board.empty() ? samples : with_board, options)) return true;
   int most = 0;
   for (const auto& [size, count] : votes)
-    if (count >= most) most = count, best = size;
-  if (most == 0) return false;
-  options.columns = best.first, options.rows = best.second;
-  return true;
+    if (count >= most) most = count, options.columns = size.first, options.rows = size.second;
+  return most > 0 && found_in_any(with_board, options);  // the search for any size also sees boards in noise
 }
 
 // The layout and dictionary with the most corners that fit a plane.
@@ -294,11 +300,16 @@ BoardCorners find_board(const ImageGray& image, const BoardOptions& options) {
 }
 
 bool recognize_board(const std::vector<ImageGray>& samples, BoardOptions& options, std::string& note) {
-  for (const ImageGray& picture : samples)
-    if (!find_board(picture, options).empty()) return true;
   const BoardOptions said = options;
-  if (!(options.is_charuco() ? recognize_charuco(samples, options) : recognize_chessboard(samples, options)))
+  if (options.is_charuco()) {
+    if (found_in_any(samples, options)) return true;
+    if (!recognize_charuco(samples, options)) return false;
+  } else if (!recognize_chessboard(samples, options)) {
+    options = said;
     return false;
+  }
+  if (options.columns == said.columns && options.rows == said.rows && options.dictionary == said.dictionary)
+    return true;
   const std::string found = size_name(options.columns, options.rows), was = size_name(said.columns, said.rows);
   const std::pair said_size(std::max(said.columns, said.rows), std::min(said.columns, said.rows));
   const std::pair size(std::max(options.columns, options.rows), std::min(options.columns, options.rows));

@@ -113,12 +113,18 @@ TEST_F(Calibrate, FindsTheLensFromACharucoBoard) {
 }
 
 TEST_F(Calibrate, CorrectsTheCountOfCorners) {
-  take(7, test::chessboard_paint(8, 6), 8, 6);  // 7x5 inner corners
-  const BoardViews squares = gather_board_views(chessboard(8, 6));
-  EXPECT_EQ(squares.views.size(), 7u);
-  EXPECT_TRUE(says(squares.notes, "7x5 inner corners, not 8x6 (that is how many squares")) << squares.notes.size();
-  const BoardViews swapped = gather_board_views(chessboard(5, 7));
-  EXPECT_EQ(swapped.views.size(), 7u);
+  take(2, test::chessboard_paint(8, 6), 8, 6);  // 7x5 inner corners
+  const std::vector<ImageGray> samples = {read_image_gray(file(0)), read_image_gray(file(1))};
+  BoardOptions board{8, 6, "", 0.75};
+  std::string note;
+  ASSERT_TRUE(recognize_board(samples, board, note));
+  EXPECT_EQ(std::pair(board.columns, board.rows), std::pair(7, 5));
+  EXPECT_NE(note.find("7x5 inner corners, not 8x6 (that is how many squares"), std::string::npos) << note;
+
+  board.columns = 5, board.rows = 7, note.clear();  // swapped: a chessboard does not care
+  ASSERT_TRUE(recognize_board(samples, board, note));
+  EXPECT_TRUE(note.empty()) << note;
+  EXPECT_EQ(find_board(samples[0], board).pixels.size(), 35u);
 }
 
 TEST_F(Calibrate, CorrectsASwappedCharucoBoardAndItsDictionary) {

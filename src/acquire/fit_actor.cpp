@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 
 constexpr int kRounds = 2;  // of posing and fitting
 constexpr int kLeastPosed = 3;
-constexpr double kLargeScale = 1.35;  // of a proportion: rather a mistake than a person
+constexpr double kLargeScale = 1.5;  // of a proportion: rather a mistake than a person
 
 // The bone of LiveCap-27 that each of the rig's bones belongs to.
 int livecap_bone(const std::string& name) {
@@ -162,7 +162,7 @@ FitResult fit_actor(ocl::DeviceContext& device, FitFootage footage, const FitAct
         const double u = (p - a).cross(c - a).dot(normal) / area, v = (b - a).cross(p - a).dot(normal) / area;
         return Vector3d((1 - u - v) * colors[t[0]] + u * colors[t[1]] + v * colors[t[2]]);
       });
-  if (result.seen_share < 0.7)
+  if (result.seen_share < 0.55)
     result.notes.push_back(
         format("only %.0f %% of the surface is seen; the rest has the colours of the other side or of "
                "what is near: let the person turn around once",

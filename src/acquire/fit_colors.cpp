@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr float kLeastFacing = 0.35f;  // cosine; flatter ones show the background as often as themselves
+constexpr float kLeastFacing = 0.25f;  // cosine; flatter ones show the background as often as themselves
 constexpr float kInsidePx = 3;         // from the silhouette
 constexpr size_t kLeastFrames = 2;
 constexpr double kMirrorMm = 25;  // how near a vertex is to the mirror image of another

@@ -163,6 +163,11 @@ Proportions fit_proportions(FramePoser& poser, const Actor& actor, const Camera&
         k == kTrunkGirth || k == kUpperArmGirth || k == kForearmGirth || k == kThighGirth || k == kShankGirth;
     prior[k] = 1 / (girth ? options.girth_prior : options.length_prior);
   }
+  Eigen::Matrix<double, kProportionCount, kProportionCount> prior_matrix = prior.cwiseAbs2().asDiagonal();
+  for (const auto& [a, b] : {std::pair{kThighLength, kShankLength}, std::pair{kUpperArmLength, kForearmLength}}) {
+    const Proportions ratio = (Proportions::Unit(a) - Proportions::Unit(b)) / options.ratio_prior;
+    prior_matrix += ratio * ratio.transpose();
+  }
   const int n_pose = 6 + actor.skeleton.n_dofs();
   for (int step = 0; step < options.steps && !used.empty(); ++step) {
     const Shape shape = reshaper.shape(proportions);
@@ -193,8 +198,8 @@ Proportions fit_proportions(FramePoser& poser, const Actor& actor, const Camera&
       const Eigen::LDLT<MatrixXd> solve(frame.pose_factor);
       matrix += by_shape.transpose() * by_shape - frame.mixed.transpose() * solve.solve(frame.mixed);
       right += -by_shape.transpose() * weighted - frame.mixed.transpose() * solve.solve(frame.pose_right);
-      matrix.diagonal() += prior.cwiseAbs2();
-      right -= prior.cwiseAbs2().cwiseProduct(proportions);
+      matrix += prior_matrix;
+      right -= prior_matrix * proportions;
       reduced.push_back(std::move(frame));
     }
     Proportions change = matrix.ldlt().solve(right);

@@ -11,11 +11,14 @@ namespace livecap::acquire {
 
 struct FitOptions {
   int steps = 8;
-  double keypoint_share = 0.012;     // standard deviation of a keypoint, of the person's height in the picture
-  double silhouette_share = 0.004;   // of a point of the outline
-  double outline_points = 120;       // as how many independent points an outline counts
-  double length_prior = 0.12;        // standard deviation of a length, relative, in each frame
-  double girth_prior = 0.2;          // of a girth
+  double keypoint_share = 0.012;    // standard deviation of a keypoint, of the person's height in the picture
+  double silhouette_share = 0.004;  // of a point of the outline
+  double outline_points = 120;      // as how many independent points an outline counts
+  double length_prior = 0.12;       // standard deviation of a length, relative, in each frame
+  double girth_prior = 0.2;         // of a girth
+  // Of thigh against shank and upper arm against forearm: people differ little in them, and a network that sees knees
+  // and elbows too high or too low does so in every frame.
+  double ratio_prior = 0.03;
   double angle_prior_rad = 0.15;     // of a joint angle around that of the frame's own solution
   double rotation_prior_rad = 0.08;  // of the root
 };

@@ -204,6 +204,21 @@ expect 2 'nobody' actor views builtin:nobody --out v
 expect 2 'none.glb' actor compare none.glb seq/actor.glb
 [[ ! -e a.glb ]] || { echo "FAILED: actor build left a file"; failures=$((failures + 1)); }
 
+# actor fit.
+fit=(actor fit --video seq/video.mp4 --camera seq/camera.json --out a.glb)
+expect 2 '--video' actor fit --camera seq/camera.json --out a.glb
+expect 2 '--camera --fov' actor fit --video seq/video.mp4 --out a.glb
+expect 2 '--actor seq/actor.glb builtin:NAME' "${fit[@]}" --actor seq/actor.glb
+expect 2 'nobody skirt' "${fit[@]}" --actor builtin:nobody
+expect 2 '--height 9' "${fit[@]}" --height 9
+expect 2 '--fit-frames' "${fit[@]}" --fit-frames 2
+expect 2 'none.png' "${fit[@]}" --background none.png
+expect 2 'none.mp4' actor fit --video none.mp4 --camera seq/camera.json --out a.glb
+expect 2 'wide.json 640x960 540x960' actor fit --video seq/video.mp4 --camera wide.json --out a.glb
+expect 2 'seq/video.mp4 nobody' "${fit[@]}" --frames 2 --model lite
+[[ ! -e a.glb ]] || { echo "FAILED: actor fit left a file"; failures=$((failures + 1)); }
+expect 2 'physique.legs 9' synth --legs 9 --out s
+
 # calibrate.
 expect 2 '--images --video' calibrate --board 9x6 --out c.json
 expect 2 '--board --charuco' calibrate --images seq/truth/masks --out c.json

@@ -163,6 +163,7 @@ Proportions fit_proportions(FramePoser& poser, const Actor& actor, const Camera&
         k == kTrunkGirth || k == kUpperArmGirth || k == kForearmGirth || k == kThighGirth || k == kShankGirth;
     prior[k] = 1 / (girth ? options.girth_prior : options.length_prior);
   }
+  prior[kShoulderWidth] = 1 / options.shoulder_prior;
   Eigen::Matrix<double, kProportionCount, kProportionCount> prior_matrix = prior.cwiseAbs2().asDiagonal();
   for (const auto& [a, b] : {std::pair{kThighLength, kShankLength}, std::pair{kUpperArmLength, kForearmLength}}) {
     const Proportions ratio = (Proportions::Unit(a) - Proportions::Unit(b)) / options.ratio_prior;

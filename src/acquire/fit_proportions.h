@@ -16,6 +16,7 @@ struct FitOptions {
   double outline_points = 120;      // as how many independent points an outline counts
   double length_prior = 0.12;       // standard deviation of a length, relative, in each frame
   double girth_prior = 0.2;         // of a girth
+  double shoulder_prior = 0.05;     // of the shoulders\' width, which trades against the arms\' length
   // Of thigh against shank and upper arm against forearm: people differ little in them, and a network that sees knees
   // and elbows too high or too low does so in every frame.
   double ratio_prior = 0.03;

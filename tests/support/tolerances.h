@@ -160,4 +160,7 @@ inline constexpr double kFittedBoneLength = 0.07;
 inline constexpr double kRightColors = 0.9;
 inline constexpr double kUnchangedActorMm = 6;
 
+// Centre of a dot of five pixels whose own place is rounded to a pixel, through undistortion and JPEG.
+inline constexpr double kDotPx = 0.8;
+
 }  // namespace livecap::test

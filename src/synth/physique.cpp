@@ -28,7 +28,11 @@ Eigen::Matrix3d stretch(const Vec3& axis, double along, double across) {
 
 void apply_physique(const Physique& physique, ActorModel& actor) {
   physique.validate();
+  if (physique.legs == 1 && physique.arms == 1 && physique.trunk == 1 && physique.shoulders == 1 && physique.girth == 1)
+    return;  // not a bit changes
   const auto before = actor.joints;
+  double height = 0;  // the soles are at 0
+  for (const Vec3& p : actor.surface.vertices) height = std::max(height, p.y());
   std::array<Eigen::Matrix3d, kBoneCount> map;
   map.fill(Eigen::Matrix3d::Identity());
   for (int bone : {kHips, kSpine, kSpine1, kSpine2}) map[bone] = stretch(Vec3::UnitY(), physique.trunk, physique.girth);
@@ -53,7 +57,6 @@ void apply_physique(const Physique& physique, ActorModel& actor) {
     actor.surface.vertices[i] = moved;
     top = std::max(top, moved.y()), bottom = std::min(bottom, moved.y());
   }
-  const double height = actor.scale * 1700;
   const double scale = height / (top - bottom);
   for (Vec3& p : actor.surface.vertices) p = scale * (p - Vec3(0, bottom, 0));
   for (Vec3& p : actor.joints) p = scale * (p - Vec3(0, bottom, 0));

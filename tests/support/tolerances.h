@@ -144,8 +144,9 @@ inline constexpr double kScanSurfaceMm = 1.5;
 // Vertex colours under the lamp of the pictures against those of the file.
 inline constexpr double kColorCorrelation = 0.85;
 
-// Calibration on rendered boards with distortion: the bar of the focal length, the principal point and the lens near the
-// picture's corners in px, and the reprojection with 1.5 levels of noise; seen 0.13 %, 2.0, 2.9 (twelve views) and 0.08.
+// Calibration on rendered boards with distortion: the bar of the focal length, the principal point and the lens near
+// the picture's corners in px, and the reprojection with 1.5 levels of noise; seen 0.13 %, 2.0, 2.9 (twelve views) and
+// 0.08.
 inline constexpr double kFocalShare = 0.005;
 inline constexpr double kPrincipalPointPx = 3;
 inline constexpr double kBoardRmsPx = 0.15;

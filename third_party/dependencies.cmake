@@ -4,7 +4,7 @@
 # OpenCL          ocl-icd-opencl-dev, opencl-headers     1.2+     Apache/BSD     the compute interface
 # PoCL            pocl-opencl-icd (run time only)        3.1      MIT            OpenCL on any CPU
 # Eigen           libeigen3-dev                          3.4      MPL-2.0        small dense algebra, QR, reference solvers
-# OpenCV          libopencv-dev                          4.6      Apache-2.0     background model, distance transform, PNG/JPEG
+# OpenCV          libopencv-dev                          4.6      Apache-2.0     background model, distance transform, PNG/JPEG, calibration boards
 # FFmpeg          libav{codec,device,format,util}-dev, libswscale-dev  5.1  LGPL/GPL  video and webcams in, video out, every damaged frame reported
 # CLBlast         libclblast-dev                         1.5.3    Apache-2.0     optional: what bench_pointwise compares convolutions with
 # OpenMesh        libopenmesh-dev                        9.0      BSD-3-Clause   quadric edge-collapse decimation
@@ -18,7 +18,7 @@
 find_package(OpenCL 1.2 REQUIRED)
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.3 REQUIRED NO_MODULE)
-find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs video)
+find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs video calib3d aruco)
 find_package(nlohmann_json 3 REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(FFMPEG REQUIRED IMPORTED_TARGET libavformat libavcodec libavutil libswscale)

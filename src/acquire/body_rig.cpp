@@ -158,6 +158,17 @@ void make_symmetric(BodyJoints& joints) {
   for (int bone = kLeftUpLegBone; bone < kRightUpLegBone; ++bone) pair(bone, bone + 4);
 }
 
+namespace {
+
+constexpr Keypoint kFaceMarkers[] = {kLeftEye, kRightEye, kNose, kChin};
+
+bool is_face_marker(const std::string& name) {
+  return std::any_of(std::begin(kFaceMarkers), std::end(kFaceMarkers),
+                     [&](Keypoint k) { return name == kKeypointNames[k]; });
+}
+
+}  // namespace
+
 GivenJoints read_joints(const std::filesystem::path& path) {
   nlohmann::json json;
   try {
@@ -176,7 +187,7 @@ GivenJoints read_joints(const std::filesystem::path& path) {
     if (name == "unit") continue;
     const bool known = std::any_of(kBodyBones.begin(), kBodyBones.end(),
                                    [&n = name](const BodyBoneInfo& bone) { return n == bone.joint_name; });
-    if (!known) throw IoError(path.string() + ": there is no joint \"" + name + "\"");
+    if (!known && !is_face_marker(name)) throw IoError(path.string() + ": there is no joint \"" + name + "\"");
     Vector3d p;
     for (int k = 0; k < 3; ++k) {
       if (!value.is_array() || value.size() != 3 || !value[k].is_number())
@@ -195,10 +206,17 @@ void override_joints(const GivenJoints& given, const PersonFrame& frame, BodyJoi
       joints[bone] = frame.to_rest(to_world * found->second);
 }
 
-std::map<std::string, Vector3d> face_markers(const SpaceKeypoints& keypoints) {
+std::map<std::string, Vector3d> face_markers(const SpaceKeypoints& keypoints, const GivenJoints& given,
+                                             const PersonFrame& frame) {
+  const double to_world = given.unit_mm > 0 ? given.unit_mm / frame.scale_mm : 1;
   std::map<std::string, Vector3d> markers;
-  for (int k : {kLeftEye, kRightEye, kNose, kChin})
-    if (keypoints[k].found) markers[std::string(kKeypointNames[k])] = keypoints[k].position;
+  for (Keypoint k : kFaceMarkers) {
+    const std::string name(kKeypointNames[k]);
+    if (const auto found = given.world.find(name); found != given.world.end())
+      markers[name] = frame.to_rest(to_world * found->second);
+    else if (keypoints[k].found)
+      markers[name] = keypoints[k].position;
+  }
   return markers;
 }
 

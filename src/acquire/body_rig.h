@@ -67,7 +67,9 @@ struct GivenJoints {
 GivenJoints read_joints(const std::filesystem::path& path);
 void override_joints(const GivenJoints& given, const PersonFrame& frame, BodyJoints& joints);
 
-// Where the four face markers are, rest frame; empty for those not seen.
-std::map<std::string, Eigen::Vector3d> face_markers(const SpaceKeypoints& keypoints);
+// Where the four face markers are, rest frame: as given (names left_eye, right_eye, nose, chin), else as seen, else not
+// at all.
+std::map<std::string, Eigen::Vector3d> face_markers(const SpaceKeypoints& keypoints, const GivenJoints& given,
+                                                    const PersonFrame& frame);
 
 }  // namespace livecap::acquire

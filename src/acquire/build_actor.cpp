@@ -185,7 +185,7 @@ class Builder {
     result_.joints = place_joints(keypoints_, height_mm_, volume_, result_.notes);
     make_symmetric(result_.joints);
     if (!options_.joints.empty()) override_joints(given_joints_, frame_, result_.joints);
-    for (const auto& [name, position] : face_markers(keypoints_)) {
+    for (const auto& [name, position] : face_markers(keypoints_, given_joints_, frame_)) {
       int best = 0;
       for (size_t i = 1; i < surface().vertices.size(); ++i)
         if ((surface().vertices[i] - position).squaredNorm() < (surface().vertices[best] - position).squaredNorm())
@@ -227,15 +227,32 @@ class Builder {
   }
 
   void label() {
-    if (!options_.views.images.empty() &&
-        std::any_of(views_.begin(), views_.end(), [](const View& view) { return !view.labels.empty(); })) {
-      MaterialLabels voted = vote_labels(surface(), views_, coverage_);
-      result_.actor.labels = std::move(voted.labels);
-    } else {
-      result_.actor.labels =
-          guess_labels({surface(), result_.actor.weights, result_.joints, volume_, vertex_colors(), nose_vertex()});
-      note("no label images: materials are guessed from body parts and colours");
+    const bool given = std::any_of(views_.begin(), views_.end(), [](const View& view) { return !view.labels.empty(); });
+    if (given && !options_.views.images.empty() && vote()) return;
+    result_.actor.labels =
+        guess_labels({surface(), result_.actor.weights, result_.joints, volume_, vertex_colors(), nose_vertex()});
+    note(given ? "the materials are guessed from body parts and colours instead"
+               : "no label images: materials are guessed from body parts and colours");
+  }
+
+  // False when the label images say nothing.
+  bool vote() {
+    MaterialLabels voted = vote_labels(surface(), views_, coverage_);
+    const int n = static_cast<int>(voted.labels.size());
+    if (voted.foreign > 0.02)
+      note(
+          format("%.0f %% of the label images' pixels on the person are above 19: they must hold LIP ids, one byte a "
+                 "pixel, not colours",
+                 100 * voted.foreign));
+    const auto n_seen = std::count(result_.seen.begin(), result_.seen.end(), 1);
+    if (voted.foreign > 0.5 || 2 * (n - voted.n_unseen) < n_seen) {
+      note(format("the label images say nothing about %d of %d vertices", voted.n_unseen, n));
+      return false;
     }
+    if (voted.n_unseen > 0)
+      note(format("%d vertices have no label in any picture; they have their neighbours'", voted.n_unseen));
+    result_.actor.labels = std::move(voted.labels);
+    return true;
   }
 
   // Of the texture, at each vertex.

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <opencv2/imgproc.hpp>
 
+#include "acquire/picture_orientation.h"
 #include "base/text.h"
 #include "image/image_io.h"
 #include "livecap/error.h"
@@ -63,17 +65,35 @@ Camera reduced(const Camera& camera, int max_side) {
   return small;
 }
 
-// folder/<stem of the picture>.png (or .jpg, or the picture's whole name with .png behind it, as COLMAP has it).
-path companion(const path& folder, const std::string& picture) {
-  const path name = path(picture).filename();
-  for (const std::string& candidate :
-       {name.stem().string() + ".png", name.string() + ".png", name.stem().string() + ".jpg"})
-    if (std::filesystem::exists(folder / candidate)) return folder / candidate;
+// folder/<stem of the picture>.png (or .jpg, or the picture's whole name with .png behind it, as COLMAP has it). The
+// companion of sub/a.jpg is sub/a.png; a.png only when no picture in another folder is called so as well.
+path companion(const path& folder, const std::string& picture, const std::map<std::string, int>& n_of_stem) {
+  const path name = path(picture).filename(), below = path(picture).parent_path();
+  std::vector<path> folders = {folder / below};
+  if (!below.empty() && n_of_stem.at(name.stem().string()) == 1) folders.push_back(folder);
+  for (const path& where : folders)
+    for (const std::string& candidate :
+         {name.stem().string() + ".png", name.string() + ".png", name.stem().string() + ".jpg"})
+      if (std::filesystem::exists(where / candidate)) return where / candidate;
   return {};
 }
 
-ImageGray read_companion(const path& file, const ImageRgb& image) {
+// A companion made from the stored picture is turned as the picture was.
+ImageGray turned(const ImageGray& image, int quarter_turns) {
+  ImageGray result = image;
+  for (int i = 0; i < quarter_turns; ++i) {
+    const ImageGray from = result;
+    result.width = from.height, result.height = from.width;
+    for (int y = 0; y < from.height; ++y)
+      for (int x = 0; x < from.width; ++x)
+        result.pixels[size_t(x) * result.width + from.height - 1 - y] = from.pixels[size_t(y) * from.width + x];
+  }
+  return result;
+}
+
+ImageGray read_companion(const path& file, const ImageRgb& image, int turns) {
   ImageGray gray = read_image_gray(file);
+  if (turns % 2 == 1 && gray.width == image.height && gray.height == image.width) gray = turned(gray, turns);
   if (gray.width != image.width || gray.height != image.height)
     throw IoError(file.string() +
                   format(": %d x %d, its picture is %d x %d", gray.width, gray.height, image.width, image.height));
@@ -110,7 +130,13 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
   std::vector<View> views;
   std::vector<double> sharp;
   int n_missing = 0, n_no_mask = 0;
-  for (const ViewPose& pose : read_view_poses(where)) {
+  int n_turned = 0;
+  const bool as_stored = std::filesystem::is_directory(where);  // COLMAP's cameras
+  const std::vector<ViewPose> poses = read_view_poses(where);
+  std::map<std::string, int> n_of_stem;
+  for (const ViewPose& pose : poses) ++n_of_stem[path(pose.picture).stem().string()];
+  for (const ViewPose& given : poses) {
+    ViewPose pose = given;
     const path file = files.images / pose.picture;
     if (!std::filesystem::exists(file)) {
       if (++n_missing <= 3)
@@ -124,7 +150,9 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
       notes.push_back(std::string(error.what()) + "; left out");
       continue;
     }
-    Camera camera = pose.camera;
+    const int turns = as_stored ? quarter_turns(file) : 0;
+    if (turns > 0) pose = turned(given, turns), ++n_turned;
+    const Camera& camera = pose.camera;
     if (image.width != camera.width || image.height != camera.height)
       throw IoError(file.string() + format(": %d x %d, its camera has %d x %d", image.width, image.height, camera.width,
                                            camera.height));
@@ -135,17 +163,18 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
     const cv::Mat map = sampling_map(camera, view.camera);
     view.image = sample_rgb(image, map, std::max(1, static_cast<int>(camera.width / view.camera.width)));
     if (!files.masks.empty()) {
-      if (const path mask = companion(files.masks, pose.picture); !mask.empty())
-        view.mask = sample_gray(read_companion(mask, image), map, cv::INTER_LINEAR);
+      if (const path mask = companion(files.masks, pose.picture, n_of_stem); !mask.empty())
+        view.mask = sample_gray(read_companion(mask, image, turns), map, cv::INTER_LINEAR);
       else
         ++n_no_mask;
     }
     if (!files.labels.empty())
-      if (const path labels = companion(files.labels, pose.picture); !labels.empty())
-        view.labels = sample_gray(read_companion(labels, image), map, cv::INTER_NEAREST);
+      if (const path labels = companion(files.labels, pose.picture, n_of_stem); !labels.empty())
+        view.labels = sample_gray(read_companion(labels, image, turns), map, cv::INTER_NEAREST);
     sharp.push_back(sharpness(view.image));
     views.push_back(std::move(view));
   }
+  if (n_turned > 0) notes.push_back(format("%d pictures are turned upright as their EXIF data says", n_turned));
   if (n_missing > 3) notes.push_back(format("%d pictures in all are not there", n_missing));
   if (n_no_mask > 0)
     notes.push_back(

@@ -12,6 +12,7 @@ MaterialLabels vote_labels(const meshing::Surface& surface, const std::vector<Vi
   const size_t n = surface.vertices.size();
   std::vector<std::array<float, kLabelCount>> votes(n);
   for (auto& row : votes) row.fill(0);
+  int64_t n_pixels = 0, n_foreign = 0;
   for (size_t v = 0; v < views.size(); ++v) {
     const ImageGray& image = views[v].labels;
     if (image.empty()) continue;
@@ -21,12 +22,15 @@ MaterialLabels vote_labels(const meshing::Surface& surface, const std::vector<Vi
       const int x = static_cast<int>(std::lround(coverage[v].pixels[i].x())),
                 y = static_cast<int>(std::lround(coverage[v].pixels[i].y()));
       if (x < 0 || y < 0 || x >= image.width || y >= image.height) continue;
+      ++n_pixels;
       const int label = image.pixels[static_cast<size_t>(y) * image.width + x];
       if (label > 0 && label < kLabelCount) votes[i][label] += facing;
+      n_foreign += label >= kLabelCount;
     }
   }
   MaterialLabels result;
   result.labels.assign(n, 0);
+  if (n_pixels > 0) result.foreign = static_cast<double>(n_foreign) / static_cast<double>(n_pixels);
   std::vector<char> known(n, 0);
   for (size_t i = 0; i < n; ++i) {
     const auto best = std::max_element(votes[i].begin(), votes[i].end());

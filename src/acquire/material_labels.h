@@ -14,6 +14,7 @@ namespace livecap::acquire {
 struct MaterialLabels {
   std::vector<uint8_t> labels;  // [n_vertices]
   int n_unseen = 0;             // vertices without a vote; they take their neighbours' label
+  double foreign = 0;           // share of the pixels looked at whose value is no LIP id
 };
 
 // Majority over the views that see a vertex, each weighted by how straight it looks at it; background does not vote.

@@ -3,6 +3,7 @@
 
 #include "acquire/scan_files.h"
 #include "actor/gltf_reader.h"
+#include "actor/texture_atlas.h"
 #include "base/text.h"
 
 namespace livecap::acquire {
@@ -50,7 +51,8 @@ Scan read_glb_scan(const std::filesystem::path& path, std::vector<std::string>& 
         if (components < 3) file.fail(format("COLOR_0 has %d components, expected 3 or 4", components));
         const std::vector<double> c = file.read(found->second, components, n, "COLOR_0");
         for (int64_t i = 0; i < n; ++i)
-          scan.colors.emplace_back(c[components * i], c[components * i + 1], c[components * i + 2]);
+          scan.colors.emplace_back(encode_srgb(c[components * i]), encode_srgb(c[components * i + 1]),
+                                   encode_srgb(c[components * i + 2]));  // glTF's are linear
       } else {
         colored = false;
       }

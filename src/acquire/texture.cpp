@@ -75,7 +75,8 @@ std::vector<std::vector<Share>> choose_views(const meshing::Surface& surface, co
   return shares;
 }
 
-// Colours of unseen vertices from their neighbours, ring by ring.
+}  // namespace
+
 void spread_colors(const std::vector<std::vector<int>>& neighbors, std::vector<char> known,
                    std::vector<Vector3d>& colors) {
   for (bool changed = true; changed;) {
@@ -95,8 +96,6 @@ void spread_colors(const std::vector<std::vector<int>>& neighbors, std::vector<c
     known.swap(next);
   }
 }
-
-}  // namespace
 
 BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atlas& atlas, int size,
                              const std::vector<View>& views, const std::vector<ViewCoverage>& coverage) {

@@ -18,4 +18,8 @@ struct BlendedTexture {
 BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atlas& atlas, int size,
                              const std::vector<View>& views, const std::vector<ViewCoverage>& coverage);
 
+// Colours of vertices that are not known from their neighbours, ring by ring.
+void spread_colors(const std::vector<std::vector<int>>& neighbors, std::vector<char> known,
+                   std::vector<Eigen::Vector3d>& colors);
+
 }  // namespace livecap::acquire

@@ -81,13 +81,17 @@ ActorModel build_actor(const std::string& name, double height_mm, int target_ver
   return actor;
 }
 
-std::string actor_glb(const ActorModel& actor) {
+meshing::ActorFile actor_file(const ActorModel& actor) {
   meshing::ActorFile file{actor.name, actor.surface, {}, actor.weights, actor.labels, actor.atlas, actor.texture, {}};
   for (int bone = 0; bone < kBoneCount; ++bone)
     file.bones.push_back({kBones[bone].name, kBones[bone].parent, actor.joints[bone]});
   file.markers = {
       {"left_eye", actor.left_eye}, {"right_eye", actor.right_eye}, {"nose", actor.nose}, {"chin", actor.chin}};
-  return meshing::actor_glb(file);
+  return file;
+}
+
+std::string actor_glb(const ActorModel& actor) {
+  return meshing::actor_glb(actor_file(actor));
 }
 
 }  // namespace synth

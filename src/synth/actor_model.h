@@ -10,6 +10,7 @@
 #include "meshing/atlas.h"
 #include "synth/body_shape.h"
 #include "synth/rig.h"
+#include "synth/synth.h"
 
 namespace livecap::synth {
 
@@ -31,6 +32,11 @@ struct ActorModel {
 // Throws ConfigError as make_builtin_actor_glb does.
 ActorModel build_actor(const std::string& name, double height_mm, int target_vertices);
 
+// Other proportions at the same height: bones and the surface around them are stretched. Throws ConfigError.
+void apply_physique(const Physique& physique, ActorModel& actor);
+
+// What meshing::actor_glb writes.
+meshing::ActorFile actor_file(const ActorModel& actor);
 std::string actor_glb(const ActorModel& actor);
 
 }  // namespace livecap::synth

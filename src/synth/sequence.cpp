@@ -262,6 +262,7 @@ void require(bool ok, const std::string& message) {
 
 void SynthOptions::validate() const {
   outfit_from_name(actor);
+  physique.validate();
   require(height_mm >= 500 && height_mm <= 3000, format("height_mm is %g; it must be within 500..3000", height_mm));
   require(!motions.empty(), "motions is empty; name at least one");
   make_motion(motions, 1);
@@ -292,7 +293,8 @@ SynthReport write_sequence(const SynthOptions& options, const std::filesystem::p
   std::filesystem::create_directories(masks, error);
   if (error) throw IoError(masks.string() + ": cannot be created: " + error.message());
 
-  const ActorModel actor = build_actor(options.actor, options.height_mm, 5000);
+  ActorModel actor = build_actor(options.actor, options.height_mm, 5000);
+  apply_physique(options.physique, actor);
   write_file_atomically(folder / "actor.glb", actor_glb(actor));
   write_file_atomically(folder / "truth" / "labels.npy", labels_npy(actor.labels));
   const View view = make_view(options);

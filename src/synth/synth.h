@@ -31,8 +31,20 @@ const std::vector<std::string>& motion_names();
 // similar-background, gap.
 const std::vector<std::string>& scenario_names();
 
+// Lengths and widths relative to the built-in actor's; the height stays.
+struct Physique {
+  double legs = 1;       // length of thighs and shanks
+  double arms = 1;       // length of upper arms and forearms
+  double trunk = 1;      // from hips to neck
+  double shoulders = 1;  // width
+  double girth = 1;      // of trunk and limbs
+
+  void validate() const;  // throws ConfigError: each within 0.6..1.6
+};
+
 struct SynthOptions {
   std::string actor = "skirt";                  // one of builtin_actor_names()
+  Physique physique;                            // of the first person
   double height_mm = kBuiltinHeightMm;          // of the actor
   std::vector<std::string> motions = {"demo"};  // played one after the other, see motion_names()
   std::string scenario = "none";                // see scenario_names()

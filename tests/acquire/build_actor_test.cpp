@@ -213,6 +213,14 @@ TEST_F(BuildActor, BadPicturesAreRefusedOrTold) {
   EXPECT_TRUE(noted(result, "005.png"));
   EXPECT_TRUE(noted(result, "1 pictures have no mask"));
 
+  // Pictures in colour where label images should be.
+  for (int i = 0; i < 12; ++i)
+    write_png(ImageGray{240, 320, std::vector<uint8_t>(240 * 320, 200)}, folder_ / "labels" / format("%03d.png", i));
+  const BuildResult guessed = build(options());
+  EXPECT_TRUE(noted(guessed, "must hold LIP ids"));
+  EXPECT_TRUE(noted(guessed, "guessed from body parts"));
+  EXPECT_NE(*std::max_element(guessed.actor.labels.begin(), guessed.actor.labels.end()), 0);
+
   for (int i = 3; i < 12; ++i) std::filesystem::remove(folder_ / "images" / format("%03d.png", i));
   EXPECT_NE(failure(options()).find("3 usable pictures"), std::string::npos) << failure(options());
   std::filesystem::remove(folder_ / "cameras.txt");

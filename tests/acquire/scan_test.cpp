@@ -9,6 +9,7 @@
 #include "acquire/true_actor.h"
 #include "base/text.h"
 #include "livecap/error.h"
+#include "support/tolerances.h"
 
 namespace livecap {
 namespace {
@@ -113,6 +114,42 @@ TEST_F(Scan, ReadsARiggedGlbWithItsTexture) {
   EXPECT_EQ(static_cast<int>(scan.surface.vertices.size()), actor.n_vertices());
   EXPECT_FALSE(scan.texture.empty());
   EXPECT_EQ(scan.uvs.size(), 3 * scan.surface.triangles.size());
+}
+
+// glTF's vertex colours are linear; the scan's are encoded.
+TEST_F(Scan, VertexColoursOfAGlbAreEncoded) {
+  std::string data;
+  const auto bytes = [&](const auto& value) { data.append(reinterpret_cast<const char*>(&value), sizeof(value)); };
+  const size_t n = ball_.vertices.size(), m = ball_.triangles.size();
+  for (const Vector3d& p : ball_.vertices)
+    for (int k = 0; k < 3; ++k) bytes(static_cast<float>(p[k]));
+  for (size_t i = 0; i < n; ++i)
+    for (float c : {1.0f, 0.2140411f, 0.0f}) bytes(c);  // 0.2140411 is what 0.5 stands for
+  for (const auto& t : ball_.triangles)
+    for (int k = 0; k < 3; ++k) bytes(static_cast<uint32_t>(t[k]));
+  std::string json = format(
+      R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0,"buffers":[{"byteLength":%zu}],)"
+      R"("bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":%zu},{"buffer":0,"byteOffset":%zu,"byteLength":%zu},)"
+      R"({"buffer":0,"byteOffset":%zu,"byteLength":%zu}],"accessors":[{"bufferView":0,"componentType":5126,"count":%zu,)"
+      R"("type":"VEC3","min":[-81,-81,-81],"max":[81,81,81]},{"bufferView":1,"componentType":5126,"count":%zu,"type":"VEC3"},)"
+      R"({"bufferView":2,"componentType":5125,"count":%zu,"type":"SCALAR"}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"COLOR_0":1},"indices":2}]}]})",
+      data.size(), 12 * n, 12 * n, 12 * n, 24 * n, 12 * m, n, n, 3 * m);
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  std::string glb = "glTF";
+  const auto number = [&](size_t value) {
+    const uint32_t v = static_cast<uint32_t>(value);
+    glb.append(reinterpret_cast<const char*>(&v), 4);
+  };
+  number(2), number(12 + 8 + json.size() + 8 + data.size());
+  number(json.size()), glb += "JSON" + json;
+  number(data.size()), glb.append("BIN\0", 4), glb += data;
+  std::vector<std::string> notes;
+  const acquire::Scan scan = acquire::read_scan(write("ball.glb", glb), notes);
+  ASSERT_EQ(scan.colors.size(), n);
+  EXPECT_NEAR(scan.colors[3].x(), 1, test::kHandComputed);
+  EXPECT_NEAR(scan.colors[3].y(), 0.5, test::kHandComputed);
+  EXPECT_NEAR(scan.colors[3].z(), 0, test::kHandComputed);
 }
 
 TEST_F(Scan, FaultsNameTheFile) {

@@ -20,7 +20,7 @@ expect() {
   lines=$(grep -c '^error: ' err.txt)
   local others
   # libpng reports on its own before our line, and cannot be told not to.
-  others=$(grep -cvE '^(error: |warning: |capture |synth |detect |eval |actor: |views |libpng error: )' err.txt)
+  others=$(grep -cvE '^(error: |warning: |capture |synth |detect |eval |actor: |views |calibrate |libpng error: )' err.txt)
   local word missing=
   for word in $pattern; do
     grep '^error: ' err.txt | grep -qF -- "$word" || missing+=" $word"
@@ -203,6 +203,33 @@ expect 2 'cameras.txt line 1 PINHOLE' actor build --images seq/truth/masks --cam
 expect 2 'nobody' actor views builtin:nobody --out v
 expect 2 'none.glb' actor compare none.glb seq/actor.glb
 [[ ! -e a.glb ]] || { echo "FAILED: actor build left a file"; failures=$((failures + 1)); }
+
+# actor fit.
+fit=(actor fit --video seq/video.mp4 --camera seq/camera.json --out a.glb)
+expect 2 '--video' actor fit --camera seq/camera.json --out a.glb
+expect 2 '--camera --fov' actor fit --video seq/video.mp4 --out a.glb
+expect 2 '--actor seq/actor.glb builtin:NAME' "${fit[@]}" --actor seq/actor.glb
+expect 2 'nobody skirt' "${fit[@]}" --actor builtin:nobody
+expect 2 '--height 9' "${fit[@]}" --height 9
+expect 2 '--fit-frames' "${fit[@]}" --fit-frames 2
+expect 2 'none.png' "${fit[@]}" --background none.png
+expect 2 'none.mp4' actor fit --video none.mp4 --camera seq/camera.json --out a.glb
+expect 2 'wide.json 640x960 540x960' actor fit --video seq/video.mp4 --camera wide.json --out a.glb
+expect 2 'seq/video.mp4 nobody' "${fit[@]}" --frames 2 --model lite
+[[ ! -e a.glb ]] || { echo "FAILED: actor fit left a file"; failures=$((failures + 1)); }
+expect 2 'physique.legs 9' synth --legs 9 --out s
+
+# calibrate.
+expect 2 '--images --video' calibrate --board 9x6 --out c.json
+expect 2 '--board --charuco' calibrate --images seq/truth/masks --out c.json
+expect 2 '--board nine 9x6' calibrate --images seq/truth/masks --board nine --out c.json
+expect 2 '--dictionary 9x9' calibrate --images seq/truth/masks --charuco 7x5 --dictionary 9x9 --out c.json
+expect 2 '--marker' calibrate --images seq/truth/masks --charuco 7x5 --marker 75 --out c.json
+expect 2 'none.mp4' calibrate --video none.mp4 --board 9x6 --out c.json
+expect 2 'nothing holds no .png' calibrate --images nothing --board 9x6 --out c.json
+expect 2 'seq/truth/masks: no board with 9x6 inner corners' calibrate --images seq/truth/masks --board 9x6 --out c.json
+expect 2 'seq/video.mp4: no board' calibrate --video seq/video.mp4 --charuco 7x5 --out c.json
+[[ ! -e c.json ]] || { echo "FAILED: calibrate left a file"; failures=$((failures + 1)); }
 
 # bench.
 expect 2 'nowhere/video.mp4' bench --sequence nowhere

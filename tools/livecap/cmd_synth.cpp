@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <tuple>
 
 #include "base/text.h"
 #include "command.h"
@@ -64,6 +65,13 @@ void add_synth_command(CLI::App& app, Action& action) {
   command->add_option("--actor", options->actor, "builtin:NAME, NAME one of " + joined(builtin_actor_names()))
       ->capture_default_str();
   command->add_option("--height", options->height_m, "height of the actor, metres")->capture_default_str();
+  for (const auto& [name, share, what] :
+       {std::tuple{"--legs", &synth.physique.legs, "length of the legs"},
+        std::tuple{"--arms", &synth.physique.arms, "length of the arms"},
+        std::tuple{"--trunk", &synth.physique.trunk, "length of the trunk"},
+        std::tuple{"--shoulders", &synth.physique.shoulders, "width of the shoulders"},
+        std::tuple{"--girth", &synth.physique.girth, "girth of trunk and limbs"}})
+    command->add_option(name, *share, std::string(what) + " relative to the built-in actor's")->capture_default_str();
   command->add_option("--motion", synth.motions, "one or more of " + joined(motion_names()))->delimiter(',');
   command->add_option("--scenario", synth.scenario, "what makes it difficult: one of " + joined(scenario_names()))
       ->capture_default_str();

@@ -16,6 +16,7 @@ inline constexpr int kExitBadInput = 2;   // bad usage, or an input or output fi
 // Each adds its subcommand, which sets `action` when it was chosen.
 void add_actor_command(CLI::App& app, Action& action);
 void add_bench_command(CLI::App& app, Action& action);
+void add_calibrate_command(CLI::App& app, Action& action);
 void add_capture_command(CLI::App& app, Action& action);
 void add_detect_command(CLI::App& app, Action& action);
 void add_devices_command(CLI::App& app, Action& action);

@@ -59,6 +59,7 @@ int run(int argc, char** argv) {
   Action action;
   add_devices_command(app, action);
   add_actor_command(app, action);
+  add_calibrate_command(app, action);
   add_synth_command(app, action);
   add_detect_command(app, action);
   add_capture_command(app, action);

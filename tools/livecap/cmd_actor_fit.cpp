@@ -1,0 +1,94 @@
+// livecap actor fit: a built-in actor with the proportions and colours of the person in a video.
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "acquire/fit_actor.h"
+#include "acquire/report.h"
+#include "base/log.h"
+#include "base/text.h"
+#include "cmd_actor.h"
+#include "livecap/error.h"
+#include "progress.h"
+#include "synth/synth.h"
+
+namespace livecap::tools {
+namespace {
+
+struct FitCommand {
+  acquire::FitActorOptions fit;
+  std::string actor = "builtin:trousers";
+  double height_m = 0;
+  std::string cnn_device, solver_device;
+  std::string out;
+};
+
+int fit(const FitCommand& command) {
+  acquire::FitActorOptions options = command.fit;
+  const std::string prefix = "builtin:";
+  if (command.actor.rfind(prefix, 0) != 0)
+    throw ConfigError("--actor " + command.actor + ": must be builtin:NAME; `livecap synth --help` lists the names");
+  options.actor = command.actor.substr(prefix.size());
+  options.height_mm = 1000 * command.height_m;
+  options.validate();
+  const ocl::DevicePair devices = ocl::select_device_pair(command.cnn_device, command.solver_device);
+  ocl::DeviceContext network(devices.cnn), solver(devices.solver);
+  catch_interrupt();
+  std::unique_ptr<Progress> progress;
+  std::string stage;
+  const auto update = [&](const std::string& name, int done, int total) {
+    if (name != stage) {
+      if (progress) progress->finish();
+      progress = std::make_unique<Progress>("actor: " + name);
+      stage = name;
+    }
+    progress->update(done, total);
+    return !interrupted();
+  };
+  acquire::FitFootage footage = acquire::read_footage(network, options, update);
+  acquire::FitResult result = acquire::fit_actor(solver, std::move(footage), options, update);
+  if (progress) progress->finish();
+  progress.reset();
+  result.actor.name = std::filesystem::path(command.out).stem().string();
+  const std::string bytes = meshing::actor_glb(result.actor);
+  write_file_atomically(command.out, bytes);
+  const Actor actor = load_actor_bytes(bytes, command.out);
+  for (const std::string& note : result.notes) log_warning(note);
+  for (int k = 0; k < acquire::kProportionCount; ++k)
+    std::printf("  %-17s %+6.1f %%\n", acquire::kProportionNames[k], 100 * (result.scales[k] - 1));
+  const std::string facts = format(
+      "silhouette overlap %.3f, with %s %.3f, over %d of %d frames; %.0f %% of the surface seen", result.overlap_after,
+      command.actor.c_str(), result.overlap_before, result.n_used, result.n_looked_at, 100 * result.seen_share);
+  const std::filesystem::path report = std::filesystem::path(command.out).replace_extension(".html");
+  write_file_atomically(report, acquire::actor_report_html(actor, {result.actor.name, {facts}, result.notes}));
+  std::printf("%s: %s; see %s\n", command.out.c_str(), facts.c_str(), report.c_str());
+  return kExitOk;
+}
+
+}  // namespace
+
+void add_actor_fit_command(CLI::App& actor, Action& action) {
+  auto options = std::make_shared<FitCommand>();
+  acquire::FitActorOptions& fit_options = options->fit;
+  CLI::App* command =
+      actor.add_subcommand("fit", "give a built-in actor the proportions and colours of the person in a video");
+  command->fallthrough();
+  command->add_option("--video", fit_options.video, "video file or folder of images, a few seconds")->required();
+  CLI::Option* camera = command->add_option("--camera", fit_options.camera, "camera.json");
+  command->add_option("--fov", fit_options.fov_deg, "instead of --camera: field of view of the longer side, degrees")
+      ->excludes(camera);
+  CLI::Option* background = command->add_option("--background", fit_options.background, "picture of the empty scene");
+  command->add_option("--background-frames", fit_options.background_frames, "the first N frames of the video are empty")
+      ->excludes(background);
+  command->add_option("--actor", options->actor, "builtin:NAME, what the person wears")->capture_default_str();
+  command->add_option("--height", options->height_m, "of the person, metres; one view does not tell it");
+  command->add_option("--frames", fit_options.max_frames, "look at so many frames at most")->capture_default_str();
+  command->add_option("--fit-frames", fit_options.n_frames, "fit to about so many of them")->capture_default_str();
+  command->add_option("--model", fit_options.model, "lite, full, heavy or a .tflite file")->capture_default_str();
+  command->add_option("--cnn-device", options->cnn_device, "see `livecap devices`");
+  command->add_option("--solver-device", options->solver_device, "see `livecap devices`");
+  command->add_option("--out", options->out, "actor.glb to write")->required();
+  command->callback([options, &action] { action = [options] { return fit(*options); }; });
+}
+
+}  // namespace livecap::tools

@@ -13,7 +13,7 @@
 #include "image/video.h"
 #include "livecap/error.h"
 #include "support/data_dir.h"
-#include "support/test_device.h"
+#include "support/kernel_bodies.h"
 #include "support/tolerances.h"
 
 namespace livecap {
@@ -200,7 +200,7 @@ TEST(Foreground, RealHolesStayOpen) {
 // Against the same decisions in plain C++ and OpenCV. Divisions and the smoothing's weights are rounded differently, so
 // single pixels at the thresholds may differ.
 TEST(Foreground, AgreesWithPlainCpp) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     std::mt19937 random(5);
     for (const auto& [width, height] : {std::pair{200, 240}, {97, 131}, {33, 40}, {9, 7}}) {
       for (int plates : {0, 1, 6}) {

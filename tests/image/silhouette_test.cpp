@@ -7,7 +7,7 @@
 
 #include "image/device_distance.h"
 #include "livecap/error.h"
-#include "support/test_device.h"
+#include "support/kernel_bodies.h"
 #include "support/tolerances.h"
 
 namespace livecap {
@@ -66,7 +66,7 @@ TEST(Silhouette, MatchesBruteForce) {
 
 // Pieces anywhere, also far apart and at the border: the device's field is make_silhouette()'s.
 TEST(Silhouette, TheDeviceComputesTheSame) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     std::mt19937 random(2);
     for (const auto& [width, height] :
          {std::pair{1, 7}, {9, 1}, {31, 17}, {64, 63}, {65, 140}, {301, 207}, {700, 90}}) {

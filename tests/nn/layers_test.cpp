@@ -6,7 +6,7 @@
 
 #include "livecap/error.h"
 #include "nn/executor.h"
-#include "nn/kernel_bodies.h"
+#include "support/kernel_bodies.h"
 #include "nn/optimize.h"
 #include "nn/random_graph.h"
 #include "nn/reference.h"

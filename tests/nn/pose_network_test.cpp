@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "nn/executor.h"
-#include "nn/kernel_bodies.h"
+#include "support/kernel_bodies.h"
 #include "nn/models.h"
 #include "nn/npy.h"
 #include "nn/reference.h"

@@ -11,6 +11,7 @@
 #include "base/log.h"
 #include "base/text.h"
 #include "command.h"
+#include "image/self_test.h"
 #include "livecap/error.h"
 #include "nn/executor.h"
 #include "ocl/context.h"
@@ -33,6 +34,7 @@ using SelfTest = std::function<std::vector<ocl::SelfTestResult>(ocl::DeviceConte
 const std::vector<std::pair<const char*, SelfTest>>& self_tests() {
   static const std::vector<std::pair<const char*, SelfTest>> tests = {
       {"actor", skinner_self_test},
+      {"image", image_self_test},
       {"raster", raster_self_test},
       {"nn", nn::nn_self_test},
       {"solve", solve_self_test},

@@ -213,6 +213,19 @@ kernel void extend_distances(DistanceArg a, int n_groups, global float* restrict
   if (from_y == y && first >= a.box_x0 && end <= a.box_x1) return;
   global const float* from = distance + from_y * a.width;
   const float dy = (float)(y - from_y);
+  global float* to = distance + y * a.width + first;
+  const int n_inside = clamp(a.box_x1, first, end) - clamp(a.box_x0, first, end);
+  if (end - first == LC_LANES && (n_inside == 0 || n_inside == LC_LANES)) {
+    if (n_inside) {
+      vstore16(vload16(0, from + first) + fabs(dy), 0, to);
+    } else {
+      const int from_x = first < a.box_x0 ? a.box_x0 : a.box_x1 - 1;
+      const float16 lane = (float16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+      const float16 dx = lane + (float)(first - from_x);
+      vstore16(from[from_x] + sqrt(dx * dx + dy * dy), 0, to);
+    }
+    return;
+  }
   for (int x = first; x < end; ++x) {
     const int from_x = clamp(x, a.box_x0, a.box_x1 - 1);
     if (from_x == x && from_y == y) continue;

@@ -46,6 +46,11 @@ static inline uchar16 spread_cells(global const uchar* cells, int n) {
   return (uchar16)((uchar4)four.x, (uchar4)four.y, (uchar4)four.z, (uchar4)four.w);
 }
 
+static inline int is_any(uchar16 value) {
+  const ulong2 bits = as_ulong2(value);
+  return (bits.x | bits.y) != 0;
+}
+
 static inline float16 squared(float16 x) {
   return x * x;
 }
@@ -54,26 +59,30 @@ static inline uchar16 quantized(float16 value, float scale) {
   return convert_uchar16(convert_int16_rtz(fmin((float16)255.0f, scale * value)));
 }
 
-// coarse[cell]: rounded mean of the cell's pixels of fine: [w*h]; cells at the border may be smaller.
-kernel void coarse_means(int n, int width, int height, int coarse_width, global const uchar* restrict fine,
-                         global uchar* restrict coarse) {
-  const int i = get_global_id(0);
-  if (i >= n) return;
-  const int x0 = i % coarse_width * LC_COARSE, y0 = i / coarse_width * LC_COARSE;
-  const int columns = min(LC_COARSE, width - x0), rows = min(LC_COARSE, height - y0);
-  uint sum = 0;
-  if (columns == LC_COARSE) {
-    for (int y = 0; y < rows; ++y) {
-      const uint4 four = convert_uint4(vload4(0, fine + (y0 + y) * width + x0));
-      sum += four.x + four.y + four.z + four.w;
-    }
-  } else {
-    for (int y = 0; y < rows; ++y) {
-      for (int x = 0; x < columns; ++x) sum += fine[(y0 + y) * width + x0 + x];
-    }
+// coarse[cell]: rounded mean of the cell's pixels of fine: [w*h]; cells at the border may be smaller. One work-item per
+// four cells of a row, n_groups of them in a row.
+kernel void coarse_means(int n_groups, int width, int height, int coarse_width, int coarse_height,
+                         global const uchar* restrict fine, global uchar* restrict coarse) {
+  const int group = get_global_id(0), row = get_global_id(1);
+  if (group >= n_groups || row >= coarse_height) return;
+  const int x0 = group * LC_LANES, y0 = row * LC_COARSE;
+  const int rows = min(LC_COARSE, height - y0);
+  global uchar* to = coarse + row * coarse_width + 4 * group;
+  ushort16 sum = 0;
+  for (int y = 0; y < rows; ++y)
+    sum += convert_ushort16(load_bytes(fine + (y0 + y) * width + x0, width - x0));
+  const ushort8 two = sum.even + sum.odd;
+  const ushort4 four = two.even + two.odd;
+  if (rows == LC_COARSE && x0 + LC_LANES <= width) {
+    vstore4(convert_uchar4((four + (ushort)8) >> (ushort)4), 0, to);
+    return;
   }
-  const uint area = (uint)(columns * rows);
-  coarse[i] = (uchar)((2 * sum + area) / (2 * area));
+  ushort sums[4];
+  vstore4(four, 0, sums);
+  for (int k = 0; k < 4 && x0 + k * LC_COARSE < width; ++k) {
+    const int area = rows * min(LC_COARSE, width - x0 - k * LC_COARSE);
+    to[k] = (uchar)((2 * sums[k] + area) / (2 * area));
+  }
 }
 
 typedef struct {
@@ -145,11 +154,13 @@ kernel void foreground_score(ForegroundArg a, global const uchar* restrict rgb, 
   vstore16((s & may_be) | is, 0, score + at);
   const uchar16 differs = select((uchar16)0, ~may_be, without >= (uchar)128);
   vstore16(differs, 0, beyond + at);
-  uchar lanes[LC_LANES];
-  vstore16(differs, 0, lanes);
-  int count = 0;
-  for (int k = 0; k < LC_LANES; ++k) count += k < n && lanes[k];
-  if (count) atomic_add(n_beyond, count);
+  if (is_any(differs)) {
+    uchar lanes[LC_LANES];
+    vstore16(differs, 0, lanes);
+    int count = 0;
+    for (int k = 0; k < LC_LANES; ++k) count += k < n && lanes[k];
+    if (count) atomic_add(n_beyond, count);
+  }
 }
 
 // Copies the network's mask to where scores are.
@@ -226,19 +237,19 @@ kernel void trim_border(ForegroundArg a, float share, global const uchar* restri
   const int x = a.x0 + group * LC_LANES, y = a.y0 + row;
   const int at = (y + a.pad) * a.stride + a.pad + x;
   uchar16 person = vload16(0, decided + at);
-  if (share > 0.0f && y >= 2 && y < a.height - 2) {
+  if (share > 0.0f && y >= 2 && y < a.height - 2 && is_any(person)) {
     uchar16 inner = 255;
     for (int dy = -1; dy <= 1; ++dy) {
       const int beside = at + dy * a.stride;
       inner &= vload16(0, decided + beside - 1) & vload16(0, decided + beside) & vload16(0, decided + beside + 1);
     }
-    const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    const int16 border = (convert_int16(person & ~inner) != 0) & (x + lane >= 2) & (x + lane < a.width - 2);
-    if (any(border)) {
+    if (is_any(person & ~inner)) {
       uchar16 largest = 0;
       for (int dy = -2; dy <= 2; ++dy) {
         for (int dx = -2; dx <= 2; ++dx) largest = max(largest, vload16(0, contrast + at + dy * a.stride + dx));
       }
+      const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+      const int16 border = (convert_int16(person & ~inner) != 0) & (x + lane >= 2) & (x + lane < a.width - 2);
       const int16 weak = convert_float16(vload16(0, contrast + at)) < share * convert_float16(largest);
       person = select(person, (uchar16)0, convert_uchar16(border & weak & 255) != (uchar16)0);
     }

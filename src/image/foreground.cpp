@@ -117,8 +117,9 @@ void ForegroundSegmenter::require_sizes(const ImageRgb& image, const PersonMask&
 
 PersonGate ForegroundSegmenter::find_gate(const PersonMask& network_mask) {
   network_.write(network_mask.probability);
-  const int n_cells = coarse_width_ * coarse_height_;
-  coarse_means_.launch(n_cells, kLocal, n_cells, width_, height_, coarse_width_, network_, coarse_);
+  const int n_groups = groups_of(width_);
+  coarse_means_.launch(ocl::Range{groups_of(n_groups) * kLocal, static_cast<size_t>(coarse_height_), kLocal, 1},
+                       n_groups, width_, height_, coarse_width_, coarse_height_, network_, coarse_);
   coarse_.read(coarse_mask_.pixels);
   PersonGate gate = find_person_gate(coarse_mask_, width_, height_, options_);
   if (gate.search.empty()) return gate;

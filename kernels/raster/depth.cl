@@ -118,4 +118,33 @@ kernel void raster_ids(int n_triangles, int width, int height, int cull, global 
 }
 
 #endif
+// overlap: [2*h] per row the pixels in both the mesh and the mask ([w*h], more than 127 = set) and those in either. One
+// work-item per row.
+kernel void row_overlaps(int width, int height, global const int* restrict ids, global const uchar* restrict mask,
+                         global int* restrict overlap) {
+  const int y = get_global_id(0);
+  if (y >= height) return;
+  int16 both = 0, either = 0;  // -1 per pixel
+  int x = 0;
+  for (; x + 16 <= width; x += 16) {
+    const int16 drawn = vload16(0, ids + y * width + x) >= 0;
+    const int16 set = convert_int16(vload16(0, mask + y * width + x)) > 127;
+    both += drawn & set;
+    either += drawn | set;
+  }
+  int8 sum8 = both.lo + both.hi;
+  int4 sum4 = sum8.lo + sum8.hi;
+  int n_both = -(sum4.x + sum4.y + sum4.z + sum4.w);
+  sum8 = either.lo + either.hi;
+  sum4 = sum8.lo + sum8.hi;
+  int n_either = -(sum4.x + sum4.y + sum4.z + sum4.w);
+  for (; x < width; ++x) {
+    const int drawn = ids[y * width + x] >= 0, set = mask[y * width + x] > 127;
+    n_both += drawn & set;
+    n_either += drawn | set;
+  }
+  overlap[2 * y] = n_both;
+  overlap[2 * y + 1] = n_either;
+}
+
 #endif

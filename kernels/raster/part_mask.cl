@@ -4,6 +4,7 @@
 #ifdef LC_DEVICE
 
 #define LC_PAD 16
+#define LC_PART_ROWS 8
 
 // One work-item per pixel.
 kernel void part_bits(int width, int height, int stride, int radius, global const int* restrict ids,
@@ -22,35 +23,56 @@ kernel void part_grow_rows(int n_groups, int height, int stride, int radius, glo
   const int y = get_global_id(1);
   if (group >= n_groups || y >= height) return;
   const int at = (y + radius) * stride + LC_PAD + 16 * group;
+  // Mostly there is nobody in reach of any of them.
+  const ulong2 near =
+      as_ulong2(vload16(0, bits + at - LC_PAD) | vload16(0, bits + at) | vload16(0, bits + at + LC_PAD));
   uchar16 set = 0;
-  for (int d = -radius; d <= radius; ++d) set |= vload16(0, bits + at + d);
+  if (near.x | near.y) {
+    for (int d = -radius; d <= radius; ++d) set |= vload16(0, bits + at + d);
+  }
   vstore16(set, 0, grown + at);
 }
 
-// Grows along columns and decides: the torso (part 1) where it reaches, else the part drawn there, else the lowest part
-// that reaches it. part_image: [w*h], 0 = none.
-kernel void part_grow_columns(int n_groups, int width, int height, int stride, int radius,
-                              global const uchar* restrict bits, global const uchar* restrict grown,
-                              global uchar* restrict part_image) {
-  const int group = get_global_id(0);
-  const int y = get_global_id(1);
-  if (group >= n_groups || y >= height) return;
-  const int at = (y + radius) * stride + LC_PAD + 16 * group;
-  uchar16 reaching = 0;
-  for (int d = -radius; d <= radius; ++d) reaching |= vload16(0, grown + at + d * stride);
-  const uchar16 own = vload16(0, bits + at);
+// The torso (part 1) where it reaches, else the part drawn there, else the lowest part that reaches it.
+static inline uchar16 decide_part(uchar16 reaching, uchar16 own) {
   uchar16 set = select(reaching, own, own != (uchar16)0);
   set = select(set, (uchar16)2, (reaching & (uchar16)2) != (uchar16)0);
   set &= (uchar16)(~set + (uchar16)1);  // lowest bit
   // Index of a single bit below 128.
   uchar16 part = 0;
   for (uchar p = 1; p < 8; ++p) part = select(part, (uchar16)p, set == (uchar16)(1 << p));
-  if (16 * group + 16 <= width) {
-    vstore16(part, 0, part_image + y * width + 16 * group);
-  } else {
-    uchar lanes[16];
-    vstore16(part, 0, lanes);
-    for (int k = 0; 16 * group + k < width; ++k) part_image[y * width + 16 * group + k] = lanes[k];
+  return part;
+}
+
+// Grows along columns and decides. One work-item per 16 pixels of LC_PART_ROWS rows, which share most of the rows that
+// reach them. Rows of `bits` and `grown`: radius more above the picture, radius + LC_PART_ROWS below. part_image:
+// [w*h], 0 = none.
+kernel void part_grow_columns(int n_groups, int width, int height, int stride, int radius,
+                              global const uchar* restrict bits, global const uchar* restrict grown,
+                              global uchar* restrict part_image) {
+  const int group = get_global_id(0);
+  const int y0 = (int)get_global_id(1) * LC_PART_ROWS;
+  if (group >= n_groups || y0 >= height) return;
+  const int at = (y0 + radius) * stride + LC_PAD + 16 * group;
+  // What reaches all rows, if the square is that large; then for each row what is above and below of that.
+  const int first = LC_PART_ROWS - 1 - radius, last = radius;
+  uchar16 all_rows = 0;
+  for (int d = first; d <= last; ++d) all_rows |= vload16(0, grown + at + d * stride);
+  for (int k = 0; k < LC_PART_ROWS && y0 + k < height; ++k) {
+    uchar16 reaching = first <= last ? all_rows : (uchar16)0;
+    for (int d = k - radius; d < min(first, k + radius + 1); ++d) reaching |= vload16(0, grown + at + d * stride);
+    for (int d = max(last + 1, k - radius); d <= k + radius; ++d) reaching |= vload16(0, grown + at + d * stride);
+    const ulong2 any_part = as_ulong2(reaching);
+    uchar16 part = 0;
+    if (any_part.x | any_part.y) part = decide_part(reaching, vload16(0, bits + at + k * stride));
+    global uchar* to = part_image + (y0 + k) * width + 16 * group;
+    if (16 * group + 16 <= width) {
+      vstore16(part, 0, to);
+    } else {
+      uchar lanes[16];
+      vstore16(part, 0, lanes);
+      for (int j = 0; 16 * group + j < width; ++j) to[j] = lanes[j];
+    }
   }
 }
 

@@ -35,14 +35,19 @@ static inline RasterTriangle raster_triangle(int t, int width, int height, int c
     tri.inv_z[k] = p.z;
   }
   const float area = fma(u[1] - u[0], v[2] - v[0], -((v[1] - v[0]) * (u[2] - u[0])));
+  // Faces that look at the camera are counter-clockwise, which is negative in an image whose y points down.
+  if (area == 0.0f || (cull && area > 0.0f)) {
+    tri.x0 = tri.y0 = 0;
+    tri.x1 = tri.y1 = -1;
+    return tri;
+  }
   const float low_inv_z = fmin(tri.inv_z[0], fmin(tri.inv_z[1], tri.inv_z[2]));
   const float high_inv_z = fmax(tri.inv_z[0], fmax(tri.inv_z[1], tri.inv_z[2]));
   tri.x0 = (int)ceil(fmax(fmin(u[0], fmin(u[1], u[2])), 0.0f));
   tri.x1 = (int)floor(fmin(fmax(u[0], fmax(u[1], u[2])), (float)(width - 1)));
   tri.y0 = (int)ceil(fmax(fmin(v[0], fmin(v[1], v[2])), 0.0f));
   tri.y1 = (int)floor(fmin(fmax(v[0], fmax(v[1], v[2])), (float)(height - 1)));
-  // Faces that look at the camera are counter-clockwise, which is negative in an image whose y points down.
-  if (!(low_inv_z > 0.0f) || area == 0.0f || (cull && area > 0.0f)) tri.y1 = tri.y0 - 1;
+  if (!(low_inv_z > 0.0f)) tri.y1 = tri.y0 - 1;
   if (tri.y0 > tri.y1 || tri.x0 > tri.x1) return tri;
   tri.near_z = 1.0f / high_inv_z;
   tri.far_z = 1.0f / low_inv_z;

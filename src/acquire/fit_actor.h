@@ -47,8 +47,9 @@ struct FitFootage {
 
 using FitProgress = std::function<bool(const std::string& stage, int done, int total)>;
 
-// Throws IoError, ConfigError (nobody in the video, too few frames with a whole person), OclError.
-FitFootage read_footage(ocl::DeviceContext& network_device, const FitActorOptions& options,
+// The network runs on network_device, the segmentation on device. Throws IoError, ConfigError (nobody in the video, too
+// few frames with a whole person), OclError.
+FitFootage read_footage(ocl::DeviceContext& network_device, ocl::DeviceContext& device, const FitActorOptions& options,
                         const FitProgress& progress = {});
 
 // The same on footage that is there already.

@@ -50,25 +50,26 @@ Camera open_camera(const FitActorOptions& options, const VideoInfo& video) {
   return camera;
 }
 
-void train(const FitActorOptions& options, const VideoInfo& video, const Undistorter& undistorter,
-           ForegroundModel& foreground) {
+BackgroundModel train(const FitActorOptions& options, const VideoInfo& video, const Undistorter& undistorter) {
+  BackgroundModel background;
   if (!options.background.empty()) {
     const ImageRgb plate = read_image_rgb(options.background);
     if (plate.width != video.width || plate.height != video.height)
       throw IoError(options.background + format(": the picture is %dx%d but the video is %dx%d", plate.width,
                                                 plate.height, video.width, video.height));
-    foreground.train(undistorter.undistort(plate));
+    background.train(undistorter.undistort(plate));
   }
-  if (options.background_frames <= 0) return;
+  if (options.background_frames <= 0) return background;
   VideoReader reader(options.video);
   Frame frame;
   for (int i = 0; i < options.background_frames && reader.read(frame); ++i)
-    if (!frame.damaged) foreground.train(undistorter.undistort(frame.image));
+    if (!frame.damaged) background.train(undistorter.undistort(frame.image));
+  return background;
 }
 
 }  // namespace
 
-FitFootage read_footage(ocl::DeviceContext& network_device, const FitActorOptions& options,
+FitFootage read_footage(ocl::DeviceContext& network_device, ocl::DeviceContext& device, const FitActorOptions& options,
                         const FitProgress& progress) {
   options.validate();
   VideoReader video(options.video);
@@ -76,8 +77,8 @@ FitFootage read_footage(ocl::DeviceContext& network_device, const FitActorOption
   const Undistorter undistorter(open_camera(options, info));
   FitFootage footage;
   footage.camera = undistorter.undistorted_camera();
-  ForegroundModel foreground;
-  train(options, info, undistorter, foreground);
+  ForegroundSegmenter foreground(device, train(options, info, undistorter), info.width, info.height);
+  DeviceFrame device_frame(device, info.width, info.height);
   detect::PoseDetectorOptions detector_options;
   detector_options.model = options.model;
   detect::PoseDetector detector(network_device, detector_options);
@@ -99,7 +100,7 @@ FitFootage read_footage(ocl::DeviceContext& network_device, const FitActorOption
     if (footage.n_seen++ % spacing != 0) continue;
     FitFrame kept;
     kept.index = frame.index;
-    kept.mask = foreground.segment(image, detections.mask);
+    foreground.segment(image, detections.mask, device_frame, kept.mask);
     kept.silhouette = make_silhouette(kept.mask);
     if (kept.silhouette.empty() || is_cut_off(kept.mask, kept.silhouette.area_px)) {
       --footage.n_seen;

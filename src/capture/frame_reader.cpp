@@ -66,7 +66,7 @@ bool FrameReader::read(WorkItem& item) {
   item.report.index = frame.index;
   item.report.pts_ms = frame.pts_ms;
   if (frame.damaged) item.report.status = TrackStatus::kDamaged;
-  item.image = undistorter_->undistort(frame.image);
+  item.image = undistorter_->undistort(std::move(frame.image));
   item.report.stage_ms[static_cast<int>(CaptureStage::kRead)] = timer.elapsed_ms();
   if (options_.realtime) {
     const double early_ms = frame.pts_ms - first_pts_ms_ - clock_->elapsed_ms();

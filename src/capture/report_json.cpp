@@ -1,11 +1,14 @@
 #include "capture/report_json.h"
 
+#include <sys/resource.h>
+
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/text.h"
 #include "detect/find_model.h"
+#include "ocl/buffer.h"
 
 extern "C" {
 #include <libavutil/mem.h>
@@ -31,6 +34,15 @@ Json path_json(const std::string& path) {
   std::error_code code;
   const auto absolute = std::filesystem::absolute(path, code);
   return code ? path : absolute.lexically_normal().string();
+}
+
+constexpr double kMib = 1024 * 1024;
+
+// Of the whole process, device memory of CPU devices included.
+double peak_resident_mib() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) * 1024 / kMib;
 }
 
 }  // namespace
@@ -62,6 +74,8 @@ std::string report_json(const CaptureOptions& options, const CaptureReport& repo
   json["mean_silhouette_iou"] = report.mean_iou;
   for (int i = 0; i < kStageCount; ++i)
     json["stage_median_ms"][stage_name(static_cast<CaptureStage>(i))] = report.stage_median_ms[i];
+  json["memory_mib"] = {{"peak_resident", peak_resident_mib()},
+                        {"peak_device_buffers", static_cast<double>(ocl::BufferMemory::peak) / kMib}};
   json["warnings"] = report.warnings;
 
   const bool builtin = options.actor.rfind("builtin:", 0) == 0;

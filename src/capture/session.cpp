@@ -15,7 +15,9 @@
 #include "capture/warm_up.h"
 #include "detect/detections_io.h"
 #include "detect/pose_detector.h"
+#include "image/device_distance.h"
 #include "image/foreground.h"
+#include "image/frame_pool.h"
 #include "image/image_io.h"
 #include "livecap/capture.h"
 #include "livecap/error.h"
@@ -86,22 +88,37 @@ class DetectionSource {
 // person: which are not the background. gated: the network's mask takes part; without an empty plate it always does.
 class Segmenter {
  public:
-  Segmenter(const ForegroundModel& foreground, bool gated)
-      : foreground_(foreground), gated_(gated || !foreground.has_background()) {}
+  // device: the solver's, with a queue of its own.
+  Segmenter(ocl::DeviceContext& device, const BackgroundModel& background, const Camera& camera, bool gated)
+      : device_(device),
+        foreground_(device, background, camera.width, camera.height),
+        distance_(device, camera.width, camera.height),
+        frames_(device, camera.width, camera.height),
+        gated_(gated || !background.trained()) {}
 
   void segment(WorkItem& item) {
     Timer timer;
     const bool person = item.detections.person;
     missed_frames_ = person ? 0 : missed_frames_ + 1;
     if (person || (foreground_.has_background() && missed_frames_ <= TrackerOptions{}.max_missed_frames)) {
-      item.mask = foreground_.segment(item.image, gated_ ? item.detections.mask : PersonMask());
-      item.silhouette = make_silhouette(item.mask);
+      item.frame = frames_.take();
+      const PersonMask& network_mask = gated_ ? item.detections.mask : no_mask_;
+      const ForegroundResult found = foreground_.segment(item.image, network_mask, *item.frame, item.mask);
+      item.silhouette.width = item.mask.width;
+      item.silhouette.height = item.mask.height;
+      item.silhouette.area_px = found.area_px;
+      if (found.area_px > 0) distance_.compute(item.frame->mask, found.box, found.area_px, item.frame->signed_distance);
+      device_.finish();
     }
     item.report.stage_ms[static_cast<int>(CaptureStage::kSegment)] = timer.elapsed_ms();
   }
 
  private:
-  const ForegroundModel& foreground_;
+  ocl::DeviceContext& device_;
+  ForegroundSegmenter foreground_;
+  DeviceDistanceField distance_;
+  FramePool frames_;
+  const PersonMask no_mask_;
   bool gated_;
   int64_t missed_frames_ = std::numeric_limits<int32_t>::max();  // nobody yet
 };
@@ -115,7 +132,8 @@ class Solver {
   }
 
   void solve(WorkItem& item) {
-    item.result = tracker_.track({item.image, item.detections, item.silhouette, item.mask});
+    item.result = tracker_.track({item.image, item.detections, item.silhouette, item.mask, item.frame.get()});
+    item.frame.reset();
     auto& stage_ms = item.report.stage_ms;
     stage_ms[static_cast<int>(CaptureStage::kPose)] = item.result.pose_ms;
     stage_ms[static_cast<int>(CaptureStage::kSurface)] = item.result.surface_ms;
@@ -148,8 +166,8 @@ CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& 
   const bool builtin = options.actor.rfind(kBuiltin, 0) == 0;
   Actor actor = load_actor_bytes(glb, options.actor, builtin ? 0 : options.height_mm);
   use_mediapipe_anchors(actor);
-  ForegroundModel foreground;
-  for (const ImageRgb& plate : reader.empty_plates()) foreground.train(plate);
+  BackgroundModel background;
+  for (const ImageRgb& plate : reader.empty_plates()) background.train(plate);
   CaptureOutput output(options, actor, glb, reader.camera(), reader.info().fps);
 
   const ocl::DevicePair devices = ocl::select_device_pair(options.cnn_device, options.solver_device);
@@ -160,7 +178,8 @@ CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& 
   Solver solver(options, solver_device, actor, reader.camera());
 
   const bool gated = std::count(options.without.begin(), options.without.end(), kMaskGating) == 0;
-  Segmenter segmenter(foreground, gated);
+  ocl::DeviceContext segmenter_device(solver_device, ocl::SharedMemory{});
+  Segmenter segmenter(segmenter_device, background, reader.camera(), gated);
 
   PipelineStages stages;
   stages.read = [&](WorkItem& item) { return reader.read(item); };

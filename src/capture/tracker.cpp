@@ -26,17 +26,6 @@ double person_height_px(const Detections& detections) {
   return high > low ? high - low : 0;
 }
 
-double intersection_over_union(const ImageGray& a, const ImageGray& b) {
-  int64_t intersection = 0, either = 0;
-  for (size_t i = 0; i < a.pixels.size(); ++i) {
-    const bool in_a = a.pixels[i] > 127;
-    const bool in_b = b.pixels[i] > 127;
-    intersection += in_a && in_b;
-    either += in_a || in_b;
-  }
-  return either ? static_cast<double>(intersection) / either : 0;
-}
-
 }  // namespace
 
 Tracker::Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const TrackerOptions& options)
@@ -94,7 +83,7 @@ PoseResult Tracker::solve_pose_from(const TrackInput& input, const Pose& initial
   const std::vector<int32_t> contour = find_contour(input, initial);
   return pose_solver_.solve(PoseInput{.detections = input.detections,
                                       .initial = initial,
-                                      .frame = input.silhouette.empty() ? nullptr : &frame_,
+                                      .frame = input.silhouette.empty() ? nullptr : picture_,
                                       .contour_vertices = contour,
                                       .n_steps = options_.pose.first_steps});
 }
@@ -106,7 +95,7 @@ PoseResult Tracker::solve_tracked(const TrackInput& input, const Pose& predicted
     return pose_solver_.solve(PoseInput{.detections = detections,
                                         .initial = predicted,
                                         .previous = &*last_pose_,
-                                        .frame = input.silhouette.empty() ? nullptr : &frame_,
+                                        .frame = input.silhouette.empty() ? nullptr : picture_,
                                         .contour_vertices = contour});
   };
   PoseResult best = solve(input.detections);
@@ -186,7 +175,7 @@ Tracker::Solved Tracker::solve_missed(const TrackInput& input) {
   skinner_.set_pose(bone_dual_quats(forward_kinematics(actor_.skeleton, solved.pose.pose)));
   skinner_.skin(zero_, start_);
   rasterizer_.render(start_, camera_);
-  solved.accepted = intersection_over_union(rasterizer_.read_mask(), input.mask) >= options_.least_missed_iou;
+  solved.accepted = rasterizer_.intersection_over_union(picture_->mask) >= options_.least_missed_iou;
   return solved;
 }
 
@@ -210,7 +199,7 @@ void Tracker::solve_surface(const Pose& pose, bool has_picture, TrackResult& res
   const ocl::Buffer<int32_t>* vertex_part = options_.part_mask ? &part_mask_.vertex_part() : nullptr;
 
   const SurfaceResult surface =
-      surface_solver_.solve(SurfaceInput{.frame = frame_,
+      surface_solver_.solve(SurfaceInput{.frame = *picture_,
                                          .skinned = skinned_,
                                          .start = start_,
                                          .previous = n_history_ >= 1 ? &start_ : nullptr,
@@ -226,7 +215,7 @@ void Tracker::solve_surface(const Pose& pose, bool has_picture, TrackResult& res
     skinner.normals(vertices_, normals_);
     rasterizer_.render(vertices_, camera_);
     visibility_.find_contour(rasterizer_);
-    snapper_.snap(SnapInput{.frame = frame_,
+    snapper_.snap(SnapInput{.frame = *picture_,
                             .contour_flag = visibility_.contour(),
                             .normals = normals_,
                             .part_image = part_image,
@@ -251,11 +240,16 @@ TrackResult Tracker::track(const TrackInput& given) {
                          given.mask};
   TrackResult result;
   const bool person = input.detections.person;
-  if ((person || !input.silhouette.empty()) && input.mask.pixels.size() != size_t(camera_.width) * camera_.height)
+  if (!given.frame && (person || !input.silhouette.empty()) &&
+      input.mask.pixels.size() != size_t(camera_.width) * camera_.height)
     throw LogicError("capture: the mask is not of the camera's size");
   if (!person && last_pose_ && ++missed_frames_ > options_.max_missed_frames) reset();
   Timer timer;
-  if (!input.silhouette.empty()) frame_.upload(input.silhouette, input.image);
+  picture_ = given.frame ? given.frame : &frame_;
+  if (!given.frame && !input.silhouette.empty()) {
+    frame_.upload(input.silhouette, input.image);
+    frame_.mask.write(input.mask.pixels);
+  }
   const Solved solved = person ? solve_pose(input) : solve_missed(input);
   result.pose_ms = timer.elapsed_ms();
   result.pose_energy = solved.pose.energy.total();
@@ -276,7 +270,7 @@ TrackResult Tracker::track(const TrackInput& given) {
   result.surface_ms = timer.elapsed_ms();
 
   rasterizer_.render(vertices_, camera_);
-  result.iou = intersection_over_union(rasterizer_.read_mask(), input.mask);
+  if (!input.silhouette.empty()) result.iou = rasterizer_.intersection_over_union(picture_->mask);
 
   pose_before_last_ = last_pose_;
   last_pose_ = result.pose;

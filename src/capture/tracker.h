@@ -62,6 +62,9 @@ struct TrackInput {
   const Detections& detections;
   const Silhouette& silhouette;  // without a person in the detections: of whatever is not the background
   const ImageGray& mask;         // the silhouette as pixels, for the IoU
+  // Picture, silhouette and mask on the solver's device; nullptr: they are uploaded from the above. With it only the
+  // silhouette's area is looked at.
+  const DeviceFrame* frame = nullptr;
 };
 
 struct TrackResult {
@@ -116,7 +119,8 @@ class Tracker {
   PoseSolver pose_solver_;
   SurfaceSolver surface_solver_;
   Snapper snapper_;
-  DeviceFrame frame_;
+  DeviceFrame frame_;  // where what comes from the host is uploaded to
+  const DeviceFrame* picture_ = &frame_;
 
   ocl::Buffer<float> displacement_rest_;         // d-hat, rest frame; zero before the first surface
   ocl::Buffer<float> before_displacement_rest_;  // the same of the frame before

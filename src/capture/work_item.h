@@ -1,11 +1,13 @@
 // One frame on its way through the pipeline.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "base/image_rgb.h"
 #include "base/timer.h"
 #include "capture/tracker.h"
+#include "image/device_frame.h"
 #include "image/silhouette.h"
 #include "livecap/capture.h"
 #include "livecap/detections.h"
@@ -17,8 +19,9 @@ struct WorkItem {
   std::vector<FrameReport> dropped_before;  // live pacing: older frames this one replaced
   ImageRgb image;                           // undistorted
   Detections detections;
-  ImageGray mask;  // the person's pixels; empty when the network sees nobody
-  Silhouette silhouette;
+  ImageGray mask;                      // the person's pixels; empty when the network sees nobody
+  Silhouette silhouette;               // no distances: these are in `frame`
+  std::shared_ptr<DeviceFrame> frame;  // on the solver's device; until solved
   TrackResult result;
   Timer since_read;
 };

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "image/affine_warp.h"
+#include "image/person_gate.h"
 
 namespace livecap::detect {
 
@@ -64,12 +65,26 @@ void CropSampler::sample(const ImageRgb& image, const CropRegion& crop, int size
 
 void warp_mask(const ImageGray& probability, const CropRegion& crop, int width, int height, PersonMask& mask) {
   ImageGray out{width, height, std::move(mask.probability)};
-  out.pixels.resize(size_t(width) * height);
+  out.pixels.assign(size_t(width) * height, 0);
+  // Most of the crop is nobody: only where something is seen pixels are computed.
+  const PixelBox seen = grown(bounding_box(probability), 1, probability.width + 1, probability.height + 1);
+  double x_min = 1e30, x_max = -1e30, y_min = 1e30, y_max = -1e30;
+  for (int corner = 0; corner < 4; ++corner) {
+    const Point2 p = crop.image_from_crop({double(corner & 1 ? seen.x1 : seen.x0 - 1) / probability.width,
+                                           double(corner & 2 ? seen.y1 : seen.y0 - 1) / probability.height});
+    x_min = std::min(x_min, p.x);
+    x_max = std::max(x_max, p.x);
+    y_min = std::min(y_min, p.y);
+    y_max = std::max(y_max, p.y);
+  }
+  const auto pixel = [](double position, int size) {
+    return static_cast<int>(std::clamp(std::floor(position), 0.0, double(size)));
+  };
   warp_affine(probability, affine([&](double x, double y) {
                 const Point2 p = crop.crop_from_image({x, y});
                 return Point2{p.x * probability.width - 0.5, p.y * probability.height - 0.5};
               }),
-              out);
+              pixel(x_min, width), pixel(y_min, height), pixel(x_max + 2, width), pixel(y_max + 2, height), out);
   mask.width = width;
   mask.height = height;
   mask.probability = std::move(out.pixels);

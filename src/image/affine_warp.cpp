@@ -36,6 +36,18 @@ void warp_affine(const ImageGray& in, const AffineMap& in_from_out, ImageGray& o
   warp(in, in_from_out, out, CV_8UC1);
 }
 
+void warp_affine(const ImageGray& in, const AffineMap& map, int x_begin, int y_begin, int x_end, int y_end,
+                 ImageGray& out) {
+  if (x_begin < 0 || y_begin < 0 || x_end > out.width || y_end > out.height)
+    throw LogicError("warp_affine: the rectangle is not inside the picture");
+  if (x_end <= x_begin || y_end <= y_begin) return;
+  cv::Mat to = view(out, CV_8UC1)(cv::Rect(x_begin, y_begin, x_end - x_begin, y_end - y_begin));
+  const cv::Matx23d matrix(map.xx, map.xy, map.x0 + map.xx * x_begin + map.xy * y_begin,  //
+                           map.yx, map.yy, map.y0 + map.yx * x_begin + map.yy * y_begin);
+  cv::warpAffine(view(in, CV_8UC1), to, matrix, to.size(), cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
+                 cv::BORDER_CONSTANT);
+}
+
 void shrink(const ImageRgb& in, int x_begin, int y_begin, int x_end, int y_end, int factor, ImageRgb& out) {
   if (x_begin < 0 || y_begin < 0 || x_end > in.width || y_end > in.height || factor < 1)
     throw LogicError("shrink: the rectangle is not inside the picture");

@@ -16,6 +16,10 @@ struct AffineMap {
 void warp_affine(const ImageRgb& in, const AffineMap& in_from_out, ImageRgb& out);
 void warp_affine(const ImageGray& in, const AffineMap& in_from_out, ImageGray& out);
 
+// The same for the pixels [x_begin, x_end) x [y_begin, y_end) of `out`, which lie in it (LogicError); the others stay.
+void warp_affine(const ImageGray& in, const AffineMap& in_from_out, int x_begin, int y_begin, int x_end, int y_end,
+                 ImageGray& out);
+
 // A rectangle of a picture, shrunk by a whole factor: means of factor x factor pixels. The rectangle lies in the
 // picture (LogicError); columns and rows that do not fill a block are left out.
 void shrink(const ImageRgb& in, int x_begin, int y_begin, int x_end, int y_end, int factor, ImageRgb& out);

@@ -16,51 +16,56 @@ constexpr int kGainStep = 6;
 // Pixels outside this range are clipped or all noise and say nothing about the gain.
 constexpr int kGainDarkest = 24, kGainBrightest = 235;
 constexpr float kTypicalValue = 128;
-constexpr size_t kGainMinPixels = 200;
+constexpr int kGainMinPixels = 200;
 constexpr float kGainLimit = 0.35f;  // more than this is not drift but another scene
-
-constexpr float kFar = 1e9f;
 
 float squared(float x) {
   return x * x;
 }
 
-// Three planes of one row.
-struct Row {
-  const float* red;
-  const float* green;
-  const float* blue;
+// What the middle half of some numbers is like.
+struct MiddleHalf {
+  float mean, lowest, highest;
 };
 
-struct Nearest {
-  float* difference;  // squared, not divided by a variance
-  float* plain;       // squared, in deviations
-  float* shadow;      // the same with shadows taken for background
-};
+// Sorts into bins of equal width, so that only the two bins at the quartiles are looked at closer: all numbers are in
+// [0, kBins / kBinsPerUnit) or share the last bin.
+constexpr int kBins = 2048, kBinsPerUnit = 1024;
 
-// Takes one Gaussian of each pixel into the minima over all of them. None of the rows overlap.
-void compare_row(const Row& value, const Row& mean, const float* trained_variance, const float* edge_variance,
-                 float least_variance, float shadow_darkest, int n, const Nearest& nearest) {
-  const auto [r, g, b] = value;
-  const auto [mr, mg, mb] = mean;
-#pragma GCC ivdep
-  for (int x = 0; x < n; ++x) {
-    const float variance = std::max(trained_variance[x], least_variance) + edge_variance[x];
-    const float squares = squared(r[x] - mr[x]) + squared(g[x] - mg[x]) + squared(b[x] - mb[x]);
-    nearest.difference[x] = std::min(nearest.difference[x], squares);
-    nearest.plain[x] = std::min(nearest.plain[x], squares / variance);
-    // A shadow is the background darkened by one factor in all channels.
-    const float factor =
-        (r[x] * mr[x] + g[x] * mg[x] + b[x] * mb[x] + 1) / (mr[x] * mr[x] + mg[x] * mg[x] + mb[x] * mb[x] + 1);
-    const float colour =
-        squared(r[x] - factor * mr[x]) + squared(g[x] - factor * mg[x]) + squared(b[x] - factor * mb[x]);
-    const float in_shadow = (factor < shadow_darkest) | (factor > 1) ? kFar : colour / variance;
-    nearest.shadow[x] = std::min({nearest.shadow[x], nearest.plain[x], in_shadow});
+MiddleHalf middle_half(const float* values, int n) {
+  const auto bin_of = [](float value) { return std::min(static_cast<int>(value * kBinsPerUnit), kBins - 1); };
+  int count[kBins] = {};
+  double sums[kBins] = {};
+  for (int i = 0; i < n; ++i) {
+    const int bin = bin_of(values[i]);
+    ++count[bin];
+    sums[bin] += values[i];
   }
-}
-
-void quantize(const float* __restrict value, float scale, int n, uint8_t* __restrict out) {
-  for (int x = 0; x < n; ++x) out[x] = static_cast<uint8_t>(static_cast<int>(std::min(255.f, scale * value[x])));
+  const int quarter = n / 4;
+  const auto bin_with = [&](int rank) {
+    int bin = 0, before = 0;
+    while (before + count[bin] <= rank) before += count[bin++];
+    return std::pair{bin, before};
+  };
+  const auto [low_bin, before_low] = bin_with(quarter);
+  const auto [high_bin, before_high] = bin_with(n - quarter - 1);
+  double sum = 0;
+  for (int bin = low_bin + 1; bin < high_bin; ++bin) sum += sums[bin];
+  std::vector<float> low, high;
+  for (int i = 0; i < n; ++i) {
+    const int bin = bin_of(values[i]);
+    if (bin == low_bin) low.push_back(values[i]);
+    if (bin == high_bin) high.push_back(values[i]);
+  }
+  std::sort(low.begin(), low.end());
+  std::sort(high.begin(), high.end());
+  const int first = quarter - before_low, last = n - quarter - 1 - before_high;
+  const int low_end = low_bin == high_bin ? last + 1 : static_cast<int>(low.size());
+  for (int i = first; i < low_end; ++i) sum += low[i];
+  if (low_bin != high_bin) {
+    for (int i = 0; i <= last; ++i) sum += high[i];
+  }
+  return {static_cast<float>(sum / (n - 2 * quarter)), low[first], high[last]};
 }
 
 }  // namespace
@@ -142,6 +147,12 @@ void BackgroundModel::finish_training() {
     if (!any) break;
     layers_.push_back(std::move(layer));
   }
+  gain_means_.clear();
+  for (int y = 0; y < height_; y += kGainStep) {
+    for (int x = 0; x < width_; x += kGainStep) {
+      for (const auto& mean : layers_[0].mean) gain_means_.push_back(mean[size_t(y) * width_ + x]);
+    }
+  }
   // Local contrast of the heaviest means: the largest step to a neighbour in any channel.
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) {
@@ -162,33 +173,33 @@ void BackgroundModel::finish_training() {
 
 FrameChange BackgroundModel::estimate_change(const ImageRgb& frame, const ImageGray& ignore, int ignore_step) const {
   FrameChange change;
-  std::vector<float> ratios;
+  const size_t most = gain_means_.size() / 3;  // per channel
+  std::vector<float> ratios(3 * most);
+  int n[3] = {};
+  const float* mean = gain_means_.data();
+  for (int y = 0; y < height_; y += kGainStep) {
+    const uint8_t* ignored = ignore.empty() ? nullptr : &ignore.pixels[size_t(y / ignore_step) * ignore.width];
+    for (int x = 0; x < width_; x += kGainStep, mean += 3) {
+      if (ignored && ignored[x / ignore_step]) continue;
+      const uint8_t* pixel = &frame.pixels[3 * (size_t(y) * width_ + x)];
+      for (int c = 0; c < 3; ++c) {
+        // Written in any case and kept where it counts: no branch that cannot be foreseen.
+        ratios[c * most + n[c]] = pixel[c] / mean[c];
+        n[c] += mean[c] >= kGainDarkest && mean[c] <= kGainBrightest && pixel[c] >= kGainDarkest &&
+                pixel[c] <= kGainBrightest;
+      }
+    }
+  }
   double squares = 0;
   size_t n_squares = 0;
   for (int c = 0; c < 3; ++c) {
-    ratios.clear();
-    for (int y = 0; y < height_; y += kGainStep) {
-      for (int x = 0; x < width_; x += kGainStep) {
-        const size_t p = size_t(y) * width_ + x;
-        if (!ignore.empty() && ignore.pixels[size_t(y / ignore_step) * ignore.width + x / ignore_step]) continue;
-        const float mean = layers_[0].mean[c][p];
-        const uint8_t value = frame.pixels[3 * p + c];
-        if (mean < kGainDarkest || mean > kGainBrightest || value < kGainDarkest || value > kGainBrightest) continue;
-        ratios.push_back(value / mean);
-      }
-    }
-    if (ratios.size() < kGainMinPixels) continue;
+    if (n[c] < kGainMinPixels) continue;
     // The mean of the middle half: as robust as the median and free of its 8-bit steps.
-    const size_t quarter = ratios.size() / 4;
-    std::nth_element(ratios.begin(), ratios.begin() + quarter, ratios.end());
-    std::nth_element(ratios.begin() + quarter, ratios.end() - quarter, ratios.end());
-    double sum = 0;
-    for (size_t i = quarter; i < ratios.size() - quarter; ++i) sum += ratios[i];
-    const float mean = static_cast<float>(sum / static_cast<double>(ratios.size() - 2 * quarter));
-    if (std::abs(mean - 1) < kGainLimit) change.gain[c] = mean;
+    const MiddleHalf middle = middle_half(&ratios[c * most], n[c]);
+    if (std::abs(middle.mean - 1) < kGainLimit) change.gain[c] = middle.mean;
     // Half the middle half's width is 0.6745 deviations of a normal distribution; ratios are relative to about
     // mid-grey.
-    const float spread = 0.5f * (ratios[ratios.size() - quarter - 1] - ratios[quarter]) / 0.6745f;
+    const float spread = 0.5f * (middle.highest - middle.lowest) / 0.6745f;
     squares += squared(spread * kTypicalValue);
     ++n_squares;
   }
@@ -196,43 +207,8 @@ FrameChange BackgroundModel::estimate_change(const ImageRgb& frame, const ImageG
   return change;
 }
 
-BackgroundDistance BackgroundModel::distance(const ImageRgb& frame, const FrameChange& change, int x0, int y0, int x1,
-                                             int y1) const {
-  const int width = std::max(0, x1 - x0);
-  BackgroundDistance result;
-  result.plain.resize(size_t(width) * std::max(0, y1 - y0));
-  result.shadow.resize(result.plain.size());
-  result.contrast.resize(result.plain.size());
-  const float least_variance = squared(std::clamp(change.sigma, options_.min_sigma, options_.initial_sigma));
-  float level[3][256];  // an 8-bit value as it would be in the plate's light
-  for (int c = 0; c < 3; ++c) {
-    for (int v = 0; v < 256; ++v) level[c][v] = static_cast<float>(v) * (1 / change.gain[c]);
-  }
-  std::vector<float> red(width), green(width), blue(width), nearest(width), nearest_shadow(width), difference(width);
-  for (int y = y0; y < y1; ++y) {
-    const size_t begin = size_t(y) * width_ + x0;
-    const uint8_t* pixel = &frame.pixels[3 * begin];
-    for (int x = 0; x < width; ++x) {
-      red[x] = level[0][pixel[3 * x]];
-      green[x] = level[1][pixel[3 * x + 1]];
-      blue[x] = level[2][pixel[3 * x + 2]];
-    }
-    std::fill(nearest.begin(), nearest.end(), kFar);
-    std::fill(nearest_shadow.begin(), nearest_shadow.end(), kFar);
-    std::fill(difference.begin(), difference.end(), kFar);
-    for (const Layer& layer : layers_)
-      compare_row({red.data(), green.data(), blue.data()},
-                  {&layer.mean[0][begin], &layer.mean[1][begin], &layer.mean[2][begin]}, &layer.variance[begin],
-                  &edge_variance_[begin], least_variance, options_.shadow_darkest, width,
-                  {difference.data(), nearest.data(), nearest_shadow.data()});
-    const float at_threshold = 128 / squared(options_.match_sigmas);
-    const size_t out = size_t(y - y0) * width;
-    quantize(nearest.data(), at_threshold, width, &result.plain[out]);
-    quantize(nearest_shadow.data(), at_threshold, width, &result.shadow[out]);
-    for (float& d : difference) d = std::sqrt(d);
-    quantize(difference.data(), 0.5f, width, &result.contrast[out]);
-  }
-  return result;
+float BackgroundModel::least_variance(const FrameChange& change) const {
+  return squared(std::clamp(change.sigma, options_.min_sigma, options_.initial_sigma));
 }
 
 }  // namespace livecap

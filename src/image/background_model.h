@@ -27,15 +27,14 @@ struct FrameChange {
   float sigma = 0;                        // noise that is left, 8-bit steps
 };
 
-// Distances of the pixels of a box from the background, row major, 8-bit.
-struct BackgroundDistance {
-  std::vector<uint8_t> plain;     // 0 = background, 128 = at the matching threshold, 255 = twice its square or more
-  std::vector<uint8_t> shadow;    // the same with shadows taken for background
-  std::vector<uint8_t> contrast;  // colour difference, Euclidean, divided by 2
-};
-
 class BackgroundModel {
  public:
+  // One Gaussian of every pixel, as frames are compared with it: planes, so that the comparison runs on whole vectors.
+  struct Layer {
+    std::vector<float> mean[3];   // [w*h] each
+    std::vector<float> variance;  // [w*h] as trained; 0 after one plate, which says nothing about noise
+  };
+
   explicit BackgroundModel(const BackgroundOptions& options = {});
 
   // Adds one picture of the empty scene. All must have the same size (ConfigError).
@@ -48,8 +47,14 @@ class BackgroundModel {
   // for ignore_step x ignore_step of the frame's; may be empty.
   FrameChange estimate_change(const ImageRgb& frame, const ImageGray& ignore, int ignore_step) const;
 
-  // Over the pixels of [x0, x1) x [y0, y1).
-  BackgroundDistance distance(const ImageRgb& frame, const FrameChange& change, int x0, int y0, int x1, int y1) const;
+  // The least variance to reckon with in such a frame.
+  float least_variance(const FrameChange& change) const;
+
+  const BackgroundOptions& options() const { return options_; }
+  // Those Gaussians that are background; a pixel with fewer than others repeats its last. At least one once trained.
+  const std::vector<Layer>& layers() const { return layers_; }
+  // [w*h] what is added to every variance because edges move.
+  const std::vector<float>& edge_variance() const { return edge_variance_; }
 
  private:
   static constexpr int kGaussians = 3;
@@ -58,12 +63,6 @@ class BackgroundModel {
     float variance;
     float weight;  // 0 = unused
   };
-  // One Gaussian of every pixel, as frames are compared with it: planes, so that the comparison runs on whole vectors.
-  struct Layer {
-    std::vector<float> mean[3];   // [w*h] each
-    std::vector<float> variance;  // [w*h] as trained; 0 after one plate, which says nothing about noise
-  };
-
   void learn(Gaussian* mixture, const uint8_t* pixel, float rate) const;
   void finish_training();
 
@@ -72,9 +71,9 @@ class BackgroundModel {
   int height_ = 0;
   int frames_ = 0;
   std::vector<Gaussian> mixtures_;  // [kGaussians*w*h] heaviest first
-  // Those that are background; a pixel with fewer than others repeats its last. At least one once trained.
   std::vector<Layer> layers_;
-  std::vector<float> edge_variance_;  // [w*h]
+  std::vector<float> edge_variance_;
+  std::vector<float> gain_means_;  // heaviest means where the gain is looked at, three per pixel
 };
 
 }  // namespace livecap

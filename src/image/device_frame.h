@@ -14,14 +14,16 @@ struct DeviceFrame {
   int height = 0;
   ocl::Buffer<float> signed_distance;  // [width*height] px, see image/silhouette.h
   ocl::Buffer<uint8_t> rgb;            // [3*width*height] undistorted
+  ocl::Buffer<uint8_t> mask;           // [width*height] 255 = person
 
   DeviceFrame(ocl::DeviceContext& device, int width, int height)
       : width(width),
         height(height),
         signed_distance(device, size_t(width) * height),
-        rgb(device, size_t(3) * width * height) {}
+        rgb(device, size_t(3) * width * height),
+        mask(device, size_t(width) * height) {}
 
-  // Blocking upload. Sizes must match.
+  // Blocking upload of all but the mask. Sizes must match.
   void upload(const Silhouette& silhouette, const ImageRgb& image) {
     signed_distance.write(silhouette.signed_distance);
     rgb.write(image.pixels);

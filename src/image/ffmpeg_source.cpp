@@ -66,7 +66,7 @@ class FfmpegSource : public FrameSource {
   struct Pending {
     std::optional<int64_t> pts;
     bool damaged = false;
-    ImageRgb image;  // empty: repeat the last good one
+    std::unique_ptr<AVFrame, FrameFree> picture;  // as decoded; none: repeat the last good one
   };
 
   void open_decoder();
@@ -94,7 +94,7 @@ class FfmpegSource : public FrameSource {
 
   std::map<int64_t, Promise> promises_;
   std::deque<Pending> pending_;
-  ImageRgb last_good_;
+  std::unique_ptr<AVFrame, FrameFree> last_good_;
   std::optional<int64_t> first_pts_;
   int64_t last_pts_ = 0;
   int64_t packets_ = 0;
@@ -124,13 +124,13 @@ FfmpegSource::FfmpegSource(const std::string& name, const std::string& url, cons
   if (status < 0) throw IoError(name_ + ": no video in it: " + error_text(status));
   open_decoder();
   read_size_and_rate();
-  while (last_good_.empty() && pump()) {
+  while (!last_good_ && pump()) {
     for (const Pending& item : pending_) {
-      if (!item.image.empty()) last_good_ = item.image;
-      if (!last_good_.empty()) break;
+      if (item.picture) last_good_.reset(av_frame_clone(item.picture.get()));
+      if (last_good_) break;
     }
   }
-  if (last_good_.empty()) throw IoError(name_ + ": not one frame can be decoded: the file is truncated or damaged");
+  if (!last_good_) throw IoError(name_ + ": not one frame can be decoded: the file is truncated or damaged");
 }
 
 void FfmpegSource::open_decoder() {
@@ -184,8 +184,8 @@ bool FfmpegSource::read(Frame& out) {
                         : 1000.0 * static_cast<double>(out.index) / info_.fps;
   out.damaged = item.damaged;
   damaged_ += item.damaged;
-  if (!item.image.empty()) last_good_ = std::move(item.image);
-  out.image = last_good_;
+  if (item.picture) last_good_ = std::move(item.picture);
+  converter_.convert(*last_good_, stored_width_, stored_height_, turn_, out.image);
   return true;
 }
 
@@ -258,7 +258,8 @@ void FfmpegSource::accept(const AVFrame& frame) {
       promises_.erase(promise);
     }
   }
-  pending_.push_back({pts, damaged, converter_.convert(frame, stored_width_, stored_height_, turn_)});
+  pending_.push_back({pts, damaged, std::unique_ptr<AVFrame, FrameFree>(av_frame_clone(&frame))});
+  if (!pending_.back().picture) throw IoError(name_ + ": out of memory");
 }
 
 void FfmpegSource::break_promises(int64_t before_pts, bool all_count) {

@@ -1,15 +1,19 @@
 // The person's mask in one frame (paper, "Input Stream Processing"): background subtraction against the empty scene,
-// gated and steadied by the network's person mask; without an empty scene the network's mask alone.
+// gated and steadied by the network's person mask; without an empty scene the network's mask alone. What every pixel
+// needs runs on the device (kernels/image/foreground.cl); gate and core, which are coarse, and connected pieces are
+// made on the host.
 #pragma once
 
 #include "base/image_rgb.h"
 #include "image/background_model.h"
+#include "image/device_frame.h"
+#include "image/person_gate.h"
 #include "livecap/detections.h"
+#include "ocl/kernel.h"
 
 namespace livecap {
 
 struct ForegroundOptions {
-  BackgroundOptions background;
   float gate_margin = 0.08f;   // the network mask grows by this share of the person's height before it gates
   float core_margin = 0.012f;  // and shrinks by this share to the core that is always foreground
   float core_probability = 0.9f;
@@ -25,22 +29,51 @@ struct ForegroundOptions {
   void validate() const;  // throws ConfigError
 };
 
-class ForegroundModel {
+// What was found in a picture.
+struct ForegroundResult {
+  int area_px = 0;
+  PixelBox box;  // around all of it; empty when there is nobody
+};
+
+class ForegroundSegmenter {
  public:
-  explicit ForegroundModel(const ForegroundOptions& options = {});
+  // background: not trained, or of this size (ConfigError); copied to the device.
+  ForegroundSegmenter(ocl::DeviceContext& device, const BackgroundModel& background, int width, int height,
+                      const ForegroundOptions& options = {});
 
-  // One picture of the empty scene, undistorted; call it once for a single plate, or with every empty frame.
-  void train(const ImageRgb& empty_plate) { background_.train(empty_plate); }
-  bool has_background() const { return background_.trained(); }
+  bool has_background() const { return has_background_; }
 
-  // 255 = person. network_mask: of the frame's size, or empty where the network gave none (then the whole picture is
-  // looked at). A mask without anybody, or neither mask nor plate, gives an empty (all zero) result, not an error.
-  // Throws ConfigError when sizes differ.
-  ImageGray segment(const ImageRgb& frame, const PersonMask& network_mask) const;
+  // Writes frame.rgb and, where somebody is, frame.mask and `mask` (the same on the host; 255 = person). network_mask:
+  // of the frame's size, or empty where the network gave none (then the whole picture is looked at). A mask without
+  // anybody, or neither mask nor plate, gives an empty (all zero) result, not an error. Throws ConfigError when sizes
+  // differ. Blocking.
+  ForegroundResult segment(const ImageRgb& image, const PersonMask& network_mask, DeviceFrame& frame, ImageGray& mask);
 
  private:
-  ForegroundOptions options_;
+  struct KernelArg;
+  void require_sizes(const ImageRgb& image, const PersonMask& network_mask, const DeviceFrame& frame) const;
+  PersonGate find_gate(const PersonMask& network_mask);
+  void decide(const ImageRgb& image, const PersonGate& gate, bool has_network, DeviceFrame& frame);
+
   BackgroundModel background_;
+  ForegroundOptions options_;
+  bool has_background_;
+  int width_, height_;
+  int coarse_width_, coarse_height_;
+  int reach_;   // of the smoothing, px
+  int stride_;  // of the padded planes
+  int n_layers_ = 1;
+  PixelBox searched_;
+
+  ocl::Buffer<float> layers_, edge_variance_;
+  ocl::Buffer<uint8_t> network_, coarse_, gate_, core_;
+  ocl::Buffer<uint8_t> score_, contrast_, beyond_, decided_;  // padded
+  ocl::Buffer<uint16_t> smoothed_;                            // padded
+  ocl::Buffer<uint16_t> weights_;                             // [reach+1]
+  ocl::Buffer<int32_t> n_beyond_;
+  ocl::Kernel coarse_means_, foreground_score_, network_score_, score_border_, smooth_rows_, decide_, trim_border_;
+  ImageGray coarse_mask_;
+  std::vector<uint8_t> beyond_rows_;
 };
 
 }  // namespace livecap

@@ -10,6 +10,7 @@ extern "C" {
 #include <cstdlib>
 
 #include "base/text.h"
+#include "image/planar_yuv.h"
 #include "livecap/error.h"
 
 namespace livecap {
@@ -18,6 +19,7 @@ namespace {
 // Untagged pictures: BT.709 from HD sizes on, BT.601 below, as players do.
 constexpr int kHdShortSide = 720;
 
+// As swscale numbers them.
 int colour_matrix(const AVFrame& frame) {
   switch (frame.colorspace) {
     case AVCOL_SPC_BT709:
@@ -46,6 +48,22 @@ bool full_range(const AVFrame& frame) {
       return true;
     default:
       return frame.color_range == AVCOL_RANGE_JPEG;
+  }
+}
+
+// Luma's shares of the same matrices.
+YuvCoding yuv_coding(const AVFrame& frame) {
+  switch (colour_matrix(frame)) {
+    case SWS_CS_ITU709:
+      return {0.2126, 0.0722, full_range(frame)};
+    case SWS_CS_FCC:
+      return {0.30, 0.11, full_range(frame)};
+    case SWS_CS_SMPTE240M:
+      return {0.212, 0.087, full_range(frame)};
+    case SWS_CS_BT2020:
+      return {0.2627, 0.0593, full_range(frame)};
+    default:
+      return {0.299, 0.114, full_range(frame)};
   }
 }
 
@@ -81,7 +99,21 @@ PictureConverter::~PictureConverter() {
   sws_freeContext(scaler_);
 }
 
-ImageRgb PictureConverter::convert(const AVFrame& frame, int width, int height, const PixelTurn& turn) {
+void PictureConverter::convert(const AVFrame& frame, int width, int height, const PixelTurn& turn, ImageRgb& out) {
+  const bool planar_420 = frame.format == AV_PIX_FMT_YUV420P || frame.format == AV_PIX_FMT_YUVJ420P;
+  if (planar_420 && frame.width == width && frame.height == height) {
+    rgb_from_yuv420({width,
+                     height,
+                     {frame.data[0], frame.data[1], frame.data[2]},
+                     {frame.linesize[0], frame.linesize[1], frame.linesize[2]}},
+                    yuv_coding(frame), out);
+  } else {
+    convert_any(frame, width, height, out);
+  }
+  if (!turn.is_identity()) out = turned(out, turn);
+}
+
+void PictureConverter::convert_any(const AVFrame& frame, int width, int height, ImageRgb& out) {
   const auto format_in = static_cast<AVPixelFormat>(frame.format);
   const int flags = SWS_BILINEAR | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP;
   scaler_ = sws_getCachedContext(scaler_, frame.width, frame.height, format_in, width, height, AV_PIX_FMT_RGB24, flags,
@@ -93,12 +125,13 @@ ImageRgb PictureConverter::convert(const AVFrame& frame, int width, int height, 
   const int* matrix = sws_getCoefficients(colour_matrix(frame));
   constexpr int kOne = 1 << 16;
   sws_setColorspaceDetails(scaler_, matrix, full_range(frame), matrix, 1, 0, kOne, kOne);
-  ImageRgb image{width, height, std::vector<uint8_t>(size_t(3) * width * height)};
-  uint8_t* const planes[4] = {image.pixels.data(), nullptr, nullptr, nullptr};
+  out.width = width;
+  out.height = height;
+  out.pixels.resize(size_t(3) * width * height);
+  uint8_t* const planes[4] = {out.pixels.data(), nullptr, nullptr, nullptr};
   const int strides[4] = {3 * width, 0, 0, 0};
   if (sws_scale(scaler_, frame.data, frame.linesize, 0, frame.height, planes, strides) < 0)
     throw IoError("conversion of a decoded picture to RGB failed");
-  return turn.is_identity() ? image : turned(image, turn);
 }
 
 }  // namespace livecap

@@ -31,9 +31,12 @@ class PictureConverter {
 
   // width, height: of the result before the turn; pictures of another size are scaled to it. Throws IoError when the
   // pixel format cannot be converted.
-  ImageRgb convert(const AVFrame& frame, int width, int height, const PixelTurn& turn);
+  void convert(const AVFrame& frame, int width, int height, const PixelTurn& turn, ImageRgb& out);
 
  private:
+  // With swscale, before the turn.
+  void convert_any(const AVFrame& frame, int width, int height, ImageRgb& out);
+
   SwsContext* scaler_ = nullptr;
 };
 

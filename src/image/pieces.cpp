@@ -1,6 +1,7 @@
 #include "image/pieces.h"
 
 #include <algorithm>
+#include <cstring>
 
 namespace livecap {
 
@@ -9,15 +10,15 @@ Pieces::Pieces(const cv::Mat& mask, uint8_t value, bool diagonal) {
   for (int y = 0; y < mask.rows; ++y) {
     const uint8_t* row = mask.ptr<uint8_t>(y);
     const size_t begin = runs_.size();
-    for (int x = 0; x < mask.cols;) {
-      if (row[x] != value) {
-        ++x;
-        continue;
-      }
-      int end = x + 1;
-      while (end < mask.cols && row[end] == value) ++end;
+    const uint8_t other = value ? 0 : 255;
+    const auto find = [&](int from, uint8_t wanted) {  // as fast as the C library's search for a byte
+      const void* found = std::memchr(row + from, wanted, mask.cols - from);
+      return found ? static_cast<int>(static_cast<const uint8_t*>(found) - row) : mask.cols;
+    };
+    for (int x = find(0, value); x < mask.cols;) {
+      const int end = find(x, other);
       runs_.push_back({y, x, end, static_cast<int>(runs_.size())});
-      x = end;
+      x = end < mask.cols ? find(end, value) : end;
     }
     connect(above_begin, begin, diagonal);
     above_begin = begin;
@@ -27,12 +28,15 @@ Pieces::Pieces(const cv::Mat& mask, uint8_t value, bool diagonal) {
     Run& run = runs_[i];
     if (run.piece == static_cast<int>(i)) {
       run.piece = static_cast<int>(pieces_.size());
-      pieces_.emplace_back();
+      pieces_.push_back({0, false, run.begin, run.y, run.end, run.y + 1});
     } else {
       run.piece = runs_[run.piece].piece;
     }
     Piece& piece = pieces_[run.piece];
     piece.area += run.end - run.begin;
+    piece.x0 = std::min(piece.x0, run.begin);
+    piece.x1 = std::max(piece.x1, run.end);
+    piece.y1 = run.y + 1;  // runs come in the order of their rows
     piece.touches_border |= run.y == 0 || run.y == mask.rows - 1 || run.begin == 0 || run.end == mask.cols;
   }
 }

@@ -9,6 +9,7 @@ namespace livecap {
 struct Piece {
   int area = 0;  // px
   bool touches_border = false;
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // the smallest box [x0, x1) x [y0, y1) around it
 };
 
 class Pieces {

@@ -3,6 +3,7 @@
 
 #include <CL/cl.h>
 
+#include <atomic>
 #include <span>
 #include <utility>
 #include <vector>
@@ -12,6 +13,17 @@
 #include "ocl/status.h"
 
 namespace livecap::ocl {
+
+// Bytes in the buffers of this process, now and at most so far. A frame of a running capture changes neither.
+struct BufferMemory {
+  static inline std::atomic<size_t> now{0}, peak{0};
+  static void add(size_t bytes) {
+    const size_t sum = now += bytes;
+    size_t most = peak;
+    while (sum > most && !peak.compare_exchange_weak(most, sum)) {
+    }
+  }
+};
 
 // An array of T on one device. A default-constructed buffer is empty and must not be passed to a kernel; a buffer of
 // zero elements holds one, because OpenCL forbids empty ones.
@@ -26,6 +38,7 @@ class Buffer {
     memory_ =
         clCreateBuffer(device.context(), CL_MEM_READ_WRITE, (count > 0 ? count : 1) * sizeof(T), nullptr, &status);
     check(status, "clCreateBuffer", std::to_string(count * sizeof(T)) + " bytes on " + device.info().label());
+    BufferMemory::add(count_ * sizeof(T));
   }
   Buffer(DeviceContext& device, std::span<const T> values) : Buffer(device, values.size()) { write(values); }
   Buffer(DeviceContext& device, const std::vector<T>& values) : Buffer(device, std::span<const T>(values)) {}
@@ -86,7 +99,9 @@ class Buffer {
     if (!fits) throw LogicError("ocl::Buffer: transfer outside the buffer");
   }
   void release() {
-    if (memory_) clReleaseMemObject(memory_);
+    if (!memory_) return;
+    clReleaseMemObject(memory_);
+    BufferMemory::now -= count_ * sizeof(T);
     memory_ = nullptr;
   }
 

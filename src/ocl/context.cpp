@@ -28,6 +28,17 @@ DeviceContext::DeviceContext(const DeviceInfo& info) : info_(info) {
                                               reinterpret_cast<cl_context_properties>(info.platform), 0};
   context_ = clCreateContext(properties, 1, &info_.device, nullptr, nullptr, &status);
   check(status, "clCreateContext", info_.label());
+  open_queue();
+}
+
+DeviceContext::DeviceContext(const DeviceContext& sibling, SharedMemory)
+    : info_(sibling.info_), context_(sibling.context_) {
+  check(clRetainContext(context_), "clRetainContext", info_.label());
+  open_queue();
+}
+
+void DeviceContext::open_queue() {
+  cl_int status = CL_SUCCESS;
   queue_ = clCreateCommandQueue(context_, info_.device, 0, &status);
   if (status != CL_SUCCESS) {
     clReleaseContext(context_);

@@ -12,11 +12,16 @@
 
 namespace livecap::ocl {
 
+struct SharedMemory {};
+
 // Not thread-safe: each context belongs to one thread at a time. Buffers and kernels must not outlive it.
 class DeviceContext {
  public:
   // Throws OclError when the context or queue cannot be made.
   explicit DeviceContext(const DeviceInfo& info);
+  // A second queue to the same device and memory: buffers of either may be used by kernels of both, one after the other
+  // (finish() in between).
+  explicit DeviceContext(const DeviceContext& sibling, SharedMemory);
   ~DeviceContext();
   DeviceContext(const DeviceContext&) = delete;
   DeviceContext& operator=(const DeviceContext&) = delete;
@@ -34,6 +39,8 @@ class DeviceContext {
   void finish();
 
  private:
+  void open_queue();
+
   DeviceInfo info_;
   cl_context context_ = nullptr;
   cl_command_queue queue_ = nullptr;

@@ -50,7 +50,9 @@ DepthRasterizer::DepthRasterizer(ocl::DeviceContext& device, const Mesh& mesh, i
   projected_ = ocl::Buffer<float>(device, size_t(4) * n_vertices_);
   depth_ = ocl::Buffer<float>(device, size_t(width) * height);
   ids_ = ocl::Buffer<int32_t>(device, size_t(width) * height);
+  overlap_ = ocl::Buffer<int32_t>(device, size_t(2) * height);
   project_ = ocl::Kernel(device, kFile, "project_vertices");
+  overlap_kernel_ = ocl::Kernel(device, kFile, "row_overlaps");
   if (is_cpu_) {
     bands_ = ocl::Kernel(device, kFile, "raster_bands");
     std::vector<int32_t> everything;
@@ -79,6 +81,19 @@ void DepthRasterizer::render(const ocl::Buffer<float>& positions_camera, const C
   clear_.launch(depth_.size(), kLocal, static_cast<int>(depth_.size()), depth_, ids_);
   nearest_.launch(n_triangles_, kLocal, n_triangles_, width_, height_, cull_, projected_, triangles_, depth_);
   id_.launch(n_triangles_, kLocal, n_triangles_, width_, height_, cull_, projected_, triangles_, depth_, ids_);
+}
+
+double DepthRasterizer::intersection_over_union(const ocl::Buffer<uint8_t>& mask) {
+  if (mask.size() != ids_.size())
+    throw LogicError(format("rasteriser: mask of %zu pixels for %dx%d", mask.size(), width_, height_));
+  overlap_kernel_.launch(ocl::Range{static_cast<size_t>(height_), 1, 1, 1}, width_, height_, ids_, mask, overlap_);
+  int64_t both = 0, either = 0;
+  const std::vector<int32_t> rows = overlap_.read_all();
+  for (size_t i = 0; i < rows.size(); i += 2) {
+    both += rows[i];
+    either += rows[i + 1];
+  }
+  return either > 0 ? static_cast<double>(both) / static_cast<double>(either) : 0;
 }
 
 ImageGray DepthRasterizer::read_mask() const {

@@ -36,6 +36,10 @@ class DepthRasterizer {
   }  // [4*n_vertices] u, v (px), 1/z (0 = not projected), z (mm)
   const ocl::Buffer<int32_t>& triangles() const { return triangles_; }  // [3*n_triangles]
 
+  // Pixels that the mesh and `mask` ([w*h], more than 127 = set; LogicError for another size) share, as a part of those
+  // that either covers; 0 when none is. Blocking.
+  double intersection_over_union(const ocl::Buffer<uint8_t>& mask);
+
   // 255 where the mesh covers the pixel. Blocking.
   ImageGray read_mask() const;
 
@@ -51,8 +55,9 @@ class DepthRasterizer {
   ocl::Buffer<float> projected_;
   ocl::Buffer<float> depth_;
   ocl::Buffer<int32_t> ids_;
-  ocl::Buffer<int32_t> drawn_;  // CPU: [4*n_bands] what the last picture covers of each band
-  ocl::Kernel project_;
+  ocl::Buffer<int32_t> drawn_;    // CPU: [4*n_bands] what the last picture covers of each band
+  ocl::Buffer<int32_t> overlap_;  // [2*h] per row: pixels in both, in either
+  ocl::Kernel project_, overlap_kernel_;
   ocl::Kernel bands_;    // CPU
   ocl::Kernel clear_;    // GPU
   ocl::Kernel nearest_;  // GPU

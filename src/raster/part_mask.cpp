@@ -13,6 +13,7 @@ namespace {
 constexpr char kFile[] = "raster/part_mask.cl";
 constexpr int kPad = 16;    // LC_PAD
 constexpr int kGroup = 16;  // pixels of a work-item
+constexpr int kRows = 8;    // LC_PART_ROWS
 constexpr size_t kLocalX = 16;
 
 bool has_any(const std::string& name, std::initializer_list<const char*> words) {
@@ -78,7 +79,7 @@ PartMask::PartMask(ocl::DeviceContext& device, const Mesh& mesh, const std::vect
   stride_ = n_groups_ * kGroup + 2 * kPad;
   vertex_part_ = ocl::Buffer<int32_t>(device, vertex_part);
   triangle_part_ = ocl::Buffer<int32_t>(device, triangle_part);
-  const std::vector<uint8_t> zeros(size_t(stride_) * (height + 2 * dilation_px), 0);
+  const std::vector<uint8_t> zeros(size_t(stride_) * (height + 2 * dilation_px + kRows), 0);
   bits_ = ocl::Buffer<uint8_t>(device, zeros);
   grown_ = ocl::Buffer<uint8_t>(device, zeros);
   part_image_ = ocl::Buffer<uint8_t>(device, size_t(width) * height);
@@ -91,14 +92,14 @@ void PartMask::update(const DepthRasterizer& raster) {
   if (raster.width() != width_ || raster.height() != height_ ||
       static_cast<size_t>(raster.n_triangles()) != triangle_part_.size())
     throw LogicError("part mask: the rasteriser has another size or mesh");
-  auto range = [&](size_t columns) {
-    return ocl::Range{(columns + kLocalX - 1) / kLocalX * kLocalX, static_cast<size_t>(height_), kLocalX, 1};
+  auto range = [&](size_t columns, int rows) {
+    return ocl::Range{(columns + kLocalX - 1) / kLocalX * kLocalX, static_cast<size_t>(rows), kLocalX, 1};
   };
-  bits_kernel_.launch(range(width_), width_, height_, stride_, dilation_px_, raster.triangle_ids(), triangle_part_,
-                      bits_);
-  rows_kernel_.launch(range(n_groups_), n_groups_, height_, stride_, dilation_px_, bits_, grown_);
-  columns_kernel_.launch(range(n_groups_), n_groups_, width_, height_, stride_, dilation_px_, bits_, grown_,
-                         part_image_);
+  bits_kernel_.launch(range(width_, height_), width_, height_, stride_, dilation_px_, raster.triangle_ids(),
+                      triangle_part_, bits_);
+  rows_kernel_.launch(range(n_groups_, height_), n_groups_, height_, stride_, dilation_px_, bits_, grown_);
+  columns_kernel_.launch(range(n_groups_, (height_ + kRows - 1) / kRows), n_groups_, width_, height_, stride_,
+                         dilation_px_, bits_, grown_, part_image_);
 }
 
 }  // namespace livecap

@@ -116,5 +116,37 @@ TEST(Crop, MaskLandsWhereItWasSeen) {
   EXPECT_GT(inside, 3000);
 }
 
+// What is left out because nobody is there would have been black.
+TEST(Crop, MaskOfASmallPartIsThatOfTheWhole) {
+  for (const CropRegion& crop :
+       {CropRegion{70, 50, 120, 0.4}, CropRegion{20, 90, 60, -2.5}, CropRegion{140, 5, 300, 0}}) {
+    ImageGray mask{64, 64, std::vector<uint8_t>(64 * 64, 0)};
+    for (int y = 20; y < 45; ++y) {
+      for (int x = 30; x < 64; ++x) mask.pixels[y * 64 + x] = static_cast<uint8_t>(60 + 3 * x + y % 5);
+    }
+    PersonMask out;
+    out.probability.assign(7, 99);  // what is there from the frame before is cleared
+    detect::warp_mask(mask, crop, 140, 100, out);
+    int seen = 0;
+    for (int y = 0; y < 100; ++y) {
+      for (int x = 0; x < 140; ++x) {
+        const Point2 p = crop.crop_from_image({double(x), double(y)});
+        const double u = 64 * p.x - 0.5, v = 64 * p.y - 0.5;
+        const int i = static_cast<int>(std::floor(u)), j = static_cast<int>(std::floor(v));
+        const auto at = [&](int a, int b) {
+          return a < 0 || b < 0 || a > 63 || b > 63 ? 0.0 : mask.pixels[b * 64 + a];
+        };
+        const double a = u - i, b = v - j;
+        const double expected =
+            (1 - b) * ((1 - a) * at(i, j) + a * at(i + 1, j)) + b * ((1 - a) * at(i, j + 1) + a * at(i + 1, j + 1));
+        // OpenCV's positions are rounded to 1/32 pixel; a step of 250 levels is at the blob's border.
+        ASSERT_NEAR(out.probability[y * 140 + x], expected, 2 * 250 / 32.0 + 1) << x << "," << y;
+        seen += out.probability[y * 140 + x] > 0;
+      }
+    }
+    EXPECT_GT(seen, 300);
+  }
+}
+
 }  // namespace
 }  // namespace livecap

@@ -4,13 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 
 #include "base/text.h"
+#include "foreground_reference.h"
 #include "image/image_io.h"
 #include "image/video.h"
 #include "livecap/error.h"
 #include "support/data_dir.h"
+#include "support/kernel_bodies.h"
 #include "support/tolerances.h"
 
 namespace livecap {
@@ -59,6 +62,33 @@ PersonMask vague_mask() {
   }
   return mask;
 }
+
+// Everything that a test needs for one picture size, on the first test device.
+class ForegroundModel {
+ public:
+  explicit ForegroundModel(const ForegroundOptions& options = {}) : options_(options) {}
+  void train(const ImageRgb& plate) {
+    background_.train(plate);
+    segmenter_.reset();
+  }
+  ImageGray segment(const ImageRgb& image, const PersonMask& network) {
+    if (!segmenter_) segmenter_.emplace(device_, background_, kWidth, kHeight, options_);
+    DeviceFrame frame(device_, kWidth, kHeight);
+    ImageGray mask;
+    const ForegroundResult result = segmenter_->segment(image, network, frame, mask);
+    EXPECT_EQ(result.area_px, std::count(mask.pixels.begin(), mask.pixels.end(), 255));
+    EXPECT_EQ(result.area_px == 0, result.box.empty());
+    if (result.area_px > 0) EXPECT_EQ(frame.mask.read_all(), mask.pixels);
+    EXPECT_EQ(frame.rgb.read_all(), image.pixels);
+    return mask;
+  }
+
+ private:
+  ocl::DeviceContext device_{ocl::select_device(test::device_selectors().front())};
+  ForegroundOptions options_;
+  BackgroundModel background_;
+  std::optional<ForegroundSegmenter> segmenter_;
+};
 
 template <typename Truth>
 double iou(const ImageGray& mask, Truth&& truth) {
@@ -128,8 +158,7 @@ TEST(Foreground, WithoutTheNetworkTheLargestPieceIsKept) {
 }
 
 TEST(Foreground, WithoutAPlateTheNetworkDecides) {
-  const ForegroundModel model;
-  EXPECT_FALSE(model.has_background());
+  ForegroundModel model;
   const PersonMask network = vague_mask();
   const ImageGray mask = model.segment(scene(true, 1, 2), network);
   EXPECT_GT(iou(mask, [&](int x, int y) { return network.probability[y * kWidth + x] > 127; }), test::kForegroundIou);
@@ -168,6 +197,69 @@ TEST(Foreground, RealHolesStayOpen) {
   EXPECT_EQ(mask.pixels[80 * kWidth + 100], 255);
 }
 
+// Against the same decisions in plain C++ and OpenCV. Divisions and the smoothing's weights are rounded differently, so
+// single pixels at the thresholds may differ.
+TEST(Foreground, AgreesWithPlainCpp) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
+    std::mt19937 random(5);
+    for (const auto& [width, height] : {std::pair{200, 240}, {97, 131}, {33, 40}, {9, 7}}) {
+      for (int plates : {0, 1, 6}) {
+        for (bool gated : {true, false}) {
+          BackgroundModel background;
+          const auto part = [&, w = width, h = height](const ImageRgb& whole) {
+            ImageRgb image{w, h, {}};
+            for (int y = 0; y < h; ++y) {
+              const auto row = whole.pixels.begin() + 3 * ((y + (kHeight - h) / 2) * kWidth + (kWidth - w) / 2);
+              image.pixels.insert(image.pixels.end(), row, row + 3 * w);
+            }
+            return image;
+          };
+          for (int i = 0; i < plates; ++i) background.train(part(scene(false, 1, 10 + i)));
+          PersonMask network;
+          if (gated) {
+            const PersonMask whole = vague_mask();
+            network = {width, height, {}};
+            for (int y = 0; y < height; ++y) {
+              const auto row = whole.probability.begin() + (y + (kHeight - height) / 2) * kWidth + (kWidth - width) / 2;
+              network.probability.insert(network.probability.end(), row, row + width);
+            }
+          }
+          const ImageRgb image = part(scene(true, 1.07f, 77));
+          ForegroundSegmenter segmenter(device, background, width, height);
+          DeviceFrame frame(device, width, height);
+          ImageGray mask;
+          segmenter.segment(image, network, frame, mask);
+          const ImageGray reference = test::reference_foreground(background, {}, image, network);
+          int different = 0;
+          for (size_t p = 0; p < mask.pixels.size(); ++p) different += mask.pixels[p] != reference.pixels[p];
+          EXPECT_LE(different, test::kForegroundDifferentPx)
+              << width << "x" << height << ", " << plates << " plates, " << (gated ? "gated" : "not gated");
+          if (width > 90 && (plates > 0 || gated)) {
+            EXPECT_GT(std::count(mask.pixels.begin(), mask.pixels.end(), 255), 1000);
+          }
+        }
+      }
+    }
+  });
+}
+
+TEST(Foreground, DiscsAreOpenCvs) {
+  std::mt19937 random(4);
+  for (int radius : {1, 2, 5, 16, 40}) {
+    ImageGray mask{61, 47, std::vector<uint8_t>(61 * 47, 0)};
+    for (uint8_t& pixel : mask.pixels) pixel = random() % 50 == 0 ? 255 : 0;
+    ImageGray holes = mask;
+    for (uint8_t& pixel : holes.pixels) pixel = static_cast<uint8_t>(255 - pixel);
+    cv::Mat grown, shrunk;
+    cv::dilate(cv::Mat(47, 61, CV_8UC1, mask.pixels.data()), grown, test::disc(radius));
+    cv::erode(cv::Mat(47, 61, CV_8UC1, holes.pixels.data()), shrunk, test::disc(radius));
+    grow_by_disc(mask, radius);
+    shrink_by_disc(holes, radius);
+    EXPECT_EQ(cv::countNonZero(grown != cv::Mat(47, 61, CV_8UC1, mask.pixels.data())), 0) << radius;
+    EXPECT_EQ(cv::countNonZero(shrunk != cv::Mat(47, 61, CV_8UC1, holes.pixels.data())), 0) << radius;
+  }
+}
+
 TEST(Foreground, SizesMustAgree) {
   ForegroundModel model;
   model.train(scene(false, 1, 1));
@@ -175,15 +267,22 @@ TEST(Foreground, SizesMustAgree) {
   EXPECT_THROW(model.train(ImageRgb{}), ConfigError);
   EXPECT_THROW(model.segment(ImageRgb{2, 1, std::vector<uint8_t>(6)}, {}), ConfigError);
   EXPECT_THROW(model.segment(scene(true, 1, 1), PersonMask{2, 1, {0, 0}}), ConfigError);
+  BackgroundOptions background;
+  background.shadow_darkest = 2;
+  EXPECT_THROW(BackgroundModel{background}, ConfigError);
   ForegroundOptions options;
-  options.background.shadow_darkest = 2;
-  EXPECT_THROW(ForegroundModel{options}, ConfigError);
+  options.smooth_px = 11;
+  EXPECT_THROW(ForegroundModel{options}.segment(scene(true, 1, 1), {}), ConfigError);
 }
 
 TEST(Foreground, RecordedSequence) {
   LIVECAP_DATA_OR_SKIP(sequence, "skirt_dance");
-  ForegroundModel model;
-  model.train(read_image_rgb(sequence / "background.png"));
+  BackgroundModel background;
+  background.train(read_image_rgb(sequence / "background.png"));
+  ocl::DeviceContext device(ocl::select_device(test::device_selectors().front()));
+  ForegroundSegmenter segmenter(device, background, background.width(), background.height());
+  DeviceFrame on_device(device, background.width(), background.height());
+  ImageGray mask;
   VideoReader reader((sequence / "video.mp4").string());
   Frame frame;
   double sum = 0;
@@ -203,7 +302,7 @@ TEST(Foreground, RecordedSequence) {
         network.probability[size_t(y) * truth.width + x] = static_cast<uint8_t>(total / 49);
       }
     }
-    const ImageGray mask = model.segment(frame.image, network);
+    segmenter.segment(frame.image, network, on_device, mask);
     sum += iou(mask, [&](int x, int y) { return truth.pixels[size_t(y) * truth.width + x] > 127; });
     ++n;
   }

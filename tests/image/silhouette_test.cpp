@@ -5,7 +5,9 @@
 #include <cmath>
 #include <random>
 
+#include "image/device_distance.h"
 #include "livecap/error.h"
+#include "support/kernel_bodies.h"
 #include "support/tolerances.h"
 
 namespace livecap {
@@ -60,6 +62,36 @@ TEST(Silhouette, MatchesBruteForce) {
       }
     }
   }
+}
+
+// Pieces anywhere, also far apart and at the border: the device's field is make_silhouette()'s.
+TEST(Silhouette, TheDeviceComputesTheSame) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
+    std::mt19937 random(2);
+    for (const auto& [width, height] :
+         {std::pair{1, 7}, {9, 1}, {31, 17}, {64, 63}, {65, 140}, {301, 207}, {700, 90}}) {
+      DeviceDistanceField field(device, width, height);
+      for (int blobs : {1, 2, 30}) {
+        ImageGray mask{width, height, std::vector<uint8_t>(size_t(width) * height, 0)};
+        for (int b = 0; b < blobs; ++b) {
+          const int cx = random() % width, cy = random() % height, r = 1 + random() % 40;
+          for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) {
+              if (std::hypot(x - cx, y - cy) < r) mask.pixels[size_t(y) * width + x] = b % 3 == 2 ? 0 : 255;
+            }
+          }
+        }
+        const Silhouette silhouette = make_silhouette(mask);
+        if (silhouette.empty()) continue;
+        ocl::Buffer<float> distance(device, mask.pixels.size());
+        field.compute(ocl::Buffer<uint8_t>(device, mask.pixels), bounding_box(mask), silhouette.area_px, distance);
+        const std::vector<float> found = distance.read_all();
+        for (size_t p = 0; p < found.size(); ++p)
+          ASSERT_NEAR(found[p], silhouette.signed_distance[p], test::kDistancePx)
+              << p % width << "," << p / width << " of " << width << "x" << height << ", " << blobs << " blobs";
+      }
+    }
+  });
 }
 
 TEST(Silhouette, FarFromThePersonDistancesAreAnUpperBoundThatRises) {

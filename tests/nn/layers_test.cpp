@@ -6,10 +6,10 @@
 
 #include "livecap/error.h"
 #include "nn/executor.h"
-#include "nn/kernel_bodies.h"
 #include "nn/optimize.h"
 #include "nn/random_graph.h"
 #include "nn/reference.h"
+#include "support/kernel_bodies.h"
 #include "support/test_device.h"
 #include "support/tolerances.h"
 

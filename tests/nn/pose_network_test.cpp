@@ -7,12 +7,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "nn/executor.h"
-#include "nn/kernel_bodies.h"
 #include "nn/models.h"
 #include "nn/npy.h"
 #include "nn/reference.h"
 #include "nn/tflite_import.h"
 #include "support/data_dir.h"
+#include "support/kernel_bodies.h"
 #include "support/test_device.h"
 #include "support/tolerances.h"
 

@@ -200,5 +200,33 @@ TEST(Depth, EmptyAndSingleTriangleMeshes) {
   });
 }
 
+TEST(Depth, OverlapIsCounted) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    for (int width : {1, 15, 16, 33, 70}) {
+      Camera camera;
+      camera.width = width;
+      camera.height = 21;
+      camera.fx = camera.fy = 100;
+      camera.cx = 0.5 * (width - 1);
+      camera.cy = 10;
+      Mesh mesh;  // a triangle over a part of the picture
+      mesh.positions = {-100, -60, 1000, 300, -70, 1000, -90, 150, 1000};
+      mesh.triangles = {0, 2, 1};
+      DepthRasterizer raster(device, mesh, width, camera.height);
+      raster.render(ocl::Buffer<float>(device, mesh.positions), camera);
+      std::vector<uint8_t> mask(size_t(width) * camera.height);
+      for (size_t p = 0; p < mask.size(); ++p) mask[p] = p % 3 == 0 ? 255 : p % 5 == 0 ? 128 : 127;
+      const ImageGray drawn = raster.read_mask();
+      int both = 0, either = 0;
+      for (size_t p = 0; p < mask.size(); ++p) {
+        both += drawn.pixels[p] && mask[p] > 127;
+        either += drawn.pixels[p] || mask[p] > 127;
+      }
+      EXPECT_EQ(raster.intersection_over_union(ocl::Buffer<uint8_t>(device, mask)), double(both) / either) << width;
+      EXPECT_THROW(raster.intersection_over_union(ocl::Buffer<uint8_t>(device, mask.size() + 1)), LogicError);
+    }
+  });
+}
+
 }  // namespace
 }  // namespace livecap

@@ -74,6 +74,8 @@ inline constexpr double kDistancePx = 1e-4;
 inline constexpr double kUndistortPx = 0.6;
 // Synthetic person with noise, a shadow and a change of gain, about 450 px of border around 7500 px.
 inline constexpr double kForegroundIou = 0.97;
+// Pixels of one picture that device and plain C++ may decide differently: roundings at the thresholds.
+inline constexpr int kForegroundDifferentPx = 4;
 // The recorded sequence with a blurred mask as the gate.
 inline constexpr double kRecordedForegroundIou = 0.97;
 // A term's residual in float: the terms subtract numbers of up to 5000 (mm, px), whose rounding is 2.4e-4 each.

@@ -45,7 +45,7 @@ int fit(const FitCommand& command) {
     progress->update(done, total);
     return !interrupted();
   };
-  acquire::FitFootage footage = acquire::read_footage(network, options, update);
+  acquire::FitFootage footage = acquire::read_footage(network, solver, options, update);
   acquire::FitResult result = acquire::fit_actor(solver, std::move(footage), options, update);
   if (progress) progress->finish();
   progress.reset();

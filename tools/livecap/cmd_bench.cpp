@@ -171,6 +171,9 @@ void print_report(const Json& json) {
               json["sequence"]["vertices"].get<int>());
   print_run("pipelined", json["pipelined"]);
   print_run("sequential", json["sequential"]);
+  std::printf("memory     %.0f MiB resident, %.0f MiB of it or beside it in device buffers\n",
+              json["memory_mib"]["peak_resident"].get<double>(),
+              json["memory_mib"]["peak_device_buffers"].get<double>());
   std::printf("vertices   of both runs are %s\n", json["runs_are_identical"].get<bool>() ? "identical" : "DIFFERENT");
   std::printf("beside it ");
   for (const auto& [peer, ms] : json["peers_ms"].items()) std::printf(" %s %.1f", peer.c_str(), ms.get<double>());
@@ -211,6 +214,7 @@ int run(const Options& options) {
                       {"vertices", actor.n_vertices()}};
   json["pipelined"] = run_json(pipelined);
   json["sequential"] = run_json(sequential);
+  json["memory_mib"] = pipelined.file["memory_mib"];
   json["runs_are_identical"] = read_file(pipelined.report.pc2) == read_file(sequential.report.pc2);
 
   const PeerTimes peers = time_peers(actor, camera.width, camera.height);

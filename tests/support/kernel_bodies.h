@@ -1,4 +1,4 @@
-// CPUs and GPUs run different bodies of the network kernels (LC_CPU); both are right on any device.
+// CPUs and GPUs run different bodies of some kernels (LC_CPU); both are right on any device.
 #pragma once
 
 #include "support/test_device.h"

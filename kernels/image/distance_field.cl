@@ -1,0 +1,237 @@
+// Exact signed Euclidean distance to the border of a mask, in two passes (after Meijster, Roerdink and Hesselink, "A
+// general algorithm for computing distance transforms in linear time", 2000): along columns, then the least over each
+// row: on a CPU the lower envelope of parabolas, on a GPU each pixel looks at the columns beside it, the nearest first.
+#ifdef LC_DEVICE
+
+#define LC_LANES 16
+#define LC_BLOCK 32
+#define LC_NONE 32000  // CPU: no pixel of the other kind in this column
+#define LC_INSIDE ((ushort)0x8000)
+#define LC_STEPS ((ushort)0x7fff)
+
+typedef struct {
+  int width, height;              // of the picture
+  int x0, n_columns, y0, n_rows;  // where distances are exact: columns from x0 on, multiples of LC_BLOCK both
+  int box_x0, box_x1;             // of these columns those that are results; beyond the distances are extended
+  int stride;                     // of the planes: pixel (x, y) is at (y - y0) * stride + x - x0, on a GPU one further
+} DistanceArg;
+
+#if LC_CPU
+
+// The kind of the pixels of a row from x on, all bits set inside; beyond the picture's border outside.
+static inline ushort16 kinds(global const uchar* row, int n) {
+  if (n >= LC_LANES) return as_ushort16(convert_short16(vload16(0, row)) != (short16)0);
+  ushort lanes[LC_LANES];
+  for (int k = 0; k < LC_LANES; ++k) lanes[k] = k < n && row[k] ? 0xffff : 0;
+  return vload16(0, lanes);
+}
+
+// One further than the pixel before, 1 where the kind changes.
+static inline ushort16 further(ushort16 before, ushort16 changed) {
+  return (min(before + (ushort16)1, (ushort16)LC_NONE) & ~changed) | (changed & (ushort)1);
+}
+
+// steps: distance along the column to the nearest pixel of the other kind (LC_NONE: there is none), LC_INSIDE added
+// inside. mask: [w*h], nonzero = inside. One work-item per n_strip columns, rows after each other: memory is read in
+// its order.
+kernel void column_steps(DistanceArg a, int n_strip, global const uchar* restrict mask, global ushort* steps) {
+  const int first = (int)get_global_id(0) * n_strip;
+  if (first >= a.n_columns) return;
+  const int end = min(first + n_strip, a.n_columns);
+  for (int y = 0; y < a.n_rows; ++y) {
+    global const uchar* row = mask + (a.y0 + y) * a.width + a.x0;
+    for (int x = first; x < end; x += LC_LANES) {
+      global ushort* to = steps + y * a.stride + x;
+      const ushort16 inside = kinds(row + x, a.width - a.x0 - x);
+      ushort16 distance = LC_NONE;
+      if (y > 0) {
+        const ushort16 above = vload16(0, to - a.stride);
+        distance = further(above & LC_STEPS, inside ^ as_ushort16(as_short16(above) >> (short)15));
+      }
+      vstore16(distance | (inside & LC_INSIDE), 0, to);
+    }
+  }
+  for (int y = a.n_rows - 2; y >= 0; --y) {
+    for (int x = first; x < end; x += LC_LANES) {
+      global ushort* to = steps + y * a.stride + x;
+      const ushort16 down = vload16(0, to), below = vload16(0, to + a.stride);
+      const ushort16 up = further(below & LC_STEPS, as_ushort16(as_short16(down ^ below) >> (short)15));
+      vstore16(min(down & LC_STEPS, up) | (down & LC_INSIDE), 0, to);
+    }
+  }
+}
+
+static inline int parabola(int x, int column, int height) {
+  return (x - column) * (x - column) + height;
+}
+
+// The columns whose nearest pixel of the other kind is the nearest of all somewhere in a run of one kind: the lower
+// envelope of the parabolas (x - column)^2 + height. sites: column, height and first pixel of each. Adds a column right
+// of the others; `end`: where the run ends at the latest.
+static inline int add_site(global int* sites, int n, int column, int height, int begin, int end) {
+  while (n > 0) {
+    const int from = sites[3 * n - 1];
+    if (parabola(from, sites[3 * n - 3], sites[3 * n - 2]) <= parabola(from, column, height)) break;
+    --n;
+  }
+  int from = begin;
+  if (n > 0) {
+    const int top = sites[3 * n - 3], top_height = sites[3 * n - 2];
+    // Not lower at the end: nowhere in the run.
+    if (parabola(end - 1, top, top_height) <= parabola(end - 1, column, height)) return n;
+    // Right of this the new one is lower; not negative, since it is not lower where the top one begins.
+    from = (column * column - top * top + height - top_height) / (2 * (column - top)) + 1;
+  }
+  sites[3 * n] = column;
+  sites[3 * n + 1] = height;
+  sites[3 * n + 2] = from;
+  return n + 1;
+}
+
+// One work-item per n_band rows. sites: [3 * (n_columns + 2)] ints of scratch per work-item. distance: [w*h] px, half a
+// pixel taken off so that the contour lies between the pixels; positive outside, negative inside.
+kernel void row_distances(DistanceArg a, int n_band, global const ushort* restrict steps, global int* sites,
+                          global float* restrict distance) {
+  const int band = get_global_id(0);
+  const int width = min(a.n_columns, a.width - a.x0);
+  sites += band * 3 * (a.n_columns + 2);
+  for (int y = band * n_band; y < min((band + 1) * n_band, a.n_rows); ++y) {
+    global const ushort* row = steps + y * a.stride;
+    global float* to = distance + (a.y0 + y) * a.width + a.x0;
+    for (int begin = 0, end; begin < width; begin = end) {
+      const ushort kind = row[begin] & LC_INSIDE;
+      for (end = begin + 1; end < width && (row[end] & LC_INSIDE) == kind;) ++end;
+      int n = 0;
+      if (begin > 0) n = add_site(sites, n, begin - 1, 0, begin, end);
+      for (int x = begin; x < end; ++x) {
+        const int far = row[x] & LC_STEPS;
+        if (far < LC_NONE) n = add_site(sites, n, x, far * far, begin, end);
+      }
+      if (end < width) n = add_site(sites, n, end, 0, begin, end);
+      for (int i = 0; i < n; ++i) {
+        const int column = sites[3 * i], height = sites[3 * i + 1];
+        const int stop = i + 1 < n ? sites[3 * i + 5] : end;
+        for (int x = sites[3 * i + 2]; x < stop; ++x) to[x] = (float)parabola(x, column, height);
+      }
+    }
+    for (int x = 0; x < width; x += LC_LANES) {
+      const short16 inside = as_short16(vload16(0, row + x)) >> (short)15;
+      const int n = min(LC_LANES, width - x);
+      if (n == LC_LANES) {
+        const float16 away = sqrt(vload16(0, to + x)) - 0.5f;
+        vstore16(select(away, -away, convert_int16(inside)), 0, to + x);
+      } else {
+        for (int k = x; k < width; ++k) {
+          const float away = sqrt(to[k]) - 0.5f;
+          to[k] = row[k] & LC_INSIDE ? -away : away;
+        }
+      }
+    }
+  }
+}
+
+#else
+
+#define LC_NEVER (1 << 30)
+
+// bits[block*columns + x]: bit y = the pixel in row 32 * block + y is inside; rows below the last repeat it.
+kernel void column_bits(DistanceArg a, global const uchar* restrict mask, global uint* restrict bits) {
+  const int x = get_global_id(0), block = get_global_id(1);
+  const int columns = a.n_columns;
+  if (x >= columns || block >= (a.n_rows + 31) / 32 || a.x0 + x >= a.width) return;
+  uint word = 0;
+  for (int k = 0; k < 32; ++k) {
+    const int y = a.y0 + min(32 * block + k, a.n_rows - 1);
+    word |= (mask[y * a.width + a.x0 + x] ? 1u : 0u) << k;
+  }
+  bits[block * columns + x] = word;
+}
+
+// Squared distance along the column to the nearest pixel inside (outside); 0 for pixels that are inside (outside)
+// themselves. One work-item per pixel and for the columns before and behind, where nothing is anywhere near.
+kernel void column_squares(DistanceArg a, global const uint* restrict bits, global int* restrict to_inside,
+                           global int* restrict to_outside) {
+  const int x = (int)get_global_id(0) - 1, y = get_global_id(1);
+  const int columns = a.n_columns;
+  if (x > columns || y >= a.n_rows) return;
+  const int at = y * a.stride + 1 + x;
+  if (x < 0 || x >= columns || a.x0 + x >= a.width) {
+    to_inside[at] = to_outside[at] = LC_NEVER;
+    return;
+  }
+  const int n_blocks = (a.n_rows + 31) / 32;
+  const uint inside = bits[y / 32 * columns + x] >> (y % 32) & 1u;
+  const uint all_same = inside ? ~0u : 0u;
+  int nearest = 32000;
+  // Differences from this pixel's kind, above and below it in its own block, then block by block.
+  uint other = (bits[y / 32 * columns + x] ^ all_same) & (0xffffffffu >> (31 - y % 32));
+  for (int block = y / 32;; other = bits[block * columns + x] ^ all_same) {
+    if (other) {
+      nearest = y - (32 * block + 31 - (int)clz(other));
+      break;
+    }
+    if (--block < 0 || y - (32 * block + 31) >= nearest) break;
+  }
+  other = (bits[y / 32 * columns + x] ^ all_same) & (0xffffffffu << (y % 32));
+  for (int block = y / 32;; other = bits[block * columns + x] ^ all_same) {
+    if (other) {
+      nearest = min(nearest, 32 * block + 31 - (int)clz(other & (~other + 1u)) - y);
+      break;
+    }
+    if (++block >= n_blocks || 32 * block - y >= nearest) break;
+  }
+  const int far = nearest < 32000 ? nearest * nearest : LC_NEVER;
+  to_inside[at] = inside ? 0 : far;
+  to_outside[at] = inside ? far : 0;
+}
+
+// One work-item per pixel. distance: as above.
+kernel void row_distances(DistanceArg a, global const int* restrict to_inside, global const int* restrict to_outside,
+                          global float* restrict distance) {
+  const int x = get_global_id(0), y = get_global_id(1);
+  const int last = a.n_columns;
+  if (x >= last || y >= a.n_rows || a.x0 + x >= a.width) return;
+  const int inside = to_inside[y * a.stride + 1 + x] == 0;
+  global const int* row = (inside ? to_outside : to_inside) + y * a.stride + 1;
+  int best = row[x];
+  const int reach = max(x + 1, last - x);
+  for (int d = 1; d < reach && d * d < best; ++d)
+    best = min(best, min(row[max(x - d, -1)], row[min(x + d, last)]) + d * d);
+  const float away = sqrt((float)best) - 0.5f;
+  distance[(a.y0 + y) * a.width + a.x0 + x] = inside ? -away : away;
+}
+
+#endif
+
+// Everything outside the exact part: the value at its nearest pixel and the way there. One work-item per 16 pixels of a
+// row of the picture.
+kernel void extend_distances(DistanceArg a, int n_groups, global float* restrict distance) {
+  const int group = get_global_id(0), y = get_global_id(1);
+  if (group >= n_groups || y >= a.height) return;
+  const int first = group * LC_LANES, end = min(first + LC_LANES, a.width);
+  const int from_y = clamp(y, a.y0, a.y0 + a.n_rows - 1);
+  if (from_y == y && first >= a.box_x0 && end <= a.box_x1) return;
+  global const float* from = distance + from_y * a.width;
+  const float dy = (float)(y - from_y);
+  global float* to = distance + y * a.width + first;
+  const int n_inside = clamp(a.box_x1, first, end) - clamp(a.box_x0, first, end);
+  if (end - first == LC_LANES && (n_inside == 0 || n_inside == LC_LANES)) {
+    if (n_inside) {
+      vstore16(vload16(0, from + first) + fabs(dy), 0, to);
+    } else {
+      const int from_x = first < a.box_x0 ? a.box_x0 : a.box_x1 - 1;
+      const float16 lane = (float16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+      const float16 dx = lane + (float)(first - from_x);
+      vstore16(from[from_x] + sqrt(dx * dx + dy * dy), 0, to);
+    }
+    return;
+  }
+  for (int x = first; x < end; ++x) {
+    const int from_x = clamp(x, a.box_x0, a.box_x1 - 1);
+    if (from_x == x && from_y == y) continue;
+    const float dx = (float)(x - from_x);
+    distance[y * a.width + x] = from[from_x] + sqrt(dx * dx + dy * dy);
+  }
+}
+
+#endif

@@ -1,0 +1,77 @@
+#include "image/device_distance.h"
+
+#include "base/text.h"
+#include "image/silhouette.h"
+#include "livecap/error.h"
+
+namespace livecap {
+namespace {
+
+constexpr char kFile[] = "image/distance_field.cl";
+constexpr int kLanes = 16;       // LC_LANES
+constexpr int32_t kBand = 64;    // rows of a work-item
+constexpr int32_t kStrip = 512;  // columns of a work-item
+constexpr int kBlock = 32;       // LC_BLOCK
+constexpr int kMaxSize = 16000;
+constexpr size_t kLocal = 16;
+
+int blocks_of(int pixels) {
+  return (pixels + kBlock - 1) / kBlock;
+}
+
+// DistanceArg of the kernels.
+struct DistanceArg {
+  int32_t width, height, x0, n_columns, y0, n_rows, box_x0, box_x1, stride;
+};
+
+}  // namespace
+
+DeviceDistanceField::DeviceDistanceField(ocl::DeviceContext& device, int width, int height)
+    : width_(width), height_(height), is_cpu_(device.is_cpu()) {
+  if (width < 1 || height < 1 || width > kMaxSize || height > kMaxSize)
+    throw ConfigError(format("distance field: picture of %dx%d, must be 1..%d", width, height, kMaxSize));
+  stride_ = (blocks_of(width) + 2) * kBlock;  // a beginning between two blocks costs one; a column before and behind
+  const size_t n = size_t(stride_) * height;
+  if (is_cpu_) {
+    steps_ = ocl::Buffer<uint16_t>(device, n);
+    sites_ = ocl::Buffer<int32_t>(device, size_t(3) * (stride_ + 2) * ((height + kBand - 1) / kBand));
+  } else {
+    far_to_inside_ = ocl::Buffer<int32_t>(device, n);
+    far_to_outside_ = ocl::Buffer<int32_t>(device, n);
+    bits_ = ocl::Buffer<uint32_t>(device, size_t(stride_) * ((height + kBlock - 1) / kBlock));
+    bits_kernel_ = ocl::Kernel(device, kFile, "column_bits");
+  }
+  columns_ = ocl::Kernel(device, kFile, is_cpu_ ? "column_steps" : "column_squares");
+  rows_ = ocl::Kernel(device, kFile, "row_distances");
+  extend_ = ocl::Kernel(device, kFile, "extend_distances");
+}
+
+void DeviceDistanceField::compute(const ocl::Buffer<uint8_t>& mask, const PixelBox& person, int area_px,
+                                  ocl::Buffer<float>& distance) {
+  const size_t n = size_t(width_) * height_;
+  if (mask.size() != n || distance.size() != n || person.empty())
+    throw LogicError("distance field: buffers of another size, or nobody");
+  if (static_cast<size_t>(area_px) == n) {  // a picture full of person has no contour
+    distance.fill(-static_cast<float>(width_ + height_));
+    return;
+  }
+  const PixelBox exact = grown(person, silhouette_margin_px(person.width(), person.height()), width_, height_);
+  DistanceArg arg{width_,   height_, exact.x0 / kBlock * kBlock, 0, exact.y0, exact.height(), exact.x0,
+                  exact.x1, stride_};
+  arg.n_columns = blocks_of(exact.x1 - arg.x0) * kBlock;
+  const auto rows = static_cast<size_t>(arg.n_rows);
+  const auto rounded = [](int items) { return (static_cast<size_t>(items) + kLocal - 1) / kLocal * kLocal; };
+  if (is_cpu_) {
+    columns_.launch((arg.n_columns + kStrip - 1) / kStrip, 1, arg, kStrip, mask, steps_);
+    rows_.launch((rows + kBand - 1) / kBand, 1, arg, kBand, steps_, sites_, distance);
+  } else {
+    bits_kernel_.launch(ocl::Range{rounded(arg.n_columns), (rows + kBlock - 1) / kBlock, kLocal, 1}, arg, mask, bits_);
+    columns_.launch(ocl::Range{rounded(arg.n_columns + 2), rows, kLocal, 1}, arg, bits_, far_to_inside_,
+                    far_to_outside_);
+    rows_.launch(ocl::Range{rounded(arg.n_columns), rows, kLocal, 1}, arg, far_to_inside_, far_to_outside_, distance);
+  }
+  const int n_groups = (width_ + kLanes - 1) / kLanes;
+  extend_.launch(ocl::Range{rounded(n_groups), static_cast<size_t>(height_), kLocal, 1}, arg, n_groups, distance);
+}
+
+}  // namespace livecap

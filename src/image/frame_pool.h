@@ -1,0 +1,45 @@
+// Device frames on their way through the pipeline: a frame that nobody holds any more is filled again.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "image/device_frame.h"
+
+namespace livecap {
+
+class FramePool {
+ public:
+  // device must outlive all frames.
+  FramePool(ocl::DeviceContext& device, int width, int height)
+      : device_(device), width_(width), height_(height), free_(std::make_shared<Free>()) {}
+
+  // A frame with anything in it. May be let go by another thread, after the device has finished with it.
+  std::shared_ptr<DeviceFrame> take() {
+    std::unique_ptr<DeviceFrame> frame;
+    {
+      std::lock_guard lock(free_->mutex);
+      if (!free_->frames.empty()) {
+        frame = std::move(free_->frames.back());
+        free_->frames.pop_back();
+      }
+    }
+    if (!frame) frame = std::make_unique<DeviceFrame>(device_, width_, height_);
+    return {frame.release(), [free = free_](DeviceFrame* used) {
+              std::lock_guard lock(free->mutex);
+              free->frames.emplace_back(used);
+            }};
+  }
+
+ private:
+  struct Free {
+    std::mutex mutex;
+    std::vector<std::unique_ptr<DeviceFrame>> frames;
+  };
+  ocl::DeviceContext& device_;
+  int width_, height_;
+  std::shared_ptr<Free> free_;
+};
+
+}  // namespace livecap

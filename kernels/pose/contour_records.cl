@@ -1,7 +1,7 @@
 // Rows of E_silhouette: skins each contour vertex, samples the signed distance image at its projection and sums the
 // row's derivative up per bone.
 #include "pose/layout.h"
-#include "pose/skinned_gradient.h"
+#include "pose/skinned_row.h"
 #include "terms/silhouette.cl"
 
 // Bilinear value (x) and its exact derivative by u and v (y, z). uv inside [0, width-1] x [0, height-1].
@@ -38,26 +38,9 @@ kernel void pose_contour_records(PoseLayout layout, Pinhole cam, PoseContour con
     v_rest = add3(v_rest, vec3(d.x, d.y, d.z));
   }
 
-  // Blend; signs follow the strongest bone (slot 0).
-  global const float* dual_quats = step + LC_POSE_STEP_DUAL_QUATS(layout);
-  DualQuat part[4];
-  DualQuat first = dual_quat_zero();
-  DualQuat q = dual_quat_zero();
-  int packed = 0;
-#pragma unroll
-  for (int j = 0; j < 4; ++j) {
-    const int bone = bones[4 * vertex + j];
-    const float8 values = vload8(bone, dual_quats);
-    const DualQuat turn = {values.s0, values.s1, values.s2, values.s3, values.s4, values.s5, values.s6, values.s7};
-    if (j == 0) first = turn;
-    const float w = weights[4 * vertex + j];
-    part[j] = dual_quat_add_scaled(dual_quat_zero(), turn, dual_quat_real_dot(first, turn) < 0.0f ? -w : w);
-    q = dual_quat_add_scaled(q, part[j], 1.0f);
-    packed |= bone << (8 * j);
-  }
-  const Vec3 v = dual_quat_transform(q, v_rest);
+  const SkinnedVertex skinned = skinned_vertex(vertex, v_rest, step + LC_POSE_STEP_DUAL_QUATS(layout), bones, weights);
   global const float* root = step + LC_POSE_STEP_ROOT(layout);
-  const Vec3 v_camera = add3(v, vec3(root[0], root[1], root[2]));
+  const Vec3 v_camera = add3(skinned.position, vec3(root[0], root[1], root[2]));
   const Projection projection = project_point(v_camera, cam);
   const Vec2 uv = projection.uv;
   // False for NaN as well.
@@ -67,34 +50,20 @@ kernel void pose_contour_records(PoseLayout layout, Pinhole cam, PoseContour con
   if (!inside) {
     distances_px[i] = nan(0u);
     residuals[i] = 0.0f;
-    for (int j = 0; j < LC_POSE_RECORD; ++j) record[j] = 0.0f;
+    write_empty_row(record);
     return;
   }
 
   const float3 sample = sample_bilinear(distance, contour.width, contour.height, uv);
   const Vec2 gradient = {sample.y, sample.z};
-  const Vec3 normal = dual_quat_rotate(q, vec3(n.x, n.y, n.z));
+  const Vec3 normal = dual_quat_rotate(skinned.blend, vec3(n.x, n.y, n.z));
   const Vec2 normal_px = {projection.J[0][0] * normal.x + projection.J[0][2] * normal.z,
                           projection.J[1][1] * normal.y + projection.J[1][2] * normal.z};
   const SilhouetteRow row =
       silhouette_row(v_camera, cam, sample.x, gradient, silhouette_direction(sample.x, gradient, normal_px));
-  const float length = fabs(row.r);
-  const float huber = contour.huber_px > 0.0f && length > contour.huber_px ? sqrt(contour.huber_px / length) : 1.0f;
-  const float s = contour.sqrt_weight * huber;
+  const float s = contour.sqrt_weight * huber_factor(fabs(row.r), contour.huber_px);
   distances_px[i] = row.r;
   residuals[i] = s * row.r;
 
-  const Vec3 g = scale3(vec3(row.J[0], row.J[1], row.J[2]), s);
-  const DualQuat c = dual_quat_transform_gradient(q, v_rest, v, g);
-#pragma unroll
-  for (int j = 0; j < 4; ++j) {
-    const Wrench w = dual_quat_turn_wrench(c, part[j]);
-    record[6 * j + 0] = w.torque.x;
-    record[6 * j + 1] = w.torque.y;
-    record[6 * j + 2] = w.torque.z;
-    record[6 * j + 3] = w.force.x;
-    record[6 * j + 4] = w.force.y;
-    record[6 * j + 5] = w.force.z;
-  }
-  record[LC_POSE_RECORD_BONES] = as_float(packed);
+  write_skinned_row(record, &skinned, scale3(vec3(row.J[0], row.J[1], row.J[2]), s));
 }

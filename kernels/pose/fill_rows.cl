@@ -36,7 +36,7 @@ kernel void pose_fill_point_rows(PoseLayout layout, int n_rows, global const flo
 }
 
 // Rows with four bones, written from row `first_row` of J on.
-kernel void pose_fill_contour_rows(PoseLayout layout, int n_rows, int first_row, global const float* restrict step,
+kernel void pose_fill_skinned_rows(PoseLayout layout, int n_rows, int first_row, global const float* restrict step,
                                    global const float* restrict moves, global const float* restrict records,
                                    global const float* restrict residuals, global float* restrict J) {
   const int block = get_global_id(0);

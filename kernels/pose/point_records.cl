@@ -1,15 +1,10 @@
 // Rows of the keypoint terms E_2D, E_3D, E_temporal and of the joint limits E_anatomic.
 #include "pose/layout.h"
-#include "pose/skinned_gradient.h"
+#include "pose/skinned_row.h"
 #include "terms/anatomic.cl"
 #include "terms/keypoint_2d.cl"
 #include "terms/keypoint_3d.cl"
 #include "terms/temporal.cl"
-
-// Square root of the Huber weight of a residual of this length.
-LC_FN float huber_factor(float length, float threshold) {
-  return threshold > 0.0f && length > threshold ? sqrt(threshold / length) : 1.0f;
-}
 
 // One row of a point p (root-relative) fixed to `bone`: gradient g by the point, extra coefficients from
 // `extra_column`.

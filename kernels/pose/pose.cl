@@ -4,3 +4,4 @@
 #include "pose/contour_records.cl"
 #include "pose/fill_rows.cl"
 #include "pose/gram.cl"
+#include "pose/match_records.cl"

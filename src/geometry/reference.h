@@ -22,6 +22,7 @@ namespace livecap::reference {
 #include "terms/edge.cl"
 #include "terms/keypoint_2d.cl"
 #include "terms/keypoint_3d.cl"
+#include "terms/match.cl"
 #include "terms/photo.cl"
 #include "terms/silhouette.cl"
 #include "terms/smooth.cl"

@@ -42,7 +42,7 @@ PoseSolver::PoseSolver(ocl::DeviceContext& device, const Actor& actor, const Cam
 
 PoseResult PoseSolver::solve(const PoseInput& input) {
   const KeypointTargets targets = make_targets(actor_, input.detections, input.previous, options_);
-  system_.set_frame(targets, input.frame, input.contour_vertices, input.displacement_rest);
+  system_.set_frame(targets, input.frame, input.contour_vertices, input.displacement_rest, input.matches);
   PoseResult result;
   result.pose = input.initial;
   if (!has_observation(targets) && system_.n_contour() == 0) {
@@ -91,6 +91,7 @@ void PoseSolver::measure(const PoseState& state, const KeypointTargets& targets,
   }
   result.energy.anatomic = energy(LC_POSE_POINT_ROWS, system_.n_point_rows() - LC_POSE_POINT_ROWS);
   result.energy.silhouette = energy(system_.n_point_rows(), system_.n_contour());
+  result.energy.match = energy(system_.n_point_rows() + system_.n_contour(), 2 * system_.n_matches());
 
   const auto positions = keypoint_positions(actor_, forward_kinematics(actor_.skeleton, state.pose));
   double error_px = 0;

@@ -23,6 +23,7 @@ struct PoseInput {
   const Pose* previous = nullptr;                  // last frame's result; nullptr: no temporal term
   const DeviceFrame* frame = nullptr;              // nullptr (nobody segmented): no silhouette term
   std::span<const int32_t> contour_vertices = {};  // B of the frame, template vertex indices
+  std::span<const VertexMatch> matches = {};       // where the picture shows vertices of the skinned template
   const ocl::Buffer<float>* displacement_rest =
       nullptr;      // [3n] mm added to the rest pose before skinning; may be nullptr
   int n_steps = 0;  // 0: PoseOptions::steps
@@ -33,9 +34,10 @@ struct PoseEnergies {
   double keypoint_2d = 0;
   double keypoint_3d = 0;
   double silhouette = 0;
+  double match = 0;
   double temporal = 0;
   double anatomic = 0;
-  double total() const { return keypoint_2d + keypoint_3d + silhouette + temporal + anatomic; }
+  double total() const { return keypoint_2d + keypoint_3d + silhouette + match + temporal + anatomic; }
 };
 
 struct PoseResult {

@@ -96,17 +96,24 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
   point_residuals_ = ocl::Buffer<float>(device, n_point_rows_);
   contour_residuals_ = ocl::Buffer<float>(device, n_contour);
   distances_px_ = ocl::Buffer<float>(device, n_contour);
-  J_ = ocl::Buffer<float>(device, (n_point_rows_ + n_contour) * layout_.n_columns);
+  const size_t n_matches = options.max_matches;
+  match_vertices_ = ocl::Buffer<int32_t>(device, n_matches);
+  match_targets_ = ocl::Buffer<float>(device, 5 * n_matches);
+  match_records_ = ocl::Buffer<float>(device, 2 * LC_POSE_RECORD * n_matches);
+  match_residuals_ = ocl::Buffer<float>(device, 2 * n_matches);
+  J_ = ocl::Buffer<float>(device, (n_point_rows_ + n_contour + 2 * n_matches) * layout_.n_columns);
   gram_ = ocl::Buffer<float>(device, gram_host_.size());
   point_records_kernel_ = ocl::Kernel(device, kProgram, "pose_point_records");
   contour_records_kernel_ = ocl::Kernel(device, kProgram, "pose_contour_records");
+  match_records_kernel_ = ocl::Kernel(device, kProgram, "pose_match_records");
   fill_points_kernel_ = ocl::Kernel(device, kProgram, "pose_fill_point_rows");
-  fill_contour_kernel_ = ocl::Kernel(device, kProgram, "pose_fill_contour_rows");
+  fill_skinned_kernel_ = ocl::Kernel(device, kProgram, "pose_fill_skinned_rows");
   gram_kernel_ = ocl::Kernel(device, kProgram, "pose_gram");
 }
 
 void PoseSystem::set_frame(const KeypointTargets& targets, const DeviceFrame* frame,
-                           std::span<const int32_t> contour_vertices, const ocl::Buffer<float>* displacement_rest) {
+                           std::span<const int32_t> contour_vertices, const ocl::Buffer<float>* displacement_rest,
+                           std::span<const VertexMatch> matches) {
   std::vector<float> values;
   values.reserve(size_t(LC_POSE_TARGET) * kKeypointCount);
   for (const KeypointTarget& t : targets) {
@@ -118,6 +125,7 @@ void PoseSystem::set_frame(const KeypointTargets& targets, const DeviceFrame* fr
   }
   targets_.write(values);
 
+  set_matches(matches);
   frame_ = frame;
   displacement_ = displacement_rest;
   n_contour_ = 0;
@@ -137,6 +145,42 @@ void PoseSystem::set_frame(const KeypointTargets& targets, const DeviceFrame* fr
   contour_vertices_.write(used);
   n_contour_ = int(n);
   contour_weight_ = options_.weights.silhouette * double(contour_vertices.size()) / double(n);
+}
+
+// More than fit are thinned to equal shares of their total weight.
+void PoseSystem::set_matches(std::span<const VertexMatch> matches) {
+  n_matches_ = 0;
+  if (options_.weights.match == 0) return;
+  std::vector<VertexMatch> used;
+  if (matches.size() <= size_t(options_.max_matches)) {
+    used.assign(matches.begin(), matches.end());
+  } else {
+    double total = 0;
+    for (const VertexMatch& match : matches) total += match.weight;
+    const double share = total / options_.max_matches;
+    double sum = share / 2;
+    for (const VertexMatch& match : matches) {
+      sum += match.weight;
+      const double n_shares = std::floor(sum / share);
+      if (n_shares < 1) continue;
+      sum -= n_shares * share;
+      used.push_back(match);
+      used.back().weight = float(n_shares * share);
+    }
+  }
+  if (used.empty()) return;
+  std::vector<int32_t> vertices;
+  std::vector<float> targets;
+  for (const VertexMatch& match : used) {
+    require(match.vertex >= 0 && match.vertex < n_vertices_,
+            format("matched vertex %d of %d", match.vertex, n_vertices_));
+    const float root = float(std::sqrt(options_.weights.match * match.weight));
+    vertices.push_back(match.vertex);
+    targets.insert(targets.end(), {match.u_px, match.v_px, root * match.a, root * match.b, root * match.c});
+  }
+  match_vertices_.write(vertices);
+  match_targets_.write(targets);
+  n_matches_ = int(used.size());
 }
 
 void PoseSystem::upload(const PoseState& state) {
@@ -177,6 +221,10 @@ void PoseSystem::launch_records() {
   point_records_kernel_.launch(kKeypointCount + layout_.n_dofs, 0, layout_, pinhole_,
                                float(options_.keypoint_2d_huber_px), step_, targets_, keypoint_bones_, limits_,
                                float(std::sqrt(options_.weights.anatomic)), point_records_, point_residuals_);
+  if (n_matches_ > 0)
+    match_records_kernel_.launch(n_matches_, 64, layout_, pinhole_, n_matches_, float(options_.match_huber_px), step_,
+                                 match_vertices_, match_targets_, rest_, bones_, weights_, match_records_,
+                                 match_residuals_);
   if (n_contour_ == 0) return;
   const PoseContour contour{n_contour_,
                             width_,
@@ -193,8 +241,10 @@ void PoseSystem::launch_rows() {
   const size_t blocks = layout_.n_columns / kTile;
   fill_points_kernel_.launch(ocl::Range{blocks, size_t(n_point_rows_), blocks, 1}, layout_, n_point_rows_, step_,
                              moves_, point_records_, point_residuals_, J_);
-  fill_contour_kernel_.launch(ocl::Range{blocks, size_t(n_contour_), blocks, 1}, layout_, n_contour_, n_point_rows_,
+  fill_skinned_kernel_.launch(ocl::Range{blocks, size_t(n_contour_), blocks, 1}, layout_, n_contour_, n_point_rows_,
                               step_, moves_, contour_records_, contour_residuals_, J_);
+  fill_skinned_kernel_.launch(ocl::Range{blocks, size_t(2 * n_matches_), blocks, 1}, layout_, 2 * n_matches_,
+                              n_point_rows_ + n_contour_, step_, moves_, match_records_, match_residuals_, J_);
 }
 
 PoseNormalEquations PoseSystem::assemble(const PoseState& state) {
@@ -230,7 +280,8 @@ PoseResiduals PoseSystem::residuals(const PoseState& state) {
   result.rows.resize(n_rows());
   result.distances_px.resize(n_contour_);
   point_residuals_.read(std::span(result.rows).first(n_point_rows_));
-  contour_residuals_.read(std::span(result.rows).subspan(n_point_rows_));
+  contour_residuals_.read(std::span(result.rows).subspan(n_point_rows_, n_contour_));
+  match_residuals_.read(std::span(result.rows).subspan(n_point_rows_ + n_contour_));
   distances_px_.read(result.distances_px);
   return result;
 }

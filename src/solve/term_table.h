@@ -1,6 +1,6 @@
-// The eleven energy terms of the method, one row each (paper, "Skeletal Pose Estimation" and "Non-rigid Surface
-// Registration"). A row says what a term's flat function takes and gives; everything that holds for all terms (tests,
-// device checks, ablation by name) loops over this table.
+// The energy terms of the method, one row each: the paper's eleven ("Skeletal Pose Estimation" and "Non-rigid Surface
+// Registration") and E_match. A row says what a term's flat function takes and gives; everything that holds for all
+// terms (tests, device checks, ablation by name) loops over this table.
 //
 // Adding a term: kernels/terms/<file>.cl with <file>_row and <file>_flat, a line in src/geometry/reference.h, a line in
 // kernels/tools/term_check.cl, and a row here.
@@ -22,7 +22,7 @@ struct Term {
   int n_residuals;                // of one instance (one keypoint, one vertex, one directed edge ...)
   int n_unknowns;                 // local unknowns: the points or the angle the residual depends on
   int n_params;                   // constants of one instance
-  double paper_weight;            // section "Results"; factor of the squared residual
+  double paper_weight;            // section "Results"; factor of the squared residual; 0: not in the paper
   TermFunction flat;              // the shared formula in double precision
   std::string_view check_kernel;  // the same on a device, in kernels/tools/term_check.cl
 };

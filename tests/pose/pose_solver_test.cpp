@@ -316,7 +316,7 @@ TEST(PoseSolver, DefaultWeightsAreTheTermTables) {
   const PoseWeights weights;
   EXPECT_EQ(weights.keypoint_2d, find_term("keypoint_2d")->paper_weight);
   EXPECT_EQ(weights.keypoint_3d, find_term("keypoint_3d")->paper_weight);
-  EXPECT_EQ(weights.silhouette, find_term("pose_silhouette")->paper_weight);
+  EXPECT_EQ(weights.silhouette, 2 * find_term("pose_silhouette")->paper_weight);  // see docs/accuracy.md
   EXPECT_EQ(weights.temporal, find_term("temporal")->paper_weight);
   EXPECT_EQ(weights.anatomic, find_term("anatomic")->paper_weight);
 }
@@ -333,6 +333,7 @@ TEST(PoseSolver, EveryTermCanBeSwitchedOffByName) {
     DeviceFrame frame(device, camera.width, camera.height);
     frame.signed_distance.write(test::smooth_distance(camera));
     const std::vector<int32_t> contour = test::some_vertices(actor, 2);
+    const std::vector<VertexMatch> matches = {{.vertex = 3, .u_px = 10, .v_px = 20}};
     for (const Term& term : term_table()) {
       PoseOptions options;
       // Limits that no pose keeps, so that E_anatomic is never zero by itself.
@@ -346,11 +347,13 @@ TEST(PoseSolver, EveryTermCanBeSwitchedOffByName) {
                                          .previous = &start,
                                          .frame = &frame,
                                          .contour_vertices = contour,
+                                         .matches = matches,
                                          .n_steps = 1})
                                  .energy;
       EXPECT_EQ(e.keypoint_2d == 0, term.name == "keypoint_2d") << term.name;
       EXPECT_EQ(e.keypoint_3d == 0, term.name == "keypoint_3d") << term.name;
       EXPECT_EQ(e.silhouette == 0, term.name == "pose_silhouette") << term.name;
+      EXPECT_EQ(e.match == 0, term.name == "match") << term.name;
       EXPECT_EQ(e.temporal == 0, term.name == "temporal") << term.name;
       EXPECT_EQ(e.anatomic == 0, term.name == "anatomic") << term.name;
     }
@@ -360,7 +363,7 @@ TEST(PoseSolver, EveryTermCanBeSwitchedOffByName) {
 TEST(PoseSolver, SelfTestPassesOnEveryDevice) {
   test::on_every_device([](ocl::DeviceContext& device) {
     const auto results = pose_self_test(device);
-    EXPECT_EQ(results.size(), 5u);
+    EXPECT_EQ(results.size(), 6u);
     for (const auto& result : results) EXPECT_TRUE(result.ok) << result.kernel << ": " << result.detail;
   });
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <random>
 
+#include "actor/skinner.h"
 #include "livecap/error.h"
 #include "support/pose_reference.h"
 #include "support/pose_scene.h"
@@ -233,6 +234,9 @@ TEST(PoseSystem, WrongInputsAreRefused) {
     DeviceFrame small(device, 100, 100);
     const std::vector<int32_t> beyond = {0, scene.actor.n_vertices()};
     const ocl::Buffer<float> short_displacement(device, 3);
+    EXPECT_THROW(
+        system.set_frame({}, nullptr, {}, nullptr, std::vector<VertexMatch>{{.vertex = scene.actor.n_vertices()}}),
+        LogicError);
     EXPECT_THROW(system.set_frame({}, &frame, beyond, nullptr), LogicError);
     EXPECT_THROW(system.set_frame({}, &small, scene.contour, nullptr), LogicError);
     EXPECT_THROW(system.set_frame({}, &frame, scene.contour, &short_displacement), LogicError);
@@ -245,6 +249,39 @@ TEST(PoseSystem, WrongInputsAreRefused) {
     PoseOptions undefined;
     undefined.keypoint_3d_weights[kLeftKnee] = std::numeric_limits<double>::quiet_NaN();
     EXPECT_THROW(PoseSystem(device, scene.actor, scene.camera, undefined), ConfigError);
+  });
+}
+
+// More matches than rows: the heavy ones stay, and the total weight with them.
+TEST(PoseSystem, MatchesAreThinnedToTheirTotalWeight) {
+  on_every_device_and_body([](ocl::DeviceContext& device) {
+    Scene scene;
+    scene.options.max_matches = 40;
+    scene.options.match_huber_px = 0;
+    PoseSystem system(device, scene.actor, scene.camera, scene.options);
+    // All 3 px right of where the vertices are.
+    Skinner skinner(device, scene.actor);
+    skinner.set_pose(bone_dual_quats(forward_kinematics(scene.actor.skeleton, scene.state.pose)));
+    ocl::Buffer<float> zero(device, 3 * size_t(scene.actor.n_vertices())), positions(device, zero.size());
+    zero.fill(0);
+    skinner.skin(zero, positions);
+    const std::vector<float> p = positions.read_all();
+    std::vector<VertexMatch> matches;
+    double total = 0;
+    for (int i = 0; i < scene.actor.n_vertices(); ++i) {
+      const Eigen::Vector2d px = project_px(scene.camera, {p[3 * i], p[3 * i + 1], p[3 * i + 2]});
+      const float weight = i % 7 == 0 ? 3.0f : 0.1f;
+      matches.push_back({.vertex = i, .u_px = float(px.x() - 3), .v_px = float(px.y()), .weight = weight});
+      total += weight;
+    }
+    ASSERT_GT(matches.size(), 40u);
+    system.set_frame({}, nullptr, {}, nullptr, matches);
+    EXPECT_LE(system.n_matches(), 40);
+    EXPECT_GE(system.n_matches(), 30);
+    const std::vector<float> rows = system.residuals(scene.state).rows;
+    double energy = 0;
+    for (size_t i = system.n_point_rows(); i < rows.size(); ++i) energy += double(rows[i]) * rows[i];
+    EXPECT_NEAR(energy, scene.options.weights.match * total * 9, 0.05 * scene.options.weights.match * total * 9);
   });
 }
 

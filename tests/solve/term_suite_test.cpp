@@ -209,6 +209,23 @@ std::map<std::string_view, Restatement> restatements() {
       .kinks = {{numbers({0, 0, 2000}),
                  numbers({600, 600, 300, 300, 0.5, 0, 0, 0.1, 0, 0, 0, 0.1, 0, 300, 300, 0, 0, 0, 0.5})}}};
 
+  table["match"] = {.residual = [](const Instance& i) -> VectorXd {
+                      const Vector2d offset = project(i.x, i.params.head(4)) - Vector2d(i.params.segment<2>(4));
+                      Eigen::Matrix2d root;
+                      root << i.params[6], i.params[7], 0, i.params[8];
+                      return root * offset;
+                    },
+                    .sample =
+                        [](std::mt19937& rng) {
+                          const VectorXd x = random_point(rng);
+                          const VectorXd camera = random_camera(rng);
+                          return Instance{x, concat({camera, project(x, camera) + random_vector(rng, 2, -20, 20),
+                                                     random_vector(rng, 3, -1, 1)})};
+                        },
+                    .make_true = [](Instance& i) { i.params.segment<2>(4) = project(i.x, i.params.head(4)); },
+                    .symmetry = along_ray,
+                    .kinks = {}};
+
   table["pose_silhouette"] = table["surface_silhouette"] = silhouette();
 
   table["smooth"] = {.residual = [](const Instance& i) -> VectorXd {

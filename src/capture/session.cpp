@@ -107,6 +107,7 @@ class Segmenter {
       item.silhouette.width = item.mask.width;
       item.silhouette.height = item.mask.height;
       item.silhouette.area_px = found.area_px;
+      item.silhouette.box = found.box;
       if (found.area_px > 0) distance_.compute(item.frame->mask, found.box, found.area_px, item.frame->signed_distance);
       device_.finish();
     }

@@ -39,6 +39,7 @@ Tracker::Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& c
       rasterizer_(device, actor.mesh, camera.width, camera.height),
       visibility_(device, actor.mesh, options.visibility),
       part_mask_(device, actor.mesh, body_parts_of_vertices(actor.skeleton, actor.skin), camera.width, camera.height),
+      matcher_(device, actor, camera, options.match),
       pose_solver_(device, actor, camera, options.pose),
       surface_solver_(device, actor, camera, options.surface),
       snapper_(device, actor, surface_solver_.domain(), options.snap),
@@ -52,6 +53,9 @@ Tracker::Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& c
   std::vector<float> share(n_vertices_);
   for (int i = 0; i < n_vertices_; ++i)
     share[i] = actor.rigidity[i] <= options.max_carried_rigidity ? options.carried_share : 0.0f;
+  std::vector<float> matched(n_vertices_);
+  for (int i = 0; i < n_vertices_; ++i) matched[i] = actor.rigidity[i] >= options.min_matched_rigidity ? 1.0f : 0.0f;
+  matched_share_ = ocl::Buffer<float>(device, matched);
   carried_share_ = ocl::Buffer<float>(device, share);
 }
 
@@ -78,31 +82,68 @@ std::vector<int32_t> Tracker::find_contour(const TrackInput& input, const Pose& 
   return visibility_.read_contour();
 }
 
-// Without a past.
-PoseResult Tracker::solve_pose_from(const TrackInput& input, const Pose& initial) {
+// Where the picture shows the skinned template; find_contour has rendered it.
+std::vector<VertexMatch> Tracker::find_matches(int level) {
+  skinner_.normals(start_, normals_);
+  visibility_.find_visible(start_, normals_, rasterizer_);
+  matcher_.match(rasterizer_, start_, normals_, visibility_.visible(), matched_share_, level);
+  return matcher_.read();
+}
+
+// Stage I, once per level of match_levels, or once when there is nothing to match.
+PoseResult Tracker::solve_in_rounds(const TrackInput& input, const Detections& detections, const Pose& initial,
+                                    const Pose* previous) {
+  const bool matching = matcher_.usable() && options_.pose.weights.match > 0 && !input.silhouette.empty();
+  const size_t n_rounds = matching ? std::max<size_t>(1, options_.match_levels.size()) : 1;
+  const int n_steps = !previous ? options_.pose.first_steps : matching ? options_.match_steps : options_.pose.steps;
+  PoseResult result;
+  result.pose = initial;
+  for (size_t round = 0; round < n_rounds && result.status == SolveStatus::kOk; ++round) {
+    const Pose from = result.pose;
+    const std::vector<int32_t> contour = find_contour(input, from);
+    std::vector<VertexMatch> matches;
+    if (matching && round < options_.match_levels.size()) matches = find_matches(options_.match_levels[round]);
+    result = pose_solver_.solve(PoseInput{.detections = detections,
+                                          .initial = from,
+                                          .previous = previous,
+                                          .frame = input.silhouette.empty() ? nullptr : picture_,
+                                          .contour_vertices = contour,
+                                          .matches = matches,
+                                          .n_steps = n_steps});
+  }
+  return result;
+}
+
+// From a pose that knows no past. The contour found on a rough pose is only a start: once more from where that solve
+// ends.
+PoseResult Tracker::solve_anew(const TrackInput& input, const Pose& initial) {
   const std::vector<int32_t> contour = find_contour(input, initial);
-  return pose_solver_.solve(PoseInput{.detections = input.detections,
-                                      .initial = initial,
-                                      .frame = input.silhouette.empty() ? nullptr : picture_,
-                                      .contour_vertices = contour,
-                                      .n_steps = options_.pose.first_steps});
+  const PoseResult rough = pose_solver_.solve(PoseInput{.detections = input.detections,
+                                                        .initial = initial,
+                                                        .frame = input.silhouette.empty() ? nullptr : picture_,
+                                                        .contour_vertices = contour,
+                                                        .n_steps = options_.pose.first_steps});
+  if (rough.status != SolveStatus::kOk) return rough;
+  return solve_in_rounds(input, input.detections, rough.pose, nullptr);
 }
 
 // The frame after a tracked one.
 PoseResult Tracker::solve_tracked(const TrackInput& input, const Pose& predicted) {
-  const std::vector<int32_t> contour = find_contour(input, predicted);
-  const auto solve = [&](const Detections& detections) {
-    return pose_solver_.solve(PoseInput{.detections = detections,
-                                        .initial = predicted,
-                                        .previous = &*last_pose_,
-                                        .frame = input.silhouette.empty() ? nullptr : picture_,
-                                        .contour_vertices = contour});
-  };
-  PoseResult best = solve(input.detections);
   const std::vector<KeypointDetections> alternatives =
       exchanged_legs(actor_, camera_, predicted, input.detections.keypoints);
   if (alternatives.empty()) exchanged_frames_ = 0;
-  if (exchanged_frames_ >= options_.max_exchanged_frames) return best;
+  if (exchanged_frames_ >= options_.max_exchanged_frames) {
+    // Silhouette and matches hold a leg where the other should be: once from the network's points alone.
+    exchanged_frames_ = 0;
+    if (const std::optional<Pose> found = initialize_pose(actor_, camera_, input.detections, options_.pose)) {
+      PoseResult anew = solve_anew(input, *found);
+      if (anew.status == SolveStatus::kOk) return anew;
+    }
+  }
+  const auto solve = [&](const Detections& detections) {
+    return solve_in_rounds(input, detections, predicted, &*last_pose_);
+  };
+  PoseResult best = solve(input.detections);
   bool exchanged = false;
   for (const KeypointDetections& keypoints : alternatives) {
     Detections detections;
@@ -157,9 +198,7 @@ Tracker::Solved Tracker::solve_pose(const TrackInput& input) {
     solved.pose.status = SolveStatus::kNoObservations;
     return solved;
   }
-  // The contour found on the rough first pose is only a start: once more from where that solve ends.
-  solved.pose = solve_pose_from(input, *initial);
-  if (solved.pose.status == SolveStatus::kOk) solved.pose = solve_pose_from(input, solved.pose.pose);
+  solved.pose = solve_anew(input, *initial);
   solved.accepted = believable(solved.pose, input.detections);
   return solved;
 }
@@ -250,6 +289,7 @@ TrackResult Tracker::track(const TrackInput& given) {
     frame_.upload(input.silhouette, input.image);
     frame_.mask.write(input.mask.pixels);
   }
+  if (!input.silhouette.empty()) matcher_.set_picture(*picture_, input.silhouette.box);
   const Solved solved = person ? solve_pose(input) : solve_missed(input);
   result.pose_ms = timer.elapsed_ms();
   result.pose_energy = solved.pose.energy.total();

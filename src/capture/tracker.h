@@ -10,6 +10,7 @@
 #include "image/device_frame.h"
 #include "livecap/camera.h"
 #include "livecap/capture.h"
+#include "match/texture_matcher.h"
 #include "pose/pose_solver.h"
 #include "raster/depth.h"
 #include "raster/part_mask.h"
@@ -24,10 +25,17 @@ struct TrackerOptions {
   PoseOptions pose;
   SurfaceOptions surface;
   SnapOptions snap;
+  MatchOptions match;
   VisibilityOptions visibility;
-  bool solve_pose = true;          // false: stage I ends with its initialisation from each frame's detections alone
-  bool enable_surface = true;      // false: the result is the skinned template of stage I
-  bool warp_displacements = true;  // carry the non-rigid displacement to the next frame
+  // Stage I of an actor with a texture: one solve per round, each with matches found at this resolution (half of it per
+  // level) where the last one ended. Coarse ones first: patches are only right within a few px, and stripes match one
+  // stripe further as well.
+  std::vector<int> match_levels = {2, 2, 1, 0, 0};
+  int match_steps = 3;                // Gauss-Newton steps of such a round in a tracked frame
+  float min_matched_rigidity = 1.5f;  // softer cloth hangs where skinning does not know
+  bool solve_pose = true;             // false: stage I ends with its initialisation from each frame's detections alone
+  bool enable_surface = true;         // false: the result is the skinned template of stage I
+  bool warp_displacements = true;     // carry the non-rigid displacement to the next frame
   // Only cloth keeps its displacement: what skin, hair and shoes seem to be displaced by is an error of the pose, and
   // carried on it would hold the pose there. A tenth is forgotten per frame (the paper: nothing); that helped one of
   // three sequences with ground truth and left the others as they were.
@@ -101,7 +109,10 @@ class Tracker {
   Pose predict() const;
   PoseResult solve_tracked(const TrackInput& input, const Pose& predicted);
   std::vector<int32_t> find_contour(const TrackInput& input, const Pose& pose);
-  PoseResult solve_pose_from(const TrackInput& input, const Pose& initial);
+  std::vector<VertexMatch> find_matches(int level);
+  PoseResult solve_in_rounds(const TrackInput& input, const Detections& detections, const Pose& initial,
+                             const Pose* previous);
+  PoseResult solve_anew(const TrackInput& input, const Pose& initial);
   bool believable(const PoseResult& result, const Detections& detections) const;
   void solve_surface(const Pose& pose, bool has_picture, TrackResult& result);
 
@@ -116,6 +127,7 @@ class Tracker {
   DepthRasterizer rasterizer_;
   SurfaceVisibility visibility_;
   PartMask part_mask_;
+  TextureMatcher matcher_;
   PoseSolver pose_solver_;
   SurfaceSolver surface_solver_;
   Snapper snapper_;
@@ -125,6 +137,7 @@ class Tracker {
   ocl::Buffer<float> displacement_rest_;         // d-hat, rest frame; zero before the first surface
   ocl::Buffer<float> before_displacement_rest_;  // the same of the frame before
   ocl::Buffer<float> zero_;                      // [3n] always zero
+  ocl::Buffer<float> matched_share_;             // [n] 1 for vertices that stage I matches
   ocl::Buffer<float> carried_share_;             // [n] share of each vertex's displacement that is carried on
   ocl::Buffer<float> start_;                     // V^S + d^S
   ocl::Buffer<float> skinned_;                   // V^S

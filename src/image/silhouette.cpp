@@ -58,6 +58,7 @@ Silhouette make_silhouette(const ImageGray& mask) {
   cv::threshold(gray, inside, 127, 255, cv::THRESH_BINARY);
   result.area_px = cv::countNonZero(inside);
   if (result.empty()) return result;
+  result.box = bounding_box(ImageGray{mask.width, mask.height, {inside.datastart, inside.dataend}});
   // A picture full of person has no contour: everything is as far inside as the picture is large.
   const float farthest = static_cast<float>(mask.width + mask.height);
   result.signed_distance.assign(mask.pixels.size(), -farthest);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/image_rgb.h"
+#include "image/person_gate.h"
 
 namespace livecap {
 
@@ -16,6 +17,7 @@ struct Silhouette {
   // grown box's nearest pixel plus the distance to that pixel. Empty when nobody is in the picture.
   std::vector<float> signed_distance;
   int area_px = 0;  // foreground pixels
+  PixelBox box;     // around all of them; empty when there are none
   bool empty() const { return area_px == 0; }
 };
 

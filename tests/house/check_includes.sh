@@ -8,7 +8,7 @@ trap 'rm -f "$bad"' EXIT
 
 # Bottom to top, as in CMakeLists.txt.
 find src include tools tests -name '*.h' -o -name '*.cpp' | sort | xargs grep -HnE '^[[:space:]]*#[[:space:]]*include' |
-  awk -v rooms='base ocl geometry actor image meshing raster nn detect solve pose surface export synth eval acquire capture' '
+  awk -v rooms='base ocl geometry actor image meshing raster match nn detect solve pose surface export synth eval acquire capture' '
   BEGIN {
     n = split(rooms, list, " ")
     for (i = 1; i <= n; ++i) level[list[i]] = i

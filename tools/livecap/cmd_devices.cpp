@@ -13,6 +13,7 @@
 #include "command.h"
 #include "image/self_test.h"
 #include "livecap/error.h"
+#include "match/texture_matcher.h"
 #include "nn/executor.h"
 #include "ocl/context.h"
 #include "ocl/device.h"
@@ -37,6 +38,7 @@ const std::vector<std::pair<const char*, SelfTest>>& self_tests() {
       {"raster", raster_self_test},   {"nn", nn::nn_self_test},
       {"solve", solve_self_test},     {"pose", pose_self_test},
       {"surface", surface_self_test}, {"acquire", acquire::acquire_self_test},
+      {"match", match_self_test},
   };
   return tests;
 }

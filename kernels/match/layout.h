@@ -1,0 +1,32 @@
+// Sizes and structs that the host and the kernels of the match room agree on. Read by both compilers.
+#ifndef LC_MATCH_LAYOUT_H
+#define LC_MATCH_LAYOUT_H
+
+// Work images are boxes of the picture whose width is a multiple of 32. Pixel (0, 0) lies at (x, y) of the picture; a
+// box may reach beyond it.
+typedef struct {
+  int x, y;
+  int width, height;
+} MatchBox;
+
+// Half a window of the local mean and contrast, px: 25 x 25 pixels.
+#define LC_MATCH_RADIUS 12
+// Columns at the left and right of a box that are left grey: a window must not leave its row.
+#define LC_MATCH_MARGIN 16
+// Half-resolution levels below the full picture.
+#define LC_MATCH_LEVELS 2
+
+// One vertex's match, in floats: u, v (px); root of the distance's weight a, b, c (see VertexMatch); weight, 0 = no
+// match; correlation of the two patches; unused.
+#define LC_MATCH 8
+
+typedef struct {
+  int level;  // matched at: 0 = full resolution
+  int iterations;
+  float softness;         // contrast^2 per px^2 whose direction counts half
+  float max_move_px;      // of the level; matches further away are dropped
+  float min_correlation;  // as are those less alike
+  float depth_range_mm;   // pixels of a patch further from the vertex than that belong to something else
+} PatchOptions;
+
+#endif

@@ -1,0 +1,109 @@
+// Known answer: a textured square before the camera, and a picture in which it lies 2 px to the right and 1 px higher,
+// half as bright.
+#include <algorithm>
+#include <cmath>
+
+#include "base/text.h"
+#include "match/texture_matcher.h"
+
+namespace livecap {
+namespace {
+
+constexpr int kCells = 6;
+constexpr int kTextureSize = 64;
+constexpr float kSide = 600, kDepth = 2000;  // mm
+constexpr int kMovedX = 2, kMovedY = -1;
+
+// Waves of some 12 texels, bent so that no patch looks like its neighbours.
+uint8_t texel(int x, int y) {
+  return uint8_t(128 + 50 * std::sin(0.5 * x + 1.5 * std::sin(0.11 * y)) +
+                 50 * std::sin(0.55 * y + 1.5 * std::sin(0.13 * x)));
+}
+
+Actor square() {
+  Actor actor;
+  for (int j = 0; j <= kCells; ++j) {
+    for (int i = 0; i <= kCells; ++i) {
+      const float u = float(i) / kCells, v = float(j) / kCells;
+      actor.mesh.positions.insert(actor.mesh.positions.end(), {(u - 0.5f) * kSide, (v - 0.5f) * kSide, kDepth});
+      actor.render.uvs.insert(actor.render.uvs.end(), {u, v});
+    }
+  }
+  for (int j = 0; j < kCells; ++j) {
+    for (int i = 0; i < kCells; ++i) {
+      const int a = j * (kCells + 1) + i, b = a + 1, c = a + kCells + 1, d = c + 1;
+      actor.mesh.triangles.insert(actor.mesh.triangles.end(), {a, c, b, b, c, d});
+    }
+  }
+  actor.render.triangles = actor.mesh.triangles;
+  actor.texture = {kTextureSize, kTextureSize, {}};
+  for (int y = 0; y < kTextureSize; ++y)
+    for (int x = 0; x < kTextureSize; ++x) actor.texture.pixels.insert(actor.texture.pixels.end(), 3, texel(x, y));
+  return actor;
+}
+
+}  // namespace
+
+std::vector<ocl::SelfTestResult> match_self_test(ocl::DeviceContext& device) {
+  const Actor actor = square();
+  // A texel is two pixels wide.
+  const Camera camera{
+      .width = 192, .height = 192, .fx = 128 * kDepth / kSide, .fy = 128 * kDepth / kSide, .cx = 95.5, .cy = 95.5};
+  ImageRgb picture{camera.width, camera.height, {}};
+  Silhouette silhouette{camera.width, camera.height, {}, 0, {}};
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const double u = (x - kMovedX - camera.cx) / 128 + 0.5, v = (y - kMovedY - camera.cy) / 128 + 0.5;
+      const bool inside = u >= 0 && u < 1 && v >= 0 && v < 1;
+      const double tx = u * kTextureSize - 0.5, ty = v * kTextureSize - 0.5;
+      const int x0 = std::clamp(int(std::floor(tx)), 0, kTextureSize - 2);
+      const int y0 = std::clamp(int(std::floor(ty)), 0, kTextureSize - 2);
+      const double top = texel(x0, y0) + (tx - x0) * (texel(x0 + 1, y0) - texel(x0, y0));
+      const double bottom = texel(x0, y0 + 1) + (tx - x0) * (texel(x0 + 1, y0 + 1) - texel(x0, y0 + 1));
+      const double light = inside ? (top + (ty - y0) * (bottom - top)) / 2 : 0;
+      picture.pixels.insert(picture.pixels.end(), 3, uint8_t(std::lround(std::clamp(light, 0.0, 255.0))));
+      silhouette.signed_distance.push_back(inside ? -1.0f : 1.0f);
+    }
+  }
+  silhouette.box = {32 + kMovedX, 32 + kMovedY, 160 + kMovedX, 160 + kMovedY};
+  silhouette.area_px = 128 * 128;
+  DeviceFrame frame(device, camera.width, camera.height);
+  frame.upload(silhouette, picture);
+
+  DepthRasterizer raster(device, actor.mesh, camera.width, camera.height);
+  const ocl::Buffer<float> positions(device, actor.mesh.positions);
+  std::vector<float> toward_camera(3 * size_t(actor.n_vertices()), 0.0f);
+  for (size_t i = 2; i < toward_camera.size(); i += 3) toward_camera[i] = -1;
+  const ocl::Buffer<float> normals(device, toward_camera);
+  const ocl::Buffer<int32_t> visible(device, std::vector<int32_t>(actor.n_vertices(), 1));
+  const ocl::Buffer<float> share(device, std::vector<float>(actor.n_vertices(), 1.0f));
+  TextureMatcher matcher(device, actor, camera, MatchOptions{});
+  raster.render(positions, camera);
+  matcher.set_picture(frame, silhouette.box);
+
+  std::vector<ocl::SelfTestResult> results;
+  for (int level = 0; level <= LC_MATCH_LEVELS; ++level) {
+    matcher.match(raster, positions, normals, visible, share, level);
+    int found = 0;
+    double worst = 0;
+    for (const VertexMatch& match : matcher.read()) {
+      const int i = match.vertex % (kCells + 1), j = match.vertex / (kCells + 1);
+      if (std::min(i, j) < 2 || std::max(i, j) > kCells - 2) continue;  // its patch leaves the square
+      const float* p = &actor.mesh.positions[3 * size_t(match.vertex)];
+      const double u = camera.fx * p[0] / p[2] + camera.cx + kMovedX, v = camera.fy * p[1] / p[2] + camera.cy + kMovedY;
+      const double du = match.u_px - u, dv = match.v_px - v;
+      worst = std::max(worst, std::hypot(match.a * du + match.b * dv, match.c * dv));
+      ++found;
+    }
+    const double bound = 0.3 * (1 << level);
+    const int expected = (kCells - 3) * (kCells - 3);
+    const bool ok = found == expected && worst <= bound;
+    results.push_back(
+        {format("match/pictures.cl, normalise.cl, patch_match.cl: level %d", level), ok,
+         ok ? ""
+            : format("%d of %d vertices found, worst %g px off, at most %g expected", found, expected, worst, bound)});
+  }
+  return results;
+}
+
+}  // namespace livecap

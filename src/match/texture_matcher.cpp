@@ -1,0 +1,189 @@
+#include "match/texture_matcher.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/text.h"
+#include "livecap/error.h"
+
+namespace livecap {
+namespace {
+
+constexpr int kBand = 64;          // BAND of kernels/match/normalise.cl
+constexpr int kWidthStep = 32;     // of a box: work-groups divide every level's rows
+constexpr int kBeyond = 32;        // px around the person in the picture
+constexpr int kMinTexture = 8;     // px
+constexpr int kMaxTexture = 1024;  // px; finer than a picture shows, and small enough for a cache
+constexpr size_t kLocal = 64;
+
+int round_up(int value, int step) {
+  return (value + step - 1) / step * step;
+}
+
+size_t pyramid_size(int width, int height) {
+  size_t size = 0;
+  for (int l = 0; l <= LC_MATCH_LEVELS; ++l) size += size_t(width >> l) * (height >> l);
+  return size;
+}
+
+// Means of 2 x 2 pixels; an odd last row or column is left out.
+ImageGray halved(const ImageGray& image) {
+  ImageGray half{image.width / 2, image.height / 2, {}};
+  half.pixels.reserve(size_t(half.width) * half.height);
+  for (int y = 0; y < half.height; ++y) {
+    const uint8_t* top = &image.pixels[size_t(2 * y) * image.width];
+    const uint8_t* bottom = top + image.width;
+    for (int x = 0; x < 2 * half.width; x += 2)
+      half.pixels.push_back(uint8_t((top[x] + top[x + 1] + bottom[x] + bottom[x + 1] + 2) / 4));
+  }
+  return half;
+}
+
+// A third of the triangles around each vertex, mm^2.
+std::vector<float> vertex_areas(const Mesh& mesh) {
+  std::vector<float> areas(mesh.n_vertices(), 0.0f);
+  const auto point = [&](int i) { return Eigen::Map<const Eigen::Vector3f>(&mesh.positions[3 * i]); };
+  for (int t = 0; t < mesh.n_triangles(); ++t) {
+    const int32_t* c = &mesh.triangles[3 * t];
+    const float third = (point(c[1]) - point(c[0])).cross(point(c[2]) - point(c[0])).norm() / 6;
+    for (int k = 0; k < 3; ++k) areas[c[k]] += third;
+  }
+  return areas;
+}
+
+}  // namespace
+
+void MatchOptions::validate() const {
+  const auto positive = [](const char* field, double value) {
+    if (!(value > 0) || !std::isfinite(value))
+      throw ConfigError(format("match option %s is %g; it must be finite and positive", field, value));
+  };
+  if (iterations < 1 || iterations > 100)
+    throw ConfigError(format("match option iterations is %d; it must be in 1..100", iterations));
+  positive("variance_floor", variance_floor);
+  positive("softness", softness);
+  positive("max_move_px", max_move_px);
+  positive("depth_range_mm", depth_range_mm);
+  positive("weight_area_px", weight_area_px);
+  if (!(min_correlation > 0 && min_correlation < 1))
+    throw ConfigError(format("match option min_correlation is %g; it must be between 0 and 1", min_correlation));
+}
+
+TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
+                               const MatchOptions& options)
+    : options_(options),
+      width_(camera.width),
+      height_(camera.height),
+      focal_px_(float((camera.fx + camera.fy) / 2)),
+      n_vertices_(actor.n_vertices()),
+      matches_(device, size_t(LC_MATCH) * actor.n_vertices()) {
+  options.validate();
+  matches_.fill(0);
+  const ImageRgb& texture = actor.texture;
+  if (texture.width < kMinTexture || texture.height < kMinTexture) return;
+  ImageGray light{texture.width, texture.height, std::vector<uint8_t>(size_t(texture.width) * texture.height)};
+  for (size_t p = 0; p < light.pixels.size(); ++p) {
+    const uint8_t* c = &texture.pixels[3 * p];
+    light.pixels[p] = uint8_t(std::lround(0.299 * c[0] + 0.587 * c[1] + 0.114 * c[2]));
+  }
+  while (std::max(light.width, light.height) > kMaxTexture) light = halved(light);
+  texture_width_ = light.width;
+  texture_height_ = light.height;
+  std::vector<float> uvs;
+  uvs.reserve(2 * actor.render.triangles.size());
+  for (int32_t corner : actor.render.triangles)
+    uvs.insert(uvs.end(), {actor.render.uvs[2 * corner], actor.render.uvs[2 * corner + 1]});
+
+  const int w = round_up(width_ + 2 * kBeyond, kWidthStep), h = round_up(height_ + 2 * kBeyond, 4);
+  const size_t box = size_t(w) * h;
+  texture_ = {device, light.pixels};
+  uvs_ = {device, uvs};
+  areas_ = {device, vertex_areas(actor.mesh)};
+  light_ = {device, box};
+  weight_ = {device, box};
+  sums_ = {device, 3 * box};
+  actor_ = {device, pyramid_size(w, h)};
+  depth_ = {device, pyramid_size(w, h)};
+  camera_ = {device, pyramid_size(w, h)};
+  textured_actor_ = {device, "match/pictures.cl", "textured_actor"};
+  camera_picture_ = {device, "match/pictures.cl", "camera_picture"};
+  column_sums_ = {device, "match/normalise.cl", "column_sums"};
+  normalise_rows_ = {device, "match/normalise.cl", "normalise_rows"};
+  halve_ = {device, "match/normalise.cl", "halve"};
+  halve_depth_ = {device, "match/normalise.cl", "halve_depth"};
+  match_patches_ = {device, "match/patch_match.cl", "match_patches"};
+}
+
+// light_ and weight_ to a normalised pyramid, down to `level`.
+void TextureMatcher::build_pyramid(int level, ocl::Buffer<float>& pyramid) {
+  const size_t groups = box_.width / 16;
+  column_sums_.launch(ocl::Range{groups, size_t((box_.height + kBand - 1) / kBand), 1, 1}, box_, light_, weight_,
+                      sums_);
+  normalise_rows_.launch(ocl::Range{groups, size_t(box_.height), 1, 1}, box_, options_.variance_floor, light_, weight_,
+                         sums_, pyramid);
+  halve_levels(halve_, level, pyramid);
+}
+
+void TextureMatcher::halve_levels(ocl::Kernel& halve, int level, ocl::Buffer<float>& pyramid) {
+  int from = 0;
+  for (int l = 0; l < level; ++l) {
+    const int w = box_.width >> l, h = box_.height >> l;
+    halve.launch(ocl::Range{size_t(w / 2), size_t(h / 2), 8, 1}, w, w / 2, h / 2, from, from + w * h, pyramid);
+    from += w * h;
+  }
+}
+
+void TextureMatcher::set_picture(const DeviceFrame& frame, const PixelBox& person) {
+  if (!usable()) return;
+  if (frame.width != width_ || frame.height != height_)
+    throw LogicError(format("match: frame is %d x %d, the camera %d x %d", frame.width, frame.height, width_, height_));
+  box_ = {0, 0, 0, 0};
+  if (person.empty()) return;
+  if (person.x0 < 0 || person.y0 < 0 || person.x1 > width_ || person.y1 > height_)
+    throw LogicError(
+        format("match: the person's box ends at %d, %d of %d x %d", person.x1, person.y1, width_, height_));
+  box_ = {person.x0 - kBeyond, person.y0 - kBeyond, round_up(person.width() + 2 * kBeyond, kWidthStep),
+          round_up(person.height() + 2 * kBeyond, 4)};
+  camera_picture_.launch(ocl::Range{size_t(box_.width), size_t(box_.height), 16, 1}, box_, width_, height_, frame.rgb,
+                         frame.signed_distance, light_, weight_);
+  build_pyramid(LC_MATCH_LEVELS, camera_);
+}
+
+void TextureMatcher::match(const DepthRasterizer& raster, const ocl::Buffer<float>& positions,
+                           const ocl::Buffer<float>& normals, const ocl::Buffer<int32_t>& visible,
+                           const ocl::Buffer<float>& share, int level) {
+  if (!usable()) return;
+  if (level < 0 || level > LC_MATCH_LEVELS)
+    throw LogicError(format("match: level %d, must be 0..%d", level, LC_MATCH_LEVELS));
+  if (box_.width == 0) {
+    matches_.fill(0);
+    return;
+  }
+  textured_actor_.launch(ocl::Range{size_t(box_.width), size_t(box_.height), 16, 1}, box_, width_, height_,
+                         texture_width_, texture_height_, raster.triangle_ids(), raster.depth(), raster.projected(),
+                         raster.triangles(), uvs_, texture_, light_, weight_, depth_);
+  build_pyramid(level, actor_);
+  halve_levels(halve_depth_, level, depth_);
+  const PatchOptions patch{level,
+                           options_.iterations,
+                           options_.softness,
+                           options_.max_move_px,
+                           options_.min_correlation,
+                           options_.depth_range_mm};
+  match_patches_.launch(n_vertices_, kLocal, n_vertices_, box_, patch, focal_px_, positions, normals, visible,
+                        raster.projected(), areas_, share, actor_, depth_, camera_, matches_);
+}
+
+std::vector<VertexMatch> TextureMatcher::read() {
+  std::vector<VertexMatch> found;
+  if (!usable()) return found;
+  host_.resize(size_t(LC_MATCH) * n_vertices_);
+  matches_.read(host_);
+  for (int i = 0; i < n_vertices_; ++i) {
+    const float* m = &host_[size_t(LC_MATCH) * i];
+    if (m[5] > 0) found.push_back({i, m[0], m[1], m[2], m[3], m[4], m[5] / options_.weight_area_px});
+  }
+  return found;
+}
+
+}  // namespace livecap

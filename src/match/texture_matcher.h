@@ -1,0 +1,95 @@
+// Dense correspondences between the template and the picture: the actor is drawn with its texture where it is thought
+// to be, and small patches around its visible vertices are moved onto the camera's picture. Both pictures are
+// normalised locally, so that light and shadow do not count. The paper's E_photo compares single vertex colours within
+// a few px of the right place; this finds places from further away and tells in which direction it is certain of them.
+//
+//   TextureMatcher matcher(device, actor, camera, options);
+//   matcher.set_picture(frame, silhouette.box);                    // once per frame
+//   matcher.match(raster, positions, normals, visible, share, level); // `raster` has rendered `positions`
+//   std::vector<VertexMatch> found = matcher.read();
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "actor/actor.h"
+#include "geometry/vertex_match.h"
+#include "image/device_frame.h"
+#include "image/person_gate.h"
+#include "match/layout.h"
+#include "ocl/buffer.h"
+#include "ocl/kernel.h"
+#include "raster/depth.h"
+
+namespace livecap {
+
+struct MatchOptions {
+  int iterations = 4;
+  float variance_floor = 5e-4f;  // of luminance in [0,1]: contrast below is noise
+  float softness = 0.003f;       // contrast^2 per px^2 of normalised pictures whose direction counts half
+  float max_move_px = 4;         // further away a match is accidental
+  float min_correlation = 0.5f;  // of the two patches
+  float depth_range_mm = 80;     // pixels of a patch further from its vertex belong to another limb
+  float weight_area_px = 25;     // a match that stands for so many pixels has weight 1
+
+  void validate() const;  // throws ConfigError
+};
+
+class TextureMatcher {
+ public:
+  // Keeps no reference to the actor. camera: undistorted.
+  TextureMatcher(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const MatchOptions& options);
+
+  // False for an actor without texture: then nothing is ever matched.
+  bool usable() const { return texture_width_ > 0; }
+
+  // person: the box around the silhouette. Enqueued, nothing blocks. Throws LogicError for a frame of another size.
+  void set_picture(const DeviceFrame& frame, const PixelBox& person);
+
+  // raster: rendered the positions. positions, normals [3*n_vertices] mm and unit, camera frame; visible [n_vertices];
+  // share [n_vertices]: factor of each vertex's weight, 0 = not wanted. level: pictures of 2^-level of the resolution,
+  // 0..LC_MATCH_LEVELS; coarse ones find what is further away. Enqueued.
+  void match(const DepthRasterizer& raster, const ocl::Buffer<float>& positions, const ocl::Buffer<float>& normals,
+             const ocl::Buffer<int32_t>& visible, const ocl::Buffer<float>& share, int level);
+
+  // [LC_MATCH*n_vertices] of the last match; see match/layout.h. All zero before.
+  const ocl::Buffer<float>& matches() const { return matches_; }
+  // The same, those that were found, by vertex. Blocking.
+  std::vector<VertexMatch> read();
+
+ private:
+  void build_pyramid(int level, ocl::Buffer<float>& pyramid);
+  void halve_levels(ocl::Kernel& halve, int level, ocl::Buffer<float>& pyramid);
+
+  MatchOptions options_;
+  int width_, height_;
+  float focal_px_;
+  int n_vertices_;
+  int texture_width_ = 0;
+  int texture_height_ = 0;
+  MatchBox box_{0, 0, 0, 0};
+  std::vector<float> host_;
+
+  ocl::Buffer<uint8_t> texture_;  // luminance
+  ocl::Buffer<float> uvs_;        // [6*n_triangles]
+  ocl::Buffer<float> areas_;      // [n_vertices] mm^2
+  ocl::Buffer<float> light_;      // box
+  ocl::Buffer<float> weight_;     // box
+  ocl::Buffer<float> sums_;       // 3 boxes
+  ocl::Buffer<float> actor_;      // pyramids
+  ocl::Buffer<float> depth_;
+  ocl::Buffer<float> camera_;
+  ocl::Buffer<float> matches_;
+  ocl::Kernel textured_actor_;
+  ocl::Kernel camera_picture_;
+  ocl::Kernel column_sums_;
+  ocl::Kernel normalise_rows_;
+  ocl::Kernel halve_;
+  ocl::Kernel halve_depth_;
+  ocl::Kernel match_patches_;
+};
+
+// Known-answer tests of kernels/match.
+std::vector<ocl::SelfTestResult> match_self_test(ocl::DeviceContext& device);
+
+}  // namespace livecap

@@ -1,0 +1,255 @@
+// Matches of a textured plane against pictures of it that this file draws by itself: a ray through every pixel.
+#include "match/texture_matcher.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "livecap/error.h"
+#include "support/test_device.h"
+
+namespace livecap {
+namespace {
+
+constexpr int kCells = 20;
+constexpr int kTexture = 256;
+constexpr double kHalf = 300, kDepth = 2000;  // mm
+
+Camera plane_camera() {
+  return {.width = 320, .height = 280, .fx = 800, .fy = 800, .cx = 159.5, .cy = 139.5};
+}
+
+// Luminance of the texture, 0..255: waves with up to `most` periods a side.
+std::vector<double> noise(int seed, double most = 20) {
+  std::mt19937 rng(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  struct Wave {
+    double kx, ky, phase;
+  };
+  std::vector<Wave> waves;
+  for (int i = 0; i < 24; ++i)
+    waves.push_back(
+        {std::round(2 * most * (uniform(rng) - 0.5)), std::round(2 * most * (uniform(rng) - 0.5)), 6.3 * uniform(rng)});
+  std::vector<double> values;
+  for (int y = 0; y < kTexture; ++y) {
+    for (int x = 0; x < kTexture; ++x) {
+      double sum = 0;
+      for (const Wave& w : waves) sum += std::cos(2 * M_PI * (w.kx * x + w.ky * y) / kTexture + w.phase);
+      values.push_back(std::clamp(128 + 18 * sum, 0.0, 255.0));
+    }
+  }
+  return values;
+}
+
+Actor plane_actor(const std::vector<double>& texture) {
+  Actor actor;
+  for (int j = 0; j <= kCells; ++j) {
+    for (int i = 0; i <= kCells; ++i) {
+      const double u = double(i) / kCells, v = double(j) / kCells;
+      for (double value : {(2 * u - 1) * kHalf, (2 * v - 1) * kHalf, kDepth})
+        actor.mesh.positions.push_back(float(value));
+      actor.render.uvs.insert(actor.render.uvs.end(), {float(u), float(v)});
+    }
+  }
+  for (int j = 0; j < kCells; ++j) {
+    for (int i = 0; i < kCells; ++i) {
+      const int a = j * (kCells + 1) + i, c = a + kCells + 1;
+      actor.mesh.triangles.insert(actor.mesh.triangles.end(), {a, c, a + 1, a + 1, c, c + 1});
+    }
+  }
+  actor.render.triangles = actor.mesh.triangles;
+  actor.texture = {kTexture, kTexture, {}};
+  for (double value : texture) actor.texture.pixels.insert(actor.texture.pixels.end(), 3, uint8_t(std::lround(value)));
+  return actor;
+}
+
+struct Drawing {
+  ImageRgb picture;
+  Silhouette silhouette;
+};
+
+// The plane moved by (dx, dy) px in the picture; light: factor of the luminance from left to right.
+Drawing draw(const Camera& camera, const std::vector<double>& texture, double dx, double dy, double light_left,
+             double light_right) {
+  Drawing d;
+  d.picture = {camera.width, camera.height, {}};
+  ImageGray mask{camera.width, camera.height, {}};
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const double u = ((x - dx - camera.cx) / camera.fx * kDepth / kHalf + 1) / 2;
+      const double v = ((y - dy - camera.cy) / camera.fy * kDepth / kHalf + 1) / 2;
+      const bool inside = u > 0 && u < 1 && v > 0 && v < 1;
+      const int tx = std::clamp(int(u * kTexture), 0, kTexture - 1),
+                ty = std::clamp(int(v * kTexture), 0, kTexture - 1);
+      const double light = light_left + (light_right - light_left) * x / camera.width;
+      const double value = inside ? std::clamp(light * texture[size_t(ty) * kTexture + tx], 0.0, 255.0) : 40;
+      d.picture.pixels.insert(d.picture.pixels.end(), 3, uint8_t(std::lround(value)));
+      mask.pixels.push_back(inside ? 255 : 0);
+    }
+  }
+  d.silhouette = make_silhouette(mask);
+  return d;
+}
+
+std::vector<VertexMatch> find(ocl::DeviceContext& device, const Actor& actor, const Drawing& drawing, int level) {
+  const Camera camera = plane_camera();
+  DeviceFrame frame(device, camera.width, camera.height);
+  frame.upload(drawing.silhouette, drawing.picture);
+  DepthRasterizer raster(device, actor.mesh, camera.width, camera.height);
+  const ocl::Buffer<float> positions(device, actor.mesh.positions);
+  std::vector<float> toward(actor.mesh.positions.size(), 0.0f);
+  for (size_t i = 2; i < toward.size(); i += 3) toward[i] = -1;
+  const ocl::Buffer<float> normals(device, toward);
+  const ocl::Buffer<int32_t> visible(device, std::vector<int32_t>(actor.n_vertices(), 1));
+  const ocl::Buffer<float> share(device, std::vector<float>(actor.n_vertices(), 1.0f));
+  TextureMatcher matcher(device, actor, camera, MatchOptions{});
+  raster.render(positions, camera);
+  matcher.set_picture(frame, drawing.silhouette.box);
+  matcher.match(raster, positions, normals, visible, share, level);
+  return matcher.read();
+}
+
+bool well_inside(int vertex) {
+  const int i = vertex % (kCells + 1), j = vertex / (kCells + 1);
+  return std::min(i, j) >= 4 && std::max(i, j) <= kCells - 4;
+}
+
+// Distances of the inner vertices' matches from where they should be, along u and v.
+struct Errors {
+  std::vector<double> u, v;
+};
+
+Errors errors(const Actor& actor, const std::vector<VertexMatch>& matches, double dx, double dy) {
+  const Camera camera = plane_camera();
+  Errors e;
+  for (const VertexMatch& match : matches) {
+    if (!well_inside(match.vertex)) continue;
+    const float* p = &actor.mesh.positions[3 * size_t(match.vertex)];
+    e.u.push_back(std::abs(match.u_px - (camera.fx * p[0] / p[2] + camera.cx + dx)));
+    e.v.push_back(std::abs(match.v_px - (camera.fy * p[1] / p[2] + camera.cy + dy)));
+  }
+  return e;
+}
+
+double quantile(std::vector<double> values, double q) {
+  if (values.empty()) return INFINITY;
+  std::sort(values.begin(), values.end());
+  return values[size_t(q * double(values.size() - 1))];
+}
+
+constexpr size_t kInner = (kCells - 7) * (kCells - 7);
+
+TEST(TextureMatcher, FindsSmallMovesAtFullResolutionWhateverTheLight) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const std::vector<double> texture = noise(1);
+    const Actor actor = plane_actor(texture);
+    for (const auto& [left, right] : {std::pair(1.0, 1.0), std::pair(0.9, 0.35)}) {
+      const auto matches = find(device, actor, draw(plane_camera(), texture, 1.3, -0.8, left, right), 0);
+      const Errors e = errors(actor, matches, 1.3, -0.8);
+      EXPECT_GE(e.u.size(), 0.95 * kInner);
+      // The picture is drawn with the nearest texel.
+      EXPECT_LT(quantile(e.u, 0.5), 0.25);
+      EXPECT_LT(quantile(e.v, 0.5), 0.25);
+      EXPECT_LT(quantile(e.u, 0.9), 0.5);
+      EXPECT_LT(quantile(e.v, 0.9), 0.5);
+    }
+  });
+}
+
+TEST(TextureMatcher, CoarseLevelsFindLargerMoves) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const std::vector<double> texture = noise(2, 7);
+    const Actor actor = plane_actor(texture);
+    const Drawing drawing = draw(plane_camera(), texture, 7, 5, 1, 1);
+    const Errors coarse = errors(actor, find(device, actor, drawing, 2), 7, 5);
+    EXPECT_GE(coarse.u.size(), 0.7 * kInner);
+    EXPECT_LT(quantile(coarse.u, 0.5), 1.0);
+    EXPECT_LT(quantile(coarse.v, 0.5), 1.0);
+    // It is too far for the finest.
+    const Errors fine = errors(actor, find(device, actor, drawing, 0), 7, 5);
+    EXPECT_LT(fine.u.size(), 0.5 * kInner);
+  });
+}
+
+TEST(TextureMatcher, StripesAreCertainAcrossThemOnly) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    std::vector<double> stripes;
+    for (int y = 0; y < kTexture; ++y)
+      for (int x = 0; x < kTexture; ++x) stripes.push_back(128 + 80 * std::sin(2 * M_PI * y / 16.0));
+    const Actor actor = plane_actor(stripes);
+    const auto matches = find(device, actor, draw(plane_camera(), stripes, 2, 1.5, 1, 1), 0);
+    EXPECT_LT(quantile(errors(actor, matches, 2, 1.5).v, 0.9), 0.3);
+    size_t n = 0;
+    for (const VertexMatch& match : matches) {
+      if (!well_inside(match.vertex)) continue;
+      EXPECT_LT(match.a * match.a, 0.05);
+      EXPECT_GT(match.b * match.b + match.c * match.c, 0.9);
+      ++n;
+    }
+    EXPECT_GE(n, 0.95 * kInner);
+  });
+}
+
+TEST(TextureMatcher, AnotherTextureIsNotMatched) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const Actor actor = plane_actor(noise(3));
+    const auto matches = find(device, actor, draw(plane_camera(), noise(4), 0, 0, 1, 1), 0);
+    EXPECT_LT(errors(actor, matches, 0, 0).u.size(), 0.25 * kInner);
+  });
+}
+
+TEST(TextureMatcher, WeightsAddUpToTheArea) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const std::vector<double> texture = noise(5);
+    const Actor actor = plane_actor(texture);
+    double sum = 0;
+    size_t n = 0;
+    for (const VertexMatch& match : find(device, actor, draw(plane_camera(), texture, 0, 0, 1, 1), 0)) {
+      if (!well_inside(match.vertex)) continue;
+      sum += match.weight;
+      ++n;
+    }
+    // 240 px / 20 cells: 144 px around each vertex, times a correlation near 1.
+    EXPECT_NEAR(sum / double(n), 144 / MatchOptions{}.weight_area_px, 0.1 * 144 / MatchOptions{}.weight_area_px);
+  });
+}
+
+TEST(TextureMatcher, NothingToMatchIsNothingFound) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    Actor plain = plane_actor(noise(6));
+    const Drawing drawing = draw(plane_camera(), noise(6), 0, 0, 1, 1);
+    plain.texture = {};
+    EXPECT_TRUE(find(device, plain, drawing, 0).empty());
+    Drawing empty = drawing;
+    empty.silhouette.box = {};
+    EXPECT_TRUE(find(device, plane_actor(noise(6)), empty, 0).empty());
+  });
+}
+
+TEST(TextureMatcher, RefusesWhatDoesNotFit) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const Actor actor = plane_actor(noise(7));
+    const Drawing drawing = draw(plane_camera(), noise(7), 0, 0, 1, 1);
+    EXPECT_THROW(find(device, actor, drawing, LC_MATCH_LEVELS + 1), LogicError);
+    EXPECT_THROW(find(device, actor, drawing, -1), LogicError);
+    Drawing beyond = drawing;
+    beyond.silhouette.box.x1 = plane_camera().width + 1;
+    EXPECT_THROW(find(device, actor, beyond, 0), LogicError);
+    TextureMatcher matcher(device, actor, plane_camera(), MatchOptions{});
+    EXPECT_THROW(matcher.set_picture(DeviceFrame(device, 64, 64), {1, 1, 9, 9}), LogicError);
+    MatchOptions bad;
+    bad.min_correlation = 1.5f;
+    EXPECT_THROW(TextureMatcher(device, actor, plane_camera(), bad), ConfigError);
+  });
+}
+
+TEST(TextureMatcher, SelfTestPassesOnEveryDevice) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    for (const auto& result : match_self_test(device)) EXPECT_TRUE(result.ok) << result.kernel << ": " << result.detail;
+  });
+}
+
+}  // namespace
+}  // namespace livecap

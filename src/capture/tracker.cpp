@@ -95,7 +95,6 @@ PoseResult Tracker::solve_in_rounds(const TrackInput& input, const Detections& d
                                     const Pose* previous) {
   const bool matching = matcher_.usable() && options_.pose.weights.match > 0 && !input.silhouette.empty();
   const size_t n_rounds = matching ? std::max<size_t>(1, options_.match_levels.size()) : 1;
-  const int n_steps = !previous ? options_.pose.first_steps : matching ? options_.match_steps : options_.pose.steps;
   PoseResult result;
   result.pose = initial;
   for (size_t round = 0; round < n_rounds && result.status == SolveStatus::kOk; ++round) {
@@ -109,7 +108,7 @@ PoseResult Tracker::solve_in_rounds(const TrackInput& input, const Detections& d
                                           .frame = input.silhouette.empty() ? nullptr : picture_,
                                           .contour_vertices = contour,
                                           .matches = matches,
-                                          .n_steps = n_steps});
+                                          .n_steps = previous ? options_.pose.steps : options_.pose.first_steps});
   }
   return result;
 }

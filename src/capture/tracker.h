@@ -31,7 +31,6 @@ struct TrackerOptions {
   // level) where the last one ended. Coarse ones first: patches are only right within a few px, and stripes match one
   // stripe further as well.
   std::vector<int> match_levels = {2, 2, 1, 0, 0};
-  int match_steps = 3;                // Gauss-Newton steps of such a round in a tracked frame
   float min_matched_rigidity = 1.5f;  // softer cloth hangs where skinning does not know
   bool solve_pose = true;             // false: stage I ends with its initialisation from each frame's detections alone
   bool enable_surface = true;         // false: the result is the skinned template of stage I

@@ -82,6 +82,10 @@ std::vector<int32_t> Tracker::find_contour(const TrackInput& input, const Pose& 
   return visibility_.read_contour();
 }
 
+bool Tracker::matches(const TrackInput& input) const {
+  return matcher_.usable() && options_.pose.weights.match > 0 && !input.silhouette.empty();
+}
+
 // Where the picture shows the skinned template; find_contour has rendered it.
 std::vector<VertexMatch> Tracker::find_matches(int level) {
   skinner_.normals(start_, normals_);
@@ -93,7 +97,7 @@ std::vector<VertexMatch> Tracker::find_matches(int level) {
 // Stage I, once per level of match_levels, or once when there is nothing to match.
 PoseResult Tracker::solve_in_rounds(const TrackInput& input, const Detections& detections, const Pose& initial,
                                     const Pose* previous) {
-  const bool matching = matcher_.usable() && options_.pose.weights.match > 0 && !input.silhouette.empty();
+  const bool matching = matches(input);
   const size_t n_rounds = matching ? std::max<size_t>(1, options_.match_levels.size()) : 1;
   PoseResult result;
   result.pose = initial;
@@ -288,7 +292,7 @@ TrackResult Tracker::track(const TrackInput& given) {
     frame_.upload(input.silhouette, input.image);
     frame_.mask.write(input.mask.pixels);
   }
-  if (!input.silhouette.empty()) matcher_.set_picture(*picture_, input.silhouette.box);
+  if (matches(input)) matcher_.set_picture(*picture_, input.silhouette.box);
   const Solved solved = person ? solve_pose(input) : solve_missed(input);
   result.pose_ms = timer.elapsed_ms();
   result.pose_energy = solved.pose.energy.total();

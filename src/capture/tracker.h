@@ -108,6 +108,7 @@ class Tracker {
   Pose predict() const;
   PoseResult solve_tracked(const TrackInput& input, const Pose& predicted);
   std::vector<int32_t> find_contour(const TrackInput& input, const Pose& pose);
+  bool matches(const TrackInput& input) const;
   std::vector<VertexMatch> find_matches(int level);
   PoseResult solve_in_rounds(const TrackInput& input, const Detections& detections, const Pose& initial,
                              const Pose* previous);

@@ -27,7 +27,7 @@ struct MatchOptions {
   int iterations = 4;
   float variance_floor = 5e-4f;  // of luminance in [0,1]: contrast below is noise
   float softness = 0.003f;       // contrast^2 per px^2 of normalised pictures whose direction counts half
-  float max_move_px = 4;         // further away a match is accidental
+  float max_move_px = 4;         // of the level; further away a match is accidental
   float min_correlation = 0.5f;  // of the two patches
   float depth_range_mm = 80;     // pixels of a patch further from its vertex belong to another limb
   float weight_area_px = 25;     // a match that stands for so many pixels has weight 1
@@ -52,9 +52,7 @@ class TextureMatcher {
   void match(const DepthRasterizer& raster, const ocl::Buffer<float>& positions, const ocl::Buffer<float>& normals,
              const ocl::Buffer<int32_t>& visible, const ocl::Buffer<float>& share, int level);
 
-  // [LC_MATCH*n_vertices] of the last match; see match/layout.h. All zero before.
-  const ocl::Buffer<float>& matches() const { return matches_; }
-  // The same, those that were found, by vertex. Blocking.
+  // What the last match found, by vertex. Blocking.
   std::vector<VertexMatch> read();
 
  private:
@@ -79,7 +77,7 @@ class TextureMatcher {
   ocl::Buffer<float> actor_;      // pyramids
   ocl::Buffer<float> depth_;
   ocl::Buffer<float> camera_;
-  ocl::Buffer<float> matches_;
+  ocl::Buffer<float> matches_;  // [LC_MATCH*n_vertices], see match/layout.h
   ocl::Kernel textured_actor_;
   ocl::Kernel camera_picture_;
   ocl::Kernel column_sums_;

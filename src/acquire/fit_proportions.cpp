@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/reference.h"
+#include "pose/person_height.h"
 #include "pose/pose_options.h"
 #include "pose/targets.h"
 

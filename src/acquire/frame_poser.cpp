@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pose/initialize.h"
+#include "pose/person_height.h"
 
 namespace livecap::acquire {
 
@@ -11,15 +12,6 @@ namespace {
 constexpr double kBelievedShare = 0.06;  // mean keypoint error of a pose that is believed, of the person's height
 
 }  // namespace
-
-double keypoints_height_px(const Detections& detections) {
-  double low = 1e9, high = -1e9;
-  for (const KeypointDetection& keypoint : detections.keypoints) {
-    if (keypoint.confidence < 0.3f) continue;
-    low = std::min<double>(low, keypoint.y_px), high = std::max<double>(high, keypoint.y_px);
-  }
-  return high > low ? high - low : 0;
-}
 
 FramePoser::FramePoser(ocl::DeviceContext& device, const Actor& actor, const Camera& camera)
     : actor_(actor),

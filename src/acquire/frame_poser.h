@@ -61,7 +61,4 @@ class FramePoser {
   ocl::Buffer<float> displacement_, posed_, normals_;
 };
 
-// Vertical extent of the keypoints that are seen well, px.
-double keypoints_height_px(const Detections& detections);
-
 }  // namespace livecap::acquire

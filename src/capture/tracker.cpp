@@ -8,23 +8,13 @@
 #include "capture/expected_detections.h"
 #include "livecap/error.h"
 #include "pose/leg_exchange.h"
+#include "pose/person_height.h"
 
 namespace livecap {
 namespace {
 
 // Of keypoints that nobody saw: they only lead where the silhouette says nothing.
 constexpr float kExpectedConfidence = 0.3f;
-
-// Vertical extent of the confident keypoints: the person's size in the picture, px.
-double person_height_px(const Detections& detections) {
-  double low = 1e9, high = -1e9;
-  for (const KeypointDetection& keypoint : detections.keypoints) {
-    if (keypoint.confidence < 0.3f) continue;
-    low = std::min<double>(low, keypoint.y_px);
-    high = std::max<double>(high, keypoint.y_px);
-  }
-  return high > low ? high - low : 0;
-}
 
 }  // namespace
 
@@ -164,7 +154,7 @@ PoseResult Tracker::solve_tracked(const TrackInput& input, const Pose& predicted
 
 bool Tracker::believable(const PoseResult& result, const Detections& detections) const {
   if (result.status != SolveStatus::kOk) return false;
-  const double height = person_height_px(detections);
+  const double height = keypoints_height_px(detections);
   return height > 0 && result.keypoint_error_px < options_.lost_error_fraction * height;
 }
 

@@ -1,31 +1,168 @@
 // The two pictures that are matched: the actor as its texture would look, and the camera's; both as luminance in [0,1]
 // with a weight of 1 where the person is, 0 elsewhere.
 #include "match/layout.h"
+#include "match/wide.h"
 
 static inline float luminance(float r, float g, float b) {
   return 0.299f * r + 0.587f * g + 0.114f * b;
 }
 
-// Bilinear, wrapping around. uv: glTF texture coordinates. texture [tw*th] luminance 0..255.
-static float sample_wrapped(global const uchar* restrict texture, int tw, int th, float u, float v) {
-  const float x = (u - floor(u)) * (float)tw - 0.5f;
-  const float y = (v - floor(v)) * (float)th - 0.5f;
-  const int x0 = (int)floor(x), y0 = (int)floor(y);
-  const float fx = x - (float)x0, fy = y - (float)y0;
-  const int xa = x0 < 0 ? tw - 1 : x0, xb = x0 + 1 >= tw ? 0 : x0 + 1;
-  const int ya = y0 < 0 ? th - 1 : y0, yb = y0 + 1 >= th ? 0 : y0 + 1;
-  const float a = texture[ya * tw + xa], b = texture[ya * tw + xb];
-  const float c = texture[yb * tw + xa], d = texture[yb * tw + xb];
-  const float top = a + fx * (b - a), bottom = c + fx * (d - c);
+// What is constant on a triangle: its corners' pixels and 1/z, and their texture coordinates.
+typedef struct {
+  float4 p0, p1, p2;
+  float2 uv0, uv1, uv2;
+} Textured;
+
+static inline Textured textured_triangle(int t, global const float* restrict projected,
+                                         global const int* restrict triangles, global const float* restrict uvs) {
+  const int3 corner = vload3(t, triangles);
+  global const float* uv = uvs + 6 * t;
+  const Textured tri = {vload4(corner.x, projected),
+                        vload4(corner.y, projected),
+                        vload4(corner.z, projected),
+                        vload2(0, uv),
+                        vload2(1, uv),
+                        vload2(2, uv)};
+  return tri;
+}
+
+#if LC_CPU
+typedef float8 run_t;
+typedef float16 pix_t;
+typedef int16 ipix_t;
+typedef uint16 texels_t;
+#define TO_INT convert_int16
+#define TO_FLOAT convert_float16
+#else
+typedef float run_t;
+typedef float pix_t;
+typedef int ipix_t;
+typedef uint texels_t;
+#define TO_INT convert_int
+#define TO_FLOAT convert_float
+#endif
+
+// Texture coordinates of the triangle at pixels (px, py).
+static inline void texture_coordinates(const Textured* tri, run_t px, float py, run_t* u, run_t* v) {
+  const float4 p0 = tri->p0, p1 = tri->p1, p2 = tri->p2;
+  // Perspective-correct barycentric coordinates, unnormalised.
+  const run_t w0 = ((run_t)(p2.x - p1.x) * (run_t)(py - p1.y) - (p2.y - p1.y) * (px - p1.x)) * p0.z;
+  const run_t w1 = ((run_t)(p0.x - p2.x) * (run_t)(py - p2.y) - (p0.y - p2.y) * (px - p2.x)) * p1.z;
+  const run_t w2 = ((run_t)(p1.x - p0.x) * (run_t)(py - p0.y) - (p1.y - p0.y) * (px - p0.x)) * p2.z;
+  const run_t scale = 1.0f / (w0 + w1 + w2);
+  *u = (w0 * tri->uv0.x + w1 * tri->uv1.x + w2 * tri->uv2.x) * scale;
+  *v = (w0 * tri->uv0.y + w1 * tri->uv1.y + w2 * tri->uv2.y) * scale;
+}
+
+static inline texels_t look_up(global const uint* restrict texture, ipix_t at) {
+#if LC_CPU
+  return (uint16)(texture[at.s0], texture[at.s1], texture[at.s2], texture[at.s3], texture[at.s4], texture[at.s5],
+                  texture[at.s6], texture[at.s7], texture[at.s8], texture[at.s9], texture[at.sa], texture[at.sb],
+                  texture[at.sc], texture[at.sd], texture[at.se], texture[at.sf]);
+#else
+  return texture[at];
+#endif
+}
+
+// Bilinear, wrapping around. uv: glTF texture coordinates. texture [(tw+1)*(th+1)]: luminance 0..255 of the 2 x 2
+// texels around each of their corners, a byte each.
+static inline pix_t sample_wrapped(global const uint* restrict texture, int tw, int th, pix_t u, pix_t v) {
+  const pix_t x = (u - floor(u)) * (float)tw - 0.5f;
+  const pix_t y = (v - floor(v)) * (float)th - 0.5f;
+  const pix_t x0 = floor(x), y0 = floor(y);
+  const pix_t fx = x - x0, fy = y - y0;
+  const ipix_t column = clamp(TO_INT(x0) + 1, (ipix_t)0, (ipix_t)tw);
+  const ipix_t row = clamp(TO_INT(y0) + 1, (ipix_t)0, (ipix_t)th);
+  const texels_t four = look_up(texture, row * (tw + 1) + column);
+  const pix_t a = TO_FLOAT(four & 255u), b = TO_FLOAT((four >> 8u) & 255u);
+  const pix_t c = TO_FLOAT((four >> 16u) & 255u), d = TO_FLOAT(four >> 24u);
+  const pix_t top = a + fx * (b - a), bottom = c + fx * (d - c);
   return (top + fy * (bottom - top)) * (1.0f / 255.0f);
 }
 
-// Over (box.width, box.height). ids, depth [width*height] of the rasteriser; projected [4*n_vertices] u, v, 1/z, z;
-// triangles [3*n_triangles]; uvs [6*n_triangles] of each corner. Out: light, weight, box_depth (INFINITY = nothing).
+// ids, depth [width*height] of the rasteriser; projected [4*n_vertices] u, v, 1/z, z; triangles [3*n_triangles]; uvs
+// [6*n_triangles] of each corner. Out: light, weight, box_depth (INFINITY = nothing).
+#if LC_CPU
+
+// Sixteen depths of a row from column x of the box on; nothing outside the columns [first, end).
+static inline float16 box_depths(global const float* restrict depth, int x, int first, int end) {
+  if (x >= first && x + 16 <= end) return vload16(0, depth + x);
+  float lanes[16];
+  for (int k = 0; k < 16; ++k) lanes[k] = x + k >= first && x + k < end ? depth[x + k] : INFINITY;
+  return vload16(0, lanes);
+}
+
+// Over the rows of the box. First the texture coordinates, eight pixels of a triangle at a time, into light and weight;
+// then the texture, sixteen pixels at a time.
 kernel void textured_actor(MatchBox box, int width, int height, int tw, int th, global const int* restrict ids,
                            global const float* restrict depth, global const float* restrict projected,
                            global const int* restrict triangles, global const float* restrict uvs,
-                           global const uchar* restrict texture, global float* restrict light,
+                           global const uint* restrict texture, global float* restrict light,
+                           global float* restrict weight, global float* restrict box_depth) {
+  const int by = get_global_id(0);
+  if (by >= box.height) return;
+  light += by * box.width;
+  weight += by * box.width;
+  box_depth += by * box.width;
+  const int y = box.y + by;
+  const int first = max(-box.x, 0);
+  const int end = y >= 0 && y < height ? min(width - box.x, box.width) : 0;
+  ids += y * width + box.x;
+  depth += y * width + box.x;
+  int drawn_first = box.width, drawn_end = 0;  // in steps of 16
+  for (int x = 0; x < box.width; x += 16) {
+    const float16 z = box_depths(depth, x, first, end);
+    store16(z, box_depth + x);
+    store16((float16)0.0f, light + x);
+    store16((float16)0.0f, weight + x);
+    if (!any(z < INFINITY)) continue;
+    drawn_first = min(drawn_first, x);
+    drawn_end = x + 16;
+  }
+  const int last = min(drawn_end, end);
+  for (int x = max(drawn_first, first); x < last;) {
+    const int t = ids[x];
+    if (t < 0) {
+      ++x;
+      continue;
+    }
+    const Textured tri = textured_triangle(t, projected, triangles, uvs);
+    const int begin = x;
+    while (x < last && ids[x] == t) ++x;
+    for (int at = begin; at < x; at += 8) {
+      float8 u, v;
+      texture_coordinates(&tri, (float)(box.x + at) + (float8)(0, 1, 2, 3, 4, 5, 6, 7), (float)y, &u, &v);
+      if (at + 8 <= box.width) {
+        // What is too much is overwritten by the next triangle or ignored below.
+        store8(u, light + at);
+        store8(v, weight + at);
+      } else {
+        float us[8], vs[8];
+        vstore8(u, 0, us);
+        vstore8(v, 0, vs);
+        for (int k = at; k < x; ++k) {
+          light[k] = us[k - at];
+          weight[k] = vs[k - at];
+        }
+      }
+    }
+  }
+  for (int x = drawn_first; x < min(drawn_end + 16, box.width); x += 16) {
+    const int16 drawn = vload16(0, box_depth + x) < INFINITY;
+    const float16 u = select((float16)0.0f, vload16(0, light + x), drawn);
+    const float16 v = select((float16)0.0f, vload16(0, weight + x), drawn);
+    store16(select((float16)0.0f, sample_wrapped(texture, tw, th, u, v), drawn), light + x);
+    store16(select((float16)0.0f, (float16)1.0f, drawn), weight + x);
+  }
+}
+
+#else
+
+// Over (box.width, box.height).
+kernel void textured_actor(MatchBox box, int width, int height, int tw, int th, global const int* restrict ids,
+                           global const float* restrict depth, global const float* restrict projected,
+                           global const int* restrict triangles, global const float* restrict uvs,
+                           global const uint* restrict texture, global float* restrict light,
                            global float* restrict weight, global float* restrict box_depth) {
   const int bx = get_global_id(0), by = get_global_id(1);
   if (bx >= box.width || by >= box.height) return;
@@ -38,21 +175,15 @@ kernel void textured_actor(MatchBox box, int width, int height, int tw, int th, 
     box_depth[at] = INFINITY;
     return;
   }
-  const int3 corner = vload3(t, triangles);
-  const float4 p0 = vload4(corner.x, projected), p1 = vload4(corner.y, projected), p2 = vload4(corner.z, projected);
-  const float px = (float)x, py = (float)y;
-  // Perspective-correct barycentric coordinates, unnormalised.
-  const float w0 = ((p2.x - p1.x) * (py - p1.y) - (p2.y - p1.y) * (px - p1.x)) * p0.z;
-  const float w1 = ((p0.x - p2.x) * (py - p2.y) - (p0.y - p2.y) * (px - p2.x)) * p1.z;
-  const float w2 = ((p1.x - p0.x) * (py - p0.y) - (p1.y - p0.y) * (px - p0.x)) * p2.z;
-  const float scale = 1.0f / (w0 + w1 + w2);
-  global const float* c = uvs + 6 * t;
-  const float u = (w0 * c[0] + w1 * c[2] + w2 * c[4]) * scale;
-  const float v = (w0 * c[1] + w1 * c[3] + w2 * c[5]) * scale;
+  const Textured tri = textured_triangle(t, projected, triangles, uvs);
+  float u, v;
+  texture_coordinates(&tri, (float)x, (float)y, &u, &v);
   light[at] = sample_wrapped(texture, tw, th, u, v);
   weight[at] = 1.0f;
   box_depth[at] = depth[y * width + x];
 }
+
+#endif
 
 // Over (box.width, box.height). rgb [3*width*height], signed_distance [width*height] px, positive outside the person.
 kernel void camera_picture(MatchBox box, int width, int height, global const uchar* restrict rgb,

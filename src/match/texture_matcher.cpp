@@ -39,6 +39,22 @@ ImageGray halved(const ImageGray& image) {
   return half;
 }
 
+// The 2 x 2 texels around every corner of a texel, wrapping around; [width + 1, height + 1].
+std::vector<uint32_t> texel_quads(const ImageGray& image) {
+  std::vector<uint32_t> quads;
+  quads.reserve(size_t(image.width + 1) * (image.height + 1));
+  for (int y = 0; y <= image.height; ++y) {
+    const uint8_t* top = &image.pixels[size_t((y + image.height - 1) % image.height) * image.width];
+    const uint8_t* bottom = &image.pixels[size_t(y % image.height) * image.width];
+    for (int x = 0; x <= image.width; ++x) {
+      const int left = (x + image.width - 1) % image.width, right = x % image.width;
+      quads.push_back(uint32_t(top[left]) | uint32_t(top[right]) << 8 | uint32_t(bottom[left]) << 16 |
+                      uint32_t(bottom[right]) << 24);
+    }
+  }
+  return quads;
+}
+
 // A third of the triangles around each vertex, mm^2.
 std::vector<float> vertex_areas(const Mesh& mesh) {
   std::vector<float> areas(mesh.n_vertices(), 0.0f);
@@ -76,6 +92,7 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
       height_(camera.height),
       focal_px_(float((camera.fx + camera.fy) / 2)),
       n_vertices_(actor.n_vertices()),
+      is_cpu_(device.is_cpu()),
       matches_(device, size_t(LC_MATCH) * actor.n_vertices()) {
   options.validate();
   matches_.fill(0);
@@ -96,7 +113,7 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
 
   const int w = round_up(width_ + 2 * kBeyond, kWidthStep), h = round_up(height_ + 2 * kBeyond, 4);
   const size_t box = size_t(w) * h;
-  texture_ = {device, light.pixels};
+  texture_ = {device, texel_quads(light)};
   uvs_ = {device, uvs};
   areas_ = {device, vertex_areas(actor.mesh)};
   light_ = {device, box};
@@ -159,9 +176,10 @@ void TextureMatcher::match(const DepthRasterizer& raster, const ocl::Buffer<floa
     matches_.fill(0);
     return;
   }
-  textured_actor_.launch(ocl::Range{size_t(box_.width), size_t(box_.height), 16, 1}, box_, width_, height_,
-                         texture_width_, texture_height_, raster.triangle_ids(), raster.depth(), raster.projected(),
-                         raster.triangles(), uvs_, texture_, light_, weight_, depth_);
+  const ocl::Range pixels{size_t(box_.width), size_t(box_.height), 16, 1}, rows{size_t(box_.height), 1, 1, 1};
+  textured_actor_.launch(is_cpu_ ? rows : pixels, box_, width_, height_, texture_width_, texture_height_,
+                         raster.triangle_ids(), raster.depth(), raster.projected(), raster.triangles(), uvs_, texture_,
+                         light_, weight_, depth_);
   build_pyramid(level, actor_);
   halve_levels(halve_depth_, level, depth_);
   const PatchOptions patch{level,

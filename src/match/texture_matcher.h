@@ -63,18 +63,19 @@ class TextureMatcher {
   int width_, height_;
   float focal_px_;
   int n_vertices_;
+  bool is_cpu_;
   int texture_width_ = 0;
   int texture_height_ = 0;
   MatchBox box_{0, 0, 0, 0};
   std::vector<float> host_;
 
-  ocl::Buffer<uint8_t> texture_;  // luminance
-  ocl::Buffer<float> uvs_;        // [6*n_triangles]
-  ocl::Buffer<float> areas_;      // [n_vertices] mm^2
-  ocl::Buffer<float> light_;      // box
-  ocl::Buffer<float> weight_;     // box
-  ocl::Buffer<float> sums_;       // 3 boxes
-  ocl::Buffer<float> actor_;      // pyramids
+  ocl::Buffer<uint32_t> texture_;  // luminance of 2 x 2 texels, see kernels/match/pictures.cl
+  ocl::Buffer<float> uvs_;         // [6*n_triangles]
+  ocl::Buffer<float> areas_;       // [n_vertices] mm^2
+  ocl::Buffer<float> light_;       // box
+  ocl::Buffer<float> weight_;      // box
+  ocl::Buffer<float> sums_;        // 3 boxes
+  ocl::Buffer<float> actor_;       // pyramids
   ocl::Buffer<float> depth_;
   ocl::Buffer<float> camera_;
   ocl::Buffer<float> matches_;  // [LC_MATCH*n_vertices], see match/layout.h

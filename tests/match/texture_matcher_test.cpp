@@ -8,7 +8,7 @@
 #include <random>
 
 #include "livecap/error.h"
-#include "support/test_device.h"
+#include "support/kernel_bodies.h"
 
 namespace livecap {
 namespace {
@@ -142,7 +142,7 @@ double quantile(std::vector<double> values, double q) {
 constexpr size_t kInner = (kCells - 7) * (kCells - 7);
 
 TEST(TextureMatcher, FindsSmallMovesAtFullResolutionWhateverTheLight) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const std::vector<double> texture = noise(1);
     const Actor actor = plane_actor(texture);
     for (const auto& [left, right] : {std::pair(1.0, 1.0), std::pair(0.9, 0.35)}) {
@@ -159,7 +159,7 @@ TEST(TextureMatcher, FindsSmallMovesAtFullResolutionWhateverTheLight) {
 }
 
 TEST(TextureMatcher, CoarseLevelsFindLargerMoves) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const std::vector<double> texture = noise(2, 7);
     const Actor actor = plane_actor(texture);
     const Drawing drawing = draw(plane_camera(), texture, 7, 5, 1, 1);
@@ -174,7 +174,7 @@ TEST(TextureMatcher, CoarseLevelsFindLargerMoves) {
 }
 
 TEST(TextureMatcher, StripesAreCertainAcrossThemOnly) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     std::vector<double> stripes;
     for (int y = 0; y < kTexture; ++y)
       for (int x = 0; x < kTexture; ++x) stripes.push_back(128 + 80 * std::sin(2 * M_PI * y / 16.0));
@@ -193,7 +193,7 @@ TEST(TextureMatcher, StripesAreCertainAcrossThemOnly) {
 }
 
 TEST(TextureMatcher, AnotherTextureIsNotMatched) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const Actor actor = plane_actor(noise(3));
     const auto matches = find(device, actor, draw(plane_camera(), noise(4), 0, 0, 1, 1), 0);
     EXPECT_LT(errors(actor, matches, 0, 0).u.size(), 0.25 * kInner);
@@ -201,7 +201,7 @@ TEST(TextureMatcher, AnotherTextureIsNotMatched) {
 }
 
 TEST(TextureMatcher, WeightsAddUpToTheArea) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const std::vector<double> texture = noise(5);
     const Actor actor = plane_actor(texture);
     double sum = 0;
@@ -217,7 +217,7 @@ TEST(TextureMatcher, WeightsAddUpToTheArea) {
 }
 
 TEST(TextureMatcher, NothingToMatchIsNothingFound) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     Actor plain = plane_actor(noise(6));
     const Drawing drawing = draw(plane_camera(), noise(6), 0, 0, 1, 1);
     plain.texture = {};
@@ -229,7 +229,7 @@ TEST(TextureMatcher, NothingToMatchIsNothingFound) {
 }
 
 TEST(TextureMatcher, RefusesWhatDoesNotFit) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const Actor actor = plane_actor(noise(7));
     const Drawing drawing = draw(plane_camera(), noise(7), 0, 0, 1, 1);
     EXPECT_THROW(find(device, actor, drawing, LC_MATCH_LEVELS + 1), LogicError);
@@ -246,7 +246,7 @@ TEST(TextureMatcher, RefusesWhatDoesNotFit) {
 }
 
 TEST(TextureMatcher, SelfTestPassesOnEveryDevice) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     for (const auto& result : match_self_test(device)) EXPECT_TRUE(result.ok) << result.kernel << ": " << result.detail;
   });
 }

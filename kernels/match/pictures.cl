@@ -185,17 +185,22 @@ kernel void textured_actor(MatchBox box, int width, int height, int tw, int th, 
 
 #endif
 
-// Over (box.width, box.height). rgb [3*width*height], signed_distance [width*height] px, positive outside the person.
+// Over (box.width / 16, box.height), sixteen pixels each. rgb [3*width*height], signed_distance [width*height] px,
+// positive outside the person.
 kernel void camera_picture(MatchBox box, int width, int height, global const uchar* restrict rgb,
                            global const float* restrict signed_distance, global float* restrict light,
                            global float* restrict weight) {
-  const int bx = get_global_id(0), by = get_global_id(1);
+  const int bx = 16 * (int)get_global_id(0), by = get_global_id(1);
   if (bx >= box.width || by >= box.height) return;
   const int at = by * box.width + bx;
   const int x = box.x + bx, y = box.y + by;
-  const int in_picture = x >= 0 && y >= 0 && x < width && y < height;
-  const int p = in_picture ? y * width + x : 0;
-  const int person = in_picture && signed_distance[p] < 0.0f;
-  light[at] = person ? luminance(rgb[3 * p], rgb[3 * p + 1], rgb[3 * p + 2]) * (1.0f / 255.0f) : 0.0f;
-  weight[at] = person ? 1.0f : 0.0f;
+  store16((float16)0.0f, light + at);
+  store16((float16)0.0f, weight + at);
+  if (y < 0 || y >= height) return;
+  for (int k = max(-x, 0); k < min(width - x, 16); ++k) {
+    const int p = y * width + x + k;
+    if (!(signed_distance[p] < 0.0f)) continue;
+    light[at + k] = luminance(rgb[3 * p], rgb[3 * p + 1], rgb[3 * p + 2]) * (1.0f / 255.0f);
+    weight[at + k] = 1.0f;
+  }
 }

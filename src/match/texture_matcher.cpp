@@ -124,8 +124,12 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
   camera_ = {device, pyramid_size(w, h)};
   textured_actor_ = {device, "match/pictures.cl", "textured_actor"};
   camera_picture_ = {device, "match/pictures.cl", "camera_picture"};
-  column_sums_ = {device, "match/normalise.cl", "column_sums"};
-  normalise_rows_ = {device, "match/normalise.cl", "normalise_rows"};
+  if (is_cpu_) {
+    normalise_ = {device, "match/normalise.cl", "normalise"};
+  } else {
+    column_sums_ = {device, "match/normalise.cl", "column_sums"};
+    normalise_rows_ = {device, "match/normalise.cl", "normalise_rows"};
+  }
   halve_ = {device, "match/normalise.cl", "halve"};
   halve_depth_ = {device, "match/normalise.cl", "halve_depth"};
   match_patches_ = {device, "match/patch_match.cl", "match_patches"};
@@ -133,11 +137,14 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
 
 // light_ and weight_ to a normalised pyramid, down to `level`.
 void TextureMatcher::build_pyramid(int level, ocl::Buffer<float>& pyramid) {
-  const size_t groups = box_.width / 16;
-  column_sums_.launch(ocl::Range{groups, size_t((box_.height + kBand - 1) / kBand), 1, 1}, box_, light_, weight_,
-                      sums_);
-  normalise_rows_.launch(ocl::Range{groups, size_t(box_.height), 1, 1}, box_, options_.variance_floor, light_, weight_,
-                         sums_, pyramid);
+  const size_t groups = box_.width / 16, bands = (box_.height + kBand - 1) / kBand;
+  if (is_cpu_) {
+    normalise_.launch(bands, 1, box_, options_.variance_floor, light_, weight_, sums_, pyramid);
+  } else {
+    column_sums_.launch(ocl::Range{groups, bands, 1, 1}, box_, light_, weight_, sums_);
+    normalise_rows_.launch(ocl::Range{groups, size_t(box_.height), 1, 1}, box_, options_.variance_floor, light_,
+                           weight_, sums_, pyramid);
+  }
   halve_levels(halve_, level, pyramid);
 }
 
@@ -145,7 +152,7 @@ void TextureMatcher::halve_levels(ocl::Kernel& halve, int level, ocl::Buffer<flo
   int from = 0;
   for (int l = 0; l < level; ++l) {
     const int w = box_.width >> l, h = box_.height >> l;
-    halve.launch(ocl::Range{size_t(w / 2), size_t(h / 2), 8, 1}, w, w / 2, h / 2, from, from + w * h, pyramid);
+    halve.launch(ocl::Range{size_t(w / 16), size_t(h / 2), 1, 1}, w, w / 2, h / 2, from, from + w * h, pyramid);
     from += w * h;
   }
 }
@@ -161,8 +168,8 @@ void TextureMatcher::set_picture(const DeviceFrame& frame, const PixelBox& perso
         format("match: the person's box ends at %d, %d of %d x %d", person.x1, person.y1, width_, height_));
   box_ = {person.x0 - kBeyond, person.y0 - kBeyond, round_up(person.width() + 2 * kBeyond, kWidthStep),
           round_up(person.height() + 2 * kBeyond, 4)};
-  camera_picture_.launch(ocl::Range{size_t(box_.width), size_t(box_.height), 16, 1}, box_, width_, height_, frame.rgb,
-                         frame.signed_distance, light_, weight_);
+  camera_picture_.launch(ocl::Range{size_t(box_.width / 16), size_t(box_.height), 1, 1}, box_, width_, height_,
+                         frame.rgb, frame.signed_distance, light_, weight_);
   build_pyramid(LC_MATCH_LEVELS, camera_);
 }
 

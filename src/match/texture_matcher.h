@@ -81,7 +81,8 @@ class TextureMatcher {
   ocl::Buffer<float> matches_;  // [LC_MATCH*n_vertices], see match/layout.h
   ocl::Kernel textured_actor_;
   ocl::Kernel camera_picture_;
-  ocl::Kernel column_sums_;
+  ocl::Kernel normalise_;    // CPUs
+  ocl::Kernel column_sums_;  // GPUs, with normalise_rows_
   ocl::Kernel normalise_rows_;
   ocl::Kernel halve_;
   ocl::Kernel halve_depth_;

@@ -1,7 +1,7 @@
 // Sizes and places that the host and the kernels of the pose stage agree on. Read by both compilers.
 //
 // Unknowns: [rotation vector 3 | t 3 | joint angles n_dofs | t' 3]. J has one row per residual and n_columns columns:
-// the unknowns, the residual itself in column n_unknowns, zeros up to a multiple of 8.
+// the unknowns, the residual itself in column n_unknowns, zeros up to a multiple of 16.
 // Rows: 8 per keypoint (2D 2, 3D 3, temporal 3), one per joint angle (anatomic), one per contour vertex.
 // Positions marked "root-relative" are camera-frame vectors from the root's origin t: floats keep more of them.
 #ifndef LC_POSE_LAYOUT_H
@@ -16,10 +16,16 @@
 
 // A row before it is spread over the columns, in 32 words: four wrenches (torque xyz, force xyz), their bones (one byte
 // each, int), the first column of the extra coefficients (int), the three extra coefficients.
+// Those of skinned vertices lie in slices of 16 vertices, word by word; a vertex with two rows has two slices.
 #define LC_POSE_RECORD 32
+#define LC_POSE_SLICE 16
 #define LC_POSE_RECORD_BONES 24
 #define LC_POSE_RECORD_EXTRA_COLUMN 25
 #define LC_POSE_RECORD_EXTRA 26
+
+// What a work-item of fill_rows.cl makes.
+#define LC_POSE_FILL_COLUMNS(is_cpu) ((is_cpu) ? 16 : 8)
+#define LC_POSE_FILL_ROWS(is_cpu) ((is_cpu) ? 16 : 1)
 
 // One keypoint of the frame, in 12 floats: target u, v (px); target x, y, z (mm); square roots of the 2D, 3D and
 // temporal weights, 0 = no such row; position in the previous frame (mm); unused.
@@ -28,7 +34,7 @@
 typedef struct {
   int n_dofs;
   int n_unknowns;  // n_dofs + 9
-  int n_columns;   // n_unknowns + 1, rounded up to a multiple of 8
+  int n_columns;   // n_unknowns + 1, rounded up to a multiple of 16
   int n_bones;
 } PoseLayout;
 

@@ -1,6 +1,7 @@
 // Rows of the keypoint terms E_2D, E_3D, E_temporal and of the joint limits E_anatomic.
+#include "pose/huber.h"
 #include "pose/layout.h"
-#include "pose/skinned_row.h"
+#include "pose/skinned_gradient.h"
 #include "terms/anatomic.cl"
 #include "terms/keypoint_2d.cl"
 #include "terms/keypoint_3d.cl"

@@ -1,7 +1,5 @@
-// All kernels of the pose stage as one program.
+// All kernels of the pose stage as one program, but those that work on slices of vertices (skinned_records.cl).
 #include "pose/point_records.cl"
 //
-#include "pose/contour_records.cl"
 #include "pose/fill_rows.cl"
 #include "pose/gram.cl"
-#include "pose/match_records.cl"

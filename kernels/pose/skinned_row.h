@@ -1,24 +1,38 @@
 // A row of J for a skinned vertex: the vertex with the parts of its blend, and the row's derivative summed up per bone.
+// A slice of vertices at a time: shared/lanes.h comes first.
 #ifndef LC_POSE_SKINNED_ROW_H
 #define LC_POSE_SKINNED_ROW_H
 #include "pose/layout.h"
 #include "pose/skinned_gradient.h"
 
-// Square root of the Huber weight of a residual of this length.
-LC_FN float huber_factor(float length, float threshold) {
-  return threshold > 0.0f && length > threshold ? sqrt(threshold / length) : 1.0f;
-}
-
 typedef struct {
-  Vec3 rest;         // mm, template frame
-  Vec3 position;     // mm, root-relative
-  DualQuat blend;    // sum of the parts
-  DualQuat part[4];  // weighted dual quaternion of each bone; signs follow the strongest one (slot 0)
-  int packed_bones;  // a byte each
+  Vec3 rest;             // mm, template frame
+  Vec3 position;         // mm, root-relative
+  DualQuat blend;        // sum of the parts
+  DualQuat part[4];      // weighted dual quaternion of each bone; signs follow the strongest one (slot 0)
+  LaneInt packed_bones;  // a byte each
 } SkinnedVertex;
 
+LC_FN LaneInt gather_int(global const int* restrict p, LaneInt i) {
+#if LC_CPU
+  return (int16)(p[i.s0], p[i.s1], p[i.s2], p[i.s3], p[i.s4], p[i.s5], p[i.s6], p[i.s7], p[i.s8], p[i.s9], p[i.sa],
+                 p[i.sb], p[i.sc], p[i.sd], p[i.se], p[i.sf]);
+#else
+  return p[i];
+#endif
+}
+
+// The lanes' vertices; lanes beyond the last of n repeat it.
+LC_FN LaneInt lane_vertices(global const int* restrict vertices, int n) {
+  return gather_int(vertices, min(FIRST_ROW + LANE_IDS, (LaneInt)(n - 1)));
+}
+
+LC_FN Vec3 gather_vec3(global const float* restrict p, LaneInt i) {
+  return vec3(gather(p, 3 * i), gather(p, 3 * i + 1), gather(p, 3 * i + 2));
+}
+
 // dual_quats [8*n_bones] root-relative, bones and weights [4*n_vertices].
-LC_FN SkinnedVertex skinned_vertex(int vertex, Vec3 rest, global const float* restrict dual_quats,
+LC_FN SkinnedVertex skinned_vertex(LaneInt vertex, Vec3 rest, global const float* restrict dual_quats,
                                    global const int* restrict bones, global const float* restrict weights) {
   SkinnedVertex s;
   s.rest = rest;
@@ -27,11 +41,13 @@ LC_FN SkinnedVertex skinned_vertex(int vertex, Vec3 rest, global const float* re
   DualQuat first = dual_quat_zero();
 #pragma unroll
   for (int j = 0; j < 4; ++j) {
-    const int bone = bones[4 * vertex + j];
-    const float8 values = vload8(bone, dual_quats);
-    const DualQuat turn = {values.s0, values.s1, values.s2, values.s3, values.s4, values.s5, values.s6, values.s7};
+    const LaneInt bone = gather_int(bones, 4 * vertex + j);
+    const LaneInt at = 8 * bone;
+    const DualQuat turn = {gather(dual_quats, at),     gather(dual_quats, at + 1), gather(dual_quats, at + 2),
+                           gather(dual_quats, at + 3), gather(dual_quats, at + 4), gather(dual_quats, at + 5),
+                           gather(dual_quats, at + 6), gather(dual_quats, at + 7)};
     if (j == 0) first = turn;
-    const float w = weights[4 * vertex + j];
+    const REAL w = gather(weights, 4 * vertex + j);
     s.part[j] = dual_quat_add_scaled(dual_quat_zero(), turn, dual_quat_real_dot(first, turn) < 0.0f ? -w : w);
     s.blend = dual_quat_add_scaled(s.blend, s.part[j], 1.0f);
     s.packed_bones |= bone << (8 * j);
@@ -40,24 +56,22 @@ LC_FN SkinnedVertex skinned_vertex(int vertex, Vec3 rest, global const float* re
   return s;
 }
 
-// g: the row's gradient by the vertex. record [LC_POSE_RECORD].
-LC_FN void write_skinned_row(global float* restrict record, const SkinnedVertex* s, Vec3 g) {
+// g: the row's gradient by the vertex. counts: where false, the row is zero. record: the slice's, see pose/layout.h.
+LC_FN void write_skinned_row(global float* restrict record, const SkinnedVertex* s, Vec3 g, LaneInt counts) {
   const DualQuat c = dual_quat_transform_gradient(s->blend, s->rest, s->position, g);
+  record += FIRST_ROW % SLICE;
 #pragma unroll
   for (int j = 0; j < 4; ++j) {
     const Wrench w = dual_quat_turn_wrench(c, s->part[j]);
-    record[6 * j + 0] = w.torque.x;
-    record[6 * j + 1] = w.torque.y;
-    record[6 * j + 2] = w.torque.z;
-    record[6 * j + 3] = w.force.x;
-    record[6 * j + 4] = w.force.y;
-    record[6 * j + 5] = w.force.z;
+    const REAL values[6] = {w.torque.x, w.torque.y, w.torque.z, w.force.x, w.force.y, w.force.z};
+#pragma unroll
+    for (int k = 0; k < 6; ++k) STORE(counts ? values[k] : (REAL)0.0f, record, (6 * j + k) * SLICE);
   }
-  record[LC_POSE_RECORD_BONES] = as_float(s->packed_bones);
-}
-
-LC_FN void write_empty_row(global float* restrict record) {
-  for (int j = 0; j < LC_POSE_RECORD; ++j) record[j] = 0.0f;
+#if LC_CPU
+  STORE(as_float16(s->packed_bones), record, LC_POSE_RECORD_BONES * SLICE);
+#else
+  STORE(as_float(s->packed_bones), record, LC_POSE_RECORD_BONES * SLICE);
+#endif
 }
 
 #endif

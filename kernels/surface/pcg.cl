@@ -2,7 +2,7 @@
 // vertex (3 unknowns), the preconditioner is the inverse 3x3 diagonal block. All scalars stay on the device:
 //   scalars[0] = r.z, [1] = alpha, [2] = beta, [3] = 1 when anything was not finite since the solve began.
 // Sums run in a fixed order, so results repeat bit for bit.
-#include "surface/lanes.h"
+#include "shared/lanes.h"
 //
 #include "surface/system.h"
 

@@ -3,7 +3,7 @@
 // (the preconditioner) and starts the conjugate gradients.
 //
 // Both directions of an edge contribute, so its weight is c_ij = s_ij (1/|N_i| + 1/|N_j|), the same seen from i and j.
-#include "surface/lanes.h"
+#include "shared/lanes.h"
 //
 #include "surface/system.h"
 #include "terms/acceleration.cl"

@@ -1,7 +1,7 @@
 // Vertex snapping, second half (paper, "Vertex Snapping"): non-boundary vertices follow by a Laplacian warp in a band
 // of a few edge rings around the snapped ones. The moves of the band solve the graph Laplace equation with the snapped
 // moves given and zero beyond the band: a first guess that falls off linearly, then Jacobi sweeps.
-#include "surface/lanes.h"
+#include "shared/lanes.h"
 
 #define RING_FREE 1000.0f
 

@@ -22,8 +22,9 @@ LC_FN SilhouetteRow silhouette_row(Vec3 v, Pinhole cam, REAL distance, Vec2 grad
 // signed gradient points there itself. normal_px: the vertex normal projected to the image (any length). Outside always
 // +1; inside -1 when the normal points away from z (the contour found is the wrong one).
 LC_FN REAL silhouette_direction(REAL distance, Vec2 gradient_px, Vec2 normal_px) {
-  if (distance > LC_LIT(0.0)) return LC_LIT(1.0);
-  return normal_px.x * gradient_px.x + normal_px.y * gradient_px.y < LC_LIT(0.0) ? LC_LIT(-1.0) : LC_LIT(1.0);
+  REAL inside =
+      normal_px.x * gradient_px.x + normal_px.y * gradient_px.y < LC_LIT(0.0) ? (REAL)LC_LIT(-1.0) : (REAL)LC_LIT(1.0);
+  return distance > LC_LIT(0.0) ? (REAL)LC_LIT(1.0) : inside;
 }
 
 // x = v; params = fx, fy, cx, cy, then the image as a plane: value, du, dv at pixel (u0, v0), and b.

@@ -11,6 +11,7 @@ namespace livecap {
 namespace {
 
 constexpr const char* kProgram = "pose/pose.cl";
+constexpr const char* kSkinnedProgram = "pose/skinned_records.cl";
 constexpr int kTile = 8;
 // GPUs sum the rows in this many independent slices, which the host adds in order.
 constexpr int kGpuSlices = 16;
@@ -19,6 +20,10 @@ constexpr int kMaxBones = 255;
 
 static_assert(LC_POSE_KEYPOINTS == kKeypointCount);
 static_assert(sizeof(PoseLayout) == 16 && sizeof(PoseContour) == 24);
+
+size_t round_up(size_t value, size_t step) {
+  return (value + step - 1) / step * step;
+}
 
 void require(bool ok, const std::string& message) {
   if (!ok) throw LogicError("pose: " + message);
@@ -54,11 +59,12 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
   require(width_ >= 2 && height_ >= 2, format("camera picture is %d x %d", width_, height_));
   layout_.n_dofs = skeleton_.n_dofs();
   layout_.n_unknowns = layout_.n_dofs + 9;
-  layout_.n_columns = (layout_.n_unknowns + 1 + kTile - 1) / kTile * kTile;
+  layout_.n_columns = int(round_up(layout_.n_unknowns + 1, LC_POSE_SLICE));
   layout_.n_bones = skeleton_.n_bones();
   n_point_rows_ = LC_POSE_POINT_ROWS + layout_.n_dofs;
   const int side = layout_.n_columns / kTile;
   n_tiles_ = side * (side + 1) / 2;
+  is_cpu_ = device.is_cpu();
   n_slices_ = device.is_cpu() ? 1 : kGpuSlices;
   items_per_tile_ = device.is_cpu() ? 1 : kTile * kTile;
 
@@ -78,7 +84,7 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
   std::vector<int32_t> keypoint_bones;
   for (const KeypointAnchor& anchor : keypoints_) keypoint_bones.push_back(std::max(anchor.bone, 0));
 
-  const size_t n_contour = options.max_contour_vertices;
+  const size_t n_contour = round_up(options.max_contour_vertices, LC_POSE_SLICE);
   step_host_.resize(LC_POSE_STEP_SIZE(layout_));
   gram_host_.resize(size_t(n_slices_) * n_tiles_ * kTile * kTile);
   step_ = ocl::Buffer<float>(device, step_host_.size());
@@ -96,7 +102,7 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
   point_residuals_ = ocl::Buffer<float>(device, n_point_rows_);
   contour_residuals_ = ocl::Buffer<float>(device, n_contour);
   distances_px_ = ocl::Buffer<float>(device, n_contour);
-  const size_t n_matches = options.max_matches;
+  const size_t n_matches = round_up(options.max_matches, LC_POSE_SLICE);
   match_vertices_ = ocl::Buffer<int32_t>(device, n_matches);
   match_targets_ = ocl::Buffer<float>(device, 5 * n_matches);
   match_records_ = ocl::Buffer<float>(device, 2 * LC_POSE_RECORD * n_matches);
@@ -104,8 +110,8 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
   J_ = ocl::Buffer<float>(device, (n_point_rows_ + n_contour + 2 * n_matches) * layout_.n_columns);
   gram_ = ocl::Buffer<float>(device, gram_host_.size());
   point_records_kernel_ = ocl::Kernel(device, kProgram, "pose_point_records");
-  contour_records_kernel_ = ocl::Kernel(device, kProgram, "pose_contour_records");
-  match_records_kernel_ = ocl::Kernel(device, kProgram, "pose_match_records");
+  contour_records_kernel_ = ocl::Kernel(device, kSkinnedProgram, "pose_contour_records");
+  match_records_kernel_ = ocl::Kernel(device, kSkinnedProgram, "pose_match_records");
   fill_points_kernel_ = ocl::Kernel(device, kProgram, "pose_fill_point_rows");
   fill_skinned_kernel_ = ocl::Kernel(device, kProgram, "pose_fill_skinned_rows");
   gram_kernel_ = ocl::Kernel(device, kProgram, "pose_gram");
@@ -222,9 +228,9 @@ void PoseSystem::launch_records() {
                                float(options_.keypoint_2d_huber_px), step_, targets_, keypoint_bones_, limits_,
                                float(std::sqrt(options_.weights.anatomic)), point_records_, point_residuals_);
   if (n_matches_ > 0)
-    match_records_kernel_.launch(n_matches_, 64, layout_, pinhole_, n_matches_, float(options_.match_huber_px), step_,
-                                 match_vertices_, match_targets_, rest_, bones_, weights_, match_records_,
-                                 match_residuals_);
+    match_records_kernel_.launch(n_skinned_items(n_matches_), is_cpu_ ? 1 : 64, layout_, pinhole_, n_matches_,
+                                 float(options_.match_huber_px), step_, match_vertices_, match_targets_, rest_, bones_,
+                                 weights_, match_records_, match_residuals_);
   if (n_contour_ == 0) return;
   const PoseContour contour{n_contour_,
                             width_,
@@ -232,19 +238,28 @@ void PoseSystem::launch_records() {
                             displacement_ ? 1 : 0,
                             float(std::sqrt(contour_weight_)),
                             float(options_.silhouette_huber_px)};
-  contour_records_kernel_.launch(n_contour_, 64, layout_, pinhole_, contour, step_, contour_vertices_, rest_,
-                                 rest_normals_, displacement_ ? *displacement_ : rest_, bones_, weights_,
-                                 frame_->signed_distance, contour_records_, contour_residuals_, distances_px_);
+  contour_records_kernel_.launch(n_skinned_items(n_contour_), is_cpu_ ? 1 : 64, layout_, pinhole_, contour, step_,
+                                 contour_vertices_, rest_, rest_normals_, displacement_ ? *displacement_ : rest_,
+                                 bones_, weights_, frame_->signed_distance, contour_records_, contour_residuals_,
+                                 distances_px_);
+}
+
+// Work-items over the vertices of skinned rows: slices on CPUs.
+size_t PoseSystem::n_skinned_items(int n) const {
+  return is_cpu_ ? round_up(n, LC_POSE_SLICE) / LC_POSE_SLICE : size_t(n);
 }
 
 void PoseSystem::launch_rows() {
-  const size_t blocks = layout_.n_columns / kTile;
-  fill_points_kernel_.launch(ocl::Range{blocks, size_t(n_point_rows_), blocks, 1}, layout_, n_point_rows_, step_,
-                             moves_, point_records_, point_residuals_, J_);
-  fill_skinned_kernel_.launch(ocl::Range{blocks, size_t(n_contour_), blocks, 1}, layout_, n_contour_, n_point_rows_,
-                              step_, moves_, contour_records_, contour_residuals_, J_);
-  fill_skinned_kernel_.launch(ocl::Range{blocks, size_t(2 * n_matches_), blocks, 1}, layout_, 2 * n_matches_,
-                              n_point_rows_ + n_contour_, step_, moves_, match_records_, match_residuals_, J_);
+  const size_t blocks = layout_.n_columns / LC_POSE_FILL_COLUMNS(is_cpu_), step = LC_POSE_FILL_ROWS(is_cpu_);
+  const auto over = [&](int n_rows) {
+    return ocl::Range{blocks, round_up(n_rows, step) / step, is_cpu_ ? 1 : blocks, 1};
+  };
+  fill_points_kernel_.launch(over(n_point_rows_), layout_, n_point_rows_, step_, moves_, point_records_,
+                             point_residuals_, J_);
+  fill_skinned_kernel_.launch(over(n_contour_), layout_, n_contour_, 1, n_point_rows_, step_, moves_, contour_records_,
+                              contour_residuals_, J_);
+  fill_skinned_kernel_.launch(over(2 * n_matches_), layout_, 2 * n_matches_, 2, n_point_rows_ + n_contour_, step_,
+                              moves_, match_records_, match_residuals_, J_);
 }
 
 PoseNormalEquations PoseSystem::assemble(const PoseState& state) {

@@ -66,6 +66,7 @@ class PoseSystem {
   void upload(const PoseState& state);
   void launch_records();
   void launch_rows();
+  size_t n_skinned_items(int n) const;
 
   Skeleton skeleton_;
   std::array<KeypointAnchor, kKeypointCount> keypoints_;
@@ -79,6 +80,7 @@ class PoseSystem {
   int n_contour_ = 0;
   double contour_weight_ = 0;
   int n_matches_ = 0;
+  bool is_cpu_ = true;
   int n_tiles_ = 0;
   int n_slices_ = 1;
   int items_per_tile_ = 1;

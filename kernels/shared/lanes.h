@@ -1,9 +1,9 @@
-// One kernel body for both kinds of device. Rows of the system are stored in slices of 16 (SELL-16). On a CPU a
-// work-item is a whole slice and REAL is float16; on a GPU a work-item is one row and REAL is float. The shared row
+// One kernel body for both kinds of device. Rows are stored in slices of 16 (SELL-16). On a CPU a work-item is a whole
+// slice and REAL is float16; on a GPU a work-item is one row and REAL is float. The shared row
 // functions of kernels/terms are compiled with that REAL, so the mathematics exists once.
 // To be included before anything that uses REAL.
-#ifndef LC_SURFACE_LANES_H
-#define LC_SURFACE_LANES_H
+#ifndef LC_SHARED_LANES_H
+#define LC_SHARED_LANES_H
 #include "shared/dialect.h"
 
 #define SLICE 16

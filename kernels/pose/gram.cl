@@ -1,6 +1,6 @@
 // [J | F]^T [J | F] in 8x8 tiles of the upper triangle: J^T J and J^T F at once, rows summed in fixed order.
-// Tile t = (tile row a, tile column b >= a), counted along the rows. CPU: one work-item per tile and slice of rows with
-// the tile in registers. GPU: one work-item per entry. Slices are added by the host.
+// Tile t = (tile row a, tile column b >= a), counted along the rows. CPU: one work-item per four tiles and slice of
+// rows with the tiles in registers. GPU: one work-item per entry. Slices are added by the host.
 #include "pose/layout.h"
 
 // The tile's place, as first column of its rows and of its columns.
@@ -29,16 +29,13 @@ kernel void pose_gram(int n_items, int n_rows, int n_columns, int n_tiles, int n
   const int begin = slice * rows_per_slice;
   const int end = min(n_rows, begin + rows_per_slice);
 #if LC_CPU
-  // Two tiles beside each other at once; those of even places do the work.
-  const int place = (corner.y - corner.x) / 8;
-  if (place % 2) return;
+  // Four tiles at once: 16 x 16 entries, those below the diagonal for nothing.
+  if (corner.x % 16 || corner.y % 16) return;
   float16 s0 = 0.0f, s1 = 0.0f, s2 = 0.0f, s3 = 0.0f, s4 = 0.0f, s5 = 0.0f, s6 = 0.0f, s7 = 0.0f;
-  const int is_pair = corner.y + 8 < n_columns;
+  float16 s8 = 0.0f, s9 = 0.0f, sa = 0.0f, sb = 0.0f, sc = 0.0f, sd = 0.0f, se = 0.0f, sf = 0.0f;
   for (int row = begin; row < end; ++row) {
-    global const float* values = J + row * n_columns;
-    const float8 left = vload8(0, values + corner.x);
-    const float16 right =
-        is_pair ? vload16(0, values + corner.y) : (float16)(vload8(0, values + corner.y), (float8)0.0f);
+    const float16 left = vload16(0, J + row * n_columns + corner.x);
+    const float16 right = vload16(0, J + row * n_columns + corner.y);
     s0 += left.s0 * right;
     s1 += left.s1 * right;
     s2 += left.s2 * right;
@@ -47,12 +44,25 @@ kernel void pose_gram(int n_items, int n_rows, int n_columns, int n_tiles, int n
     s5 += left.s5 * right;
     s6 += left.s6 * right;
     s7 += left.s7 * right;
+    s8 += left.s8 * right;
+    s9 += left.s9 * right;
+    sa += left.sa * right;
+    sb += left.sb * right;
+    sc += left.sc * right;
+    sd += left.sd * right;
+    se += left.se * right;
+    sf += left.sf * right;
   }
+  const float16 upper[8] = {s0, s1, s2, s3, s4, s5, s6, s7}, lower[8] = {s8, s9, sa, sb, sc, sd, se, sf};
   global float* out = gram + 64 * block;
-  const float16 sums[8] = {s0, s1, s2, s3, s4, s5, s6, s7};
+  // The tile below the first one, which exists right of the diagonal only, and the one beside it.
+  const int below = block + (n_columns - corner.x) / 8 - 1;
+  global float* out_below = gram + 64 * below;
   for (int k = 0; k < 8; ++k) {
-    vstore8(sums[k].lo, k, out);
-    if (is_pair) vstore8(sums[k].hi, 8 + k, out);
+    vstore8(upper[k].lo, k, out);
+    vstore8(upper[k].hi, 8 + k, out);
+    if (corner.y > corner.x) vstore8(lower[k].lo, k, out_below);
+    vstore8(lower[k].hi, 8 + k, out_below);
   }
 #else
   const int left = corner.x + i % 64 / 8;

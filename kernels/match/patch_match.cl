@@ -23,11 +23,9 @@ static inline float sum8(float8 v) {
   return b.x + b.y;
 }
 
-// The camera's patch row moved by (fx, fy) of a pixel; p: its first pixel.
-static inline float8 moved_row(global const float* restrict p, int width, float fx, float fy) {
-  const float8 top = vload8(0, p) + fx * (vload8(0, p + 1) - vload8(0, p));
-  const float8 bottom = vload8(0, p + width) + fx * (vload8(0, p + width + 1) - vload8(0, p + width));
-  return top + fy * (bottom - top);
+// A row of the camera's picture moved by fx of a pixel; p: its first pixel.
+static inline float8 moved_row(global const float* restrict p, float fx) {
+  return vload8(0, p) + fx * (vload8(0, p + 1) - vload8(0, p));
 }
 
 // Moves (dx, dy), px of this level, of the patch around pixel (x, y). Returns its structure; n = 0 when there is too
@@ -78,8 +76,11 @@ static Structure align(const Level* level, int x, int y, float z, PatchOptions o
     const float fx = px - fx0, fy = py - fy0;
     if (k == options.iterations) {
       float8 a1 = 0.0f, b1 = 0.0f, aa = 0.0f, bb = 0.0f, ab = 0.0f;
+      float8 top = moved_row(c, fx);
       for (int r = 0; r < PATCH; ++r) {
-        const float8 a = inside[r] * actor[r], b = inside[r] * moved_row(c + r * width, width, fx, fy);
+        const float8 bottom = moved_row(c + (r + 1) * width, fx);
+        const float8 a = inside[r] * actor[r], b = inside[r] * (top + fy * (bottom - top));
+        top = bottom;
         a1 += a;
         b1 += b;
         aa += a * a;
@@ -92,8 +93,11 @@ static Structure align(const Level* level, int x, int y, float z, PatchOptions o
       return s;
     }
     float8 ex = 0.0f, ey = 0.0f;
+    float8 top = moved_row(c, fx);
     for (int r = 0; r < PATCH; ++r) {
-      const float8 e = moved_row(c + r * width, width, fx, fy) - actor[r];
+      const float8 bottom = moved_row(c + (r + 1) * width, fx);
+      const float8 e = top + fy * (bottom - top) - actor[r];
+      top = bottom;
       ex += gx[r] * e;
       ey += gy[r] * e;
     }

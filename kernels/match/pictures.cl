@@ -54,28 +54,34 @@ static inline void texture_coordinates(const Textured* tri, run_t px, float py, 
   *v = (w0 * tri->uv0.y + w1 * tri->uv1.y + w2 * tri->uv2.y) * scale;
 }
 
-static inline texels_t look_up(global const uint* restrict texture, ipix_t at) {
+// Two pairs beside each other.
+static inline uint pairs(global const ushort* restrict texture, int at) {
+  return as_uint(vload2(0, texture + at));
+}
+
+static inline texels_t look_up(global const ushort* restrict texture, ipix_t at) {
 #if LC_CPU
-  return (uint16)(texture[at.s0], texture[at.s1], texture[at.s2], texture[at.s3], texture[at.s4], texture[at.s5],
-                  texture[at.s6], texture[at.s7], texture[at.s8], texture[at.s9], texture[at.sa], texture[at.sb],
-                  texture[at.sc], texture[at.sd], texture[at.se], texture[at.sf]);
+  return (uint16)(pairs(texture, at.s0), pairs(texture, at.s1), pairs(texture, at.s2), pairs(texture, at.s3),
+                  pairs(texture, at.s4), pairs(texture, at.s5), pairs(texture, at.s6), pairs(texture, at.s7),
+                  pairs(texture, at.s8), pairs(texture, at.s9), pairs(texture, at.sa), pairs(texture, at.sb),
+                  pairs(texture, at.sc), pairs(texture, at.sd), pairs(texture, at.se), pairs(texture, at.sf));
 #else
-  return texture[at];
+  return pairs(texture, at);
 #endif
 }
 
 // Bilinear, wrapping around. uv: glTF texture coordinates. texture [(tw+1)*(th+1)]: luminance 0..255 of the 2 x 2
 // texels around each of their corners, a byte each.
-static inline pix_t sample_wrapped(global const uint* restrict texture, int tw, int th, pix_t u, pix_t v) {
+static inline pix_t sample_wrapped(global const ushort* restrict texture, int tw, int th, pix_t u, pix_t v) {
   const pix_t x = (u - floor(u)) * (float)tw - 0.5f;
   const pix_t y = (v - floor(v)) * (float)th - 0.5f;
   const pix_t x0 = floor(x), y0 = floor(y);
   const pix_t fx = x - x0, fy = y - y0;
   const ipix_t column = clamp(TO_INT(x0) + 1, (ipix_t)0, (ipix_t)tw);
   const ipix_t row = clamp(TO_INT(y0) + 1, (ipix_t)0, (ipix_t)th);
-  const texels_t four = look_up(texture, row * (tw + 1) + column);
-  const pix_t a = TO_FLOAT(four & 255u), b = TO_FLOAT((four >> 8u) & 255u);
-  const pix_t c = TO_FLOAT((four >> 16u) & 255u), d = TO_FLOAT(four >> 24u);
+  const texels_t four = look_up(texture, row * (tw + 2) + column);
+  const pix_t a = TO_FLOAT(four & 255u), c = TO_FLOAT((four >> 8u) & 255u);
+  const pix_t b = TO_FLOAT((four >> 16u) & 255u), d = TO_FLOAT(four >> 24u);
   const pix_t top = a + fx * (b - a), bottom = c + fx * (d - c);
   return (top + fy * (bottom - top)) * (1.0f / 255.0f);
 }
@@ -97,7 +103,7 @@ static inline float16 box_depths(global const float* restrict depth, int x, int 
 kernel void textured_actor(MatchBox box, int width, int height, int tw, int th, global const int* restrict ids,
                            global const float* restrict depth, global const float* restrict projected,
                            global const int* restrict triangles, global const float* restrict uvs,
-                           global const uint* restrict texture, global float* restrict light,
+                           global const ushort* restrict texture, global float* restrict light,
                            global float* restrict weight, global float* restrict box_depth) {
   const int by = get_global_id(0);
   if (by >= box.height) return;
@@ -162,7 +168,7 @@ kernel void textured_actor(MatchBox box, int width, int height, int tw, int th, 
 kernel void textured_actor(MatchBox box, int width, int height, int tw, int th, global const int* restrict ids,
                            global const float* restrict depth, global const float* restrict projected,
                            global const int* restrict triangles, global const float* restrict uvs,
-                           global const uint* restrict texture, global float* restrict light,
+                           global const ushort* restrict texture, global float* restrict light,
                            global float* restrict weight, global float* restrict box_depth) {
   const int bx = get_global_id(0), by = get_global_id(1);
   if (bx >= box.width || by >= box.height) return;

@@ -39,20 +39,20 @@ ImageGray halved(const ImageGray& image) {
   return half;
 }
 
-// The 2 x 2 texels around every corner of a texel, wrapping around; [width + 1, height + 1].
-std::vector<uint32_t> texel_quads(const ImageGray& image) {
-  std::vector<uint32_t> quads;
-  quads.reserve(size_t(image.width + 1) * (image.height + 1));
+// Every texel (low byte) with the one below it, from the last column and row on to the first ones again; [width + 2,
+// height + 1].
+std::vector<uint16_t> texel_pairs(const ImageGray& image) {
+  std::vector<uint16_t> pairs;
+  pairs.reserve(size_t(image.width + 2) * (image.height + 1));
   for (int y = 0; y <= image.height; ++y) {
     const uint8_t* top = &image.pixels[size_t((y + image.height - 1) % image.height) * image.width];
     const uint8_t* bottom = &image.pixels[size_t(y % image.height) * image.width];
-    for (int x = 0; x <= image.width; ++x) {
-      const int left = (x + image.width - 1) % image.width, right = x % image.width;
-      quads.push_back(uint32_t(top[left]) | uint32_t(top[right]) << 8 | uint32_t(bottom[left]) << 16 |
-                      uint32_t(bottom[right]) << 24);
+    for (int x = 0; x <= image.width + 1; ++x) {
+      const int column = (x + image.width - 1) % image.width;
+      pairs.push_back(uint16_t(top[column] | bottom[column] << 8));
     }
   }
-  return quads;
+  return pairs;
 }
 
 // A third of the triangles around each vertex, mm^2.
@@ -113,7 +113,7 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
 
   const int w = round_up(width_ + 2 * kBeyond, kWidthStep), h = round_up(height_ + 2 * kBeyond, 4);
   const size_t box = size_t(w) * h;
-  texture_ = {device, texel_quads(light)};
+  texture_ = {device, texel_pairs(light)};
   uvs_ = {device, uvs};
   areas_ = {device, vertex_areas(actor.mesh)};
   light_ = {device, box};

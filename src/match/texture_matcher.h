@@ -69,7 +69,7 @@ class TextureMatcher {
   MatchBox box_{0, 0, 0, 0};
   std::vector<float> host_;
 
-  ocl::Buffer<uint32_t> texture_;  // luminance of 2 x 2 texels, see kernels/match/pictures.cl
+  ocl::Buffer<uint16_t> texture_;  // luminance, see texel_pairs
   ocl::Buffer<float> uvs_;         // [6*n_triangles]
   ocl::Buffer<float> areas_;       // [n_vertices] mm^2
   ocl::Buffer<float> light_;       // box

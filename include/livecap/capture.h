@@ -46,6 +46,7 @@ struct CaptureOptions {
   std::string detections;            // detections.jsonl to use instead of the network
   std::string out;                   // folder to write (created)
   bool overlay = false;              // write overlay.mp4
+  std::string trace;                 // timeline of threads and devices to write, for chrome://tracing; empty: none
   bool surface = true;               // false: stage I only
   bool sequential = false;           // one thread; the result is the same
   bool realtime = false;             // read the file at its own pace and drop what comes too early
@@ -92,6 +93,7 @@ struct CaptureReport {
   double latency_ms = 0;  // median
   double mean_iou = 0;    // over tracked frames
   std::array<double, kStageCount> stage_median_ms{};
+  int64_t device_allocations = 0;  // device buffers made between the first frame and the last: none
   std::vector<std::string> warnings;
   std::string glb, pc2, bvh, overlay, report;  // paths; empty when not written
 };

@@ -139,6 +139,7 @@ CaptureReport CaptureOutput::finish(const ocl::DevicePair& devices, const RunEnd
   CaptureReport report;
   report.complete = !end.stopped_early;
   report.input_complete = end.input_complete;
+  report.device_allocations = end.device_allocations;
   report.warnings = end.warnings;
   if (end.stopped_early) report.warnings.push_back(options_.video + ": stopped before its end");
   report.frames = static_cast<int64_t>(reports_.size());

@@ -26,6 +26,7 @@ namespace livecap {
 struct RunEnd {
   bool stopped_early = false;  // by the caller
   bool input_complete = true;  // see CaptureReport
+  int64_t device_allocations = 0;
   std::vector<std::string> warnings;
 };
 

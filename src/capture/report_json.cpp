@@ -76,6 +76,7 @@ std::string report_json(const CaptureOptions& options, const CaptureReport& repo
     json["stage_median_ms"][stage_name(static_cast<CaptureStage>(i))] = report.stage_median_ms[i];
   json["memory_mib"] = {{"peak_resident", peak_resident_mib()},
                         {"peak_device_buffers", static_cast<double>(ocl::BufferMemory::peak) / kMib}};
+  json["device_allocations_while_running"] = report.device_allocations;
   json["warnings"] = report.warnings;
 
   const bool builtin = options.actor.rfind("builtin:", 0) == 0;

@@ -7,6 +7,7 @@
 #include "actor/keypoint_offsets.h"
 #include "base/log.h"
 #include "base/text.h"
+#include "base/trace.h"
 #include "capture/capture_output.h"
 #include "capture/components.h"
 #include "capture/frame_reader.h"
@@ -28,6 +29,8 @@ namespace livecap {
 namespace {
 
 constexpr std::string_view kBuiltin = "builtin:";
+// Frames between the beginning of segmentation and the end of the solvers: one in either and one handed over.
+constexpr int kFramesUnderWay = 3;
 
 // The actor's GLB as bytes: a file, or one of the built-in figures.
 std::string actor_bytes(const CaptureOptions& options) {
@@ -93,7 +96,7 @@ class Segmenter {
       : device_(device),
         foreground_(device, background, camera.width, camera.height),
         distance_(device, camera.width, camera.height),
-        frames_(device, camera.width, camera.height),
+        frames_(device, camera.width, camera.height, kFramesUnderWay),
         gated_(gated || !background.trained()) {}
 
   void segment(WorkItem& item) {
@@ -133,8 +136,10 @@ class Solver {
   }
 
   void solve(WorkItem& item) {
+    const double begin_us = tracing() ? trace_clock_us() : 0;
     item.result = tracker_.track({item.image, item.detections, item.silhouette, item.mask, item.frame.get()});
     item.frame.reset();
+    if (tracing()) trace_stages(item, begin_us);
     auto& stage_ms = item.report.stage_ms;
     stage_ms[static_cast<int>(CaptureStage::kPose)] = item.result.pose_ms;
     stage_ms[static_cast<int>(CaptureStage::kSurface)] = item.result.surface_ms;
@@ -146,6 +151,13 @@ class Solver {
   }
 
  private:
+  // Both stages as the tracker timed them, one after the other.
+  static void trace_stages(const WorkItem& item, double begin_us) {
+    const double surface_us = begin_us + 1000 * item.result.pose_ms;
+    add_trace_span("solve", "pose", begin_us, surface_us, item.report.index);
+    add_trace_span("solve", "surface", surface_us, surface_us + 1000 * item.result.surface_ms, item.report.index);
+  }
+
   static TrackerOptions tracker_options(const CaptureOptions& options) {
     TrackerOptions tracker;
     tracker.enable_surface = options.surface;
@@ -157,10 +169,8 @@ class Solver {
   Tracker tracker_;
 };
 
-}  // namespace
-
-CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& progress) {
-  options.validate();
+// The run itself. Its queues are closed when it returns.
+CaptureReport capture(const CaptureOptions& options, const CaptureProgress& progress) {
   set_image_threads(1);
   FrameReader reader(options);
   const std::string glb = actor_bytes(options);
@@ -172,33 +182,40 @@ CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& 
   CaptureOutput output(options, actor, glb, reader.camera(), reader.info().fps);
 
   const ocl::DevicePair devices = ocl::select_device_pair(options.cnn_device, options.solver_device);
-  ocl::DeviceContext cnn(devices.cnn);
-  ocl::DeviceContext solver_device(devices.solver);
+  ocl::DeviceContext cnn(devices.cnn, "network's device");
+  ocl::DeviceContext solver_device(devices.solver, "solvers' device");
   DetectionSource detection(options, cnn);
   detection.warm_up(reader.camera());
   Solver solver(options, solver_device, actor, reader.camera());
 
   const bool gated = std::count(options.without.begin(), options.without.end(), kMaskGating) == 0;
-  ocl::DeviceContext segmenter_device(solver_device, ocl::SharedMemory{});
+  ocl::DeviceContext segmenter_device(solver_device, ocl::SharedMemory{}, "solvers' device, segmentation");
   Segmenter segmenter(segmenter_device, background, reader.camera(), gated);
 
   PipelineStages stages;
-  stages.read = [&](WorkItem& item) { return reader.read(item); };
+  stages.read = [&](WorkItem& item) {
+    const TraceSpan span("read", "read", -1);
+    return reader.read(item);
+  };
   stages.detect = [&](WorkItem& item) {
     if (item.report.status == TrackStatus::kDamaged) return;
+    const TraceSpan span("network", "network", item.report.index);
     Timer timer;
     item.detections = detection.detect(item.image, reader.camera(), item.report.index, item.report.pts_ms / 1000);
     item.report.score = item.detections.score;
     item.report.stage_ms[static_cast<int>(CaptureStage::kNetwork)] = timer.elapsed_ms();
   };
   stages.segment = [&](WorkItem& item) {
+    const TraceSpan span("segment", "segment", item.report.index);
     if (item.report.status != TrackStatus::kDamaged) segmenter.segment(item);
   };
   stages.solve = [&](WorkItem& item) {
     if (item.report.status != TrackStatus::kDamaged) solver.solve(item);
   };
+  const int64_t buffers_before = ocl::BufferMemory::made;
   bool stopped_early = false;
   stages.publish = [&](WorkItem& item) {
+    const TraceSpan span("output", "output", item.report.index);
     const FrameReport report = output.publish(item);
     stopped_early = progress && !progress(report, reader.n_frames());
     return !stopped_early;
@@ -208,7 +225,24 @@ CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& 
   } else {
     run_pipelined(stages, options.realtime);
   }
-  return output.finish(devices, {stopped_early, reader.input_complete(), reader.warnings()});
+  return output.finish(
+      devices, {stopped_early, reader.input_complete(), ocl::BufferMemory::made - buffers_before, reader.warnings()});
+}
+
+}  // namespace
+
+CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& progress) {
+  options.validate();
+  if (options.trace.empty()) return capture(options, progress);
+  start_trace();
+  try {
+    const CaptureReport report = capture(options, progress);
+    write_trace(options.trace);
+    return report;
+  } catch (...) {
+    stop_trace();
+    throw;
+  }
 }
 
 }  // namespace livecap

@@ -11,9 +11,11 @@ namespace livecap {
 
 class FramePool {
  public:
-  // device must outlive all frames.
-  FramePool(ocl::DeviceContext& device, int width, int height)
-      : device_(device), width_(width), height_(height), free_(std::make_shared<Free>()) {}
+  // n: frames made at once; more are made when they are needed. device must outlive all frames.
+  FramePool(ocl::DeviceContext& device, int width, int height, int n = 0)
+      : device_(device), width_(width), height_(height), free_(std::make_shared<Free>()) {
+    for (int i = 0; i < n; ++i) free_->frames.push_back(std::make_unique<DeviceFrame>(device, width, height));
+  }
 
   // A frame with anything in it. May be let go by another thread, after the device has finished with it.
   std::shared_ptr<DeviceFrame> take() {

@@ -10,14 +10,18 @@
 
 #include "livecap/error.h"
 #include "ocl/context.h"
+#include "ocl/queue_trace.h"
 #include "ocl/status.h"
 
 namespace livecap::ocl {
 
-// Bytes in the buffers of this process, now and at most so far. A frame of a running capture changes neither.
+// Bytes in the buffers of this process, now and at most so far, and how many buffers were ever made. A frame of a
+// running capture changes none of them.
 struct BufferMemory {
   static inline std::atomic<size_t> now{0}, peak{0};
+  static inline std::atomic<int64_t> made{0};
   static void add(size_t bytes) {
+    ++made;
     const size_t sum = now += bytes;
     size_t most = peak;
     while (sum > most && !peak.compare_exchange_weak(most, sum)) {
@@ -64,16 +68,18 @@ class Buffer {
   void write(std::span<const T> values, size_t offset = 0) {
     if (values.empty()) return;
     require(values.size() + offset <= count_);
+    QueueSpan span(queue_, "write");
     check(clEnqueueWriteBuffer(queue_, memory_, CL_TRUE, offset * sizeof(T), values.size_bytes(), values.data(), 0,
-                               nullptr, nullptr),
+                               nullptr, span.event()),
           "clEnqueueWriteBuffer");
   }
   void write(const std::vector<T>& values, size_t offset = 0) { write(std::span<const T>(values), offset); }
   void read(std::span<T> values, size_t offset = 0) const {
     if (values.empty()) return;
     require(values.size() + offset <= count_);
+    QueueSpan span(queue_, "read");
     check(clEnqueueReadBuffer(queue_, memory_, CL_TRUE, offset * sizeof(T), values.size_bytes(), values.data(), 0,
-                              nullptr, nullptr),
+                              nullptr, span.event()),
           "clEnqueueReadBuffer");
   }
   std::vector<T> read_all() const {
@@ -84,13 +90,15 @@ class Buffer {
   // In-order, not blocking.
   void fill(T value) {
     if (count_ == 0) return;
-    check(clEnqueueFillBuffer(queue_, memory_, &value, sizeof(T), 0, count_ * sizeof(T), 0, nullptr, nullptr),
+    QueueSpan span(queue_, "fill");
+    check(clEnqueueFillBuffer(queue_, memory_, &value, sizeof(T), 0, count_ * sizeof(T), 0, nullptr, span.event()),
           "clEnqueueFillBuffer");
   }
   void copy_from(const Buffer& other) {
     if (other.count_ == 0) return;
     require(other.count_ <= count_);
-    check(clEnqueueCopyBuffer(queue_, other.memory_, memory_, 0, 0, other.count_ * sizeof(T), 0, nullptr, nullptr),
+    QueueSpan span(queue_, "copy");
+    check(clEnqueueCopyBuffer(queue_, other.memory_, memory_, 0, 0, other.count_ * sizeof(T), 0, nullptr, span.event()),
           "clEnqueueCopyBuffer");
   }
 

@@ -2,9 +2,11 @@
 
 #include "base/log.h"
 #include "base/text.h"
+#include "base/trace.h"
 #include "livecap/error.h"
 #include "ocl/kernel_source.h"
 #include "ocl/program_cache.h"
+#include "ocl/queue_trace.h"
 #include "ocl/status.h"
 
 namespace livecap::ocl {
@@ -22,32 +24,34 @@ std::string build_log(cl_program program, cl_device_id device) {
 
 }  // namespace
 
-DeviceContext::DeviceContext(const DeviceInfo& info) : info_(info) {
+DeviceContext::DeviceContext(const DeviceInfo& info, const std::string& track) : info_(info) {
   cl_int status = CL_SUCCESS;
   const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM,
                                               reinterpret_cast<cl_context_properties>(info.platform), 0};
   context_ = clCreateContext(properties, 1, &info_.device, nullptr, nullptr, &status);
   check(status, "clCreateContext", info_.label());
-  open_queue();
+  open_queue(track);
 }
 
-DeviceContext::DeviceContext(const DeviceContext& sibling, SharedMemory)
+DeviceContext::DeviceContext(const DeviceContext& sibling, SharedMemory, const std::string& track)
     : info_(sibling.info_), context_(sibling.context_) {
   check(clRetainContext(context_), "clRetainContext", info_.label());
-  open_queue();
+  open_queue(track);
 }
 
-void DeviceContext::open_queue() {
+void DeviceContext::open_queue(const std::string& track) {
   cl_int status = CL_SUCCESS;
-  queue_ = clCreateCommandQueue(context_, info_.device, 0, &status);
+  queue_ = clCreateCommandQueue(context_, info_.device, tracing() ? CL_QUEUE_PROFILING_ENABLE : 0, &status);
   if (status != CL_SUCCESS) {
     clReleaseContext(context_);
     check(status, "clCreateCommandQueue", info_.label());
   }
+  if (tracing()) trace_queue(context_, queue_, track);
 }
 
 DeviceContext::~DeviceContext() {
   if (queue_) clFinish(queue_);
+  if (traced_queues > 0) end_queue_trace(queue_);
   for (auto& [key, program] : programs_) clReleaseProgram(program);
   if (queue_) clReleaseCommandQueue(queue_);
   if (context_) clReleaseContext(context_);

@@ -17,11 +17,11 @@ struct SharedMemory {};
 // Not thread-safe: each context belongs to one thread at a time. Buffers and kernels must not outlive it.
 class DeviceContext {
  public:
-  // Throws OclError when the context or queue cannot be made.
-  explicit DeviceContext(const DeviceInfo& info);
+  // track: name of the queue in a trace (base/trace.h). Throws OclError when the context or queue cannot be made.
+  explicit DeviceContext(const DeviceInfo& info, const std::string& track = "device");
   // A second queue to the same device and memory: buffers of either may be used by kernels of both, one after the other
   // (finish() in between).
-  explicit DeviceContext(const DeviceContext& sibling, SharedMemory);
+  DeviceContext(const DeviceContext& sibling, SharedMemory, const std::string& track = "device");
   ~DeviceContext();
   DeviceContext(const DeviceContext&) = delete;
   DeviceContext& operator=(const DeviceContext&) = delete;
@@ -39,7 +39,7 @@ class DeviceContext {
   void finish();
 
  private:
-  void open_queue();
+  void open_queue(const std::string& track);
 
   DeviceInfo info_;
   cl_context context_ = nullptr;

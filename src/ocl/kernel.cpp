@@ -1,5 +1,6 @@
 #include "ocl/kernel.h"
 
+#include "ocl/queue_trace.h"
 #include "ocl/status.h"
 
 namespace livecap::ocl {
@@ -32,9 +33,10 @@ void Kernel::set_raw(cl_uint index, size_t size, const void* value) {
 void Kernel::enqueue(const Range& range) {
   const size_t global[2] = {range.global_x, range.global_y};
   const size_t local[2] = {range.local_x, range.local_y};
-  check(
-      clEnqueueNDRangeKernel(queue_, kernel_, 2, nullptr, global, range.local_x ? local : nullptr, 0, nullptr, nullptr),
-      "clEnqueueNDRangeKernel", name_);
+  QueueSpan span(queue_, name_.c_str());
+  check(clEnqueueNDRangeKernel(queue_, kernel_, 2, nullptr, global, range.local_x ? local : nullptr, 0, nullptr,
+                               span.event()),
+        "clEnqueueNDRangeKernel", name_);
 }
 
 }  // namespace livecap::ocl

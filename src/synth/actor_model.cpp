@@ -41,8 +41,8 @@ ActorModel build_actor(const std::string& name, double height_mm, int target_ver
   const BodyShape shape(outfit_from_name(name));
   if (!(height_mm >= 500 && height_mm <= 3000))
     throw ConfigError(format("actor height is %g mm; it must be within 500..3000", height_mm));
-  if (target_vertices < 1500 || target_vertices > 20000)
-    throw ConfigError(format("target_vertices is %d; it must be within 1500..20000", target_vertices));
+  if (target_vertices < 1000 || target_vertices > 60000)
+    throw ConfigError(format("target_vertices is %d; it must be within 1000..60000", target_vertices));
 
   const meshing::DistanceField field = [&](const Vec3& p) { return shape.distance(p); };
   const double density = std::sqrt(5000.0 / target_vertices);

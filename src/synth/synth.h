@@ -19,7 +19,7 @@ const std::vector<std::string>& builtin_actor_names();
 
 // The bytes of an actor.glb: one closed connected manifold surface in an A-pose, metres, Y up, +Z front, +X the
 // subject's left; skin, texture, `_LABEL` and face markers included. height_mm in [500, 3000]; target_vertices in
-// [1500, 20000] counts welded vertices. Throws ConfigError for an unknown name or a number out of range.
+// [1000, 60000] counts welded vertices. Throws ConfigError for an unknown name or a number out of range.
 std::string make_builtin_actor_glb(const std::string& name, double height_mm = kBuiltinHeightMm,
                                    int target_vertices = 5000);
 

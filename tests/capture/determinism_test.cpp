@@ -23,6 +23,7 @@ TEST(Determinism, PipelinedAndSequentialRunsGiveTheSameBytes) {
     EXPECT_GE(report.tracked, kFrames - 4) << name;
     EXPECT_TRUE(report.complete);
     EXPECT_TRUE(report.input_complete);
+    EXPECT_EQ(report.device_allocations, 0) << name;
     test::expect_every_frame_once(test::frame_rows(scratch / name), kFrames);
 
     const Actor captured = load_actor_bytes(read_file(report.glb), "capture.glb", 0);

@@ -19,13 +19,15 @@
 #include "actor/actor.h"
 #include "base/text.h"
 #include "base/timer.h"
+#include "bench_capture.h"
+#include "bench_growth.h"
 #include "bench_peers.h"
+#include "bench_roofline.h"
 #include "command.h"
 #include "livecap/camera.h"
 #include "livecap/capture.h"
 #include "livecap/error.h"
 #include "progress.h"
-#include "synth/synth.h"
 
 namespace livecap::tools {
 namespace {
@@ -33,91 +35,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-struct Options {
-  std::string sequence;  // empty: made
-  std::string model = "full";
-  std::string cnn_device;
-  std::string solver_device;
-  int frames = 90;
-  bool json = false;
-};
-
-// A folder below the system's temporary one that goes away with its owner.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string pattern = (fs::temp_directory_path() / "livecap-bench-XXXXXX").string();
-    if (!::mkdtemp(pattern.data())) throw IoError(pattern + ": cannot be made");
-    path_ = pattern;
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
-struct Run {
-  CaptureReport report;
-  Json file;                         // report.json
-  std::vector<double> intervals_ms;  // between tracked frames that follow each other
-};
-
-Run capture_once(const Options& options, const fs::path& sequence, const fs::path& out, bool sequential) {
-  CaptureOptions capture;
-  capture.video = (sequence / "video.mp4").string();
-  capture.camera = (sequence / "camera.json").string();
-  capture.background = (sequence / "background.png").string();
-  capture.actor = (sequence / "actor.glb").string();
-  capture.model = options.model;
-  capture.cnn_device = options.cnn_device;
-  capture.solver_device = options.solver_device;
-  capture.frames = options.frames;
-  capture.sequential = sequential;
-  capture.out = out.string();
-
-  Run run;
-  Progress progress(sequential ? "sequential" : "pipelined");
-  int64_t done = 0;
-  bool after_tracked = false;
-  Timer since_last;
-  run.report = run_capture(capture, [&](const FrameReport& frame, int64_t n_frames) {
-    const bool tracked = is_tracked(frame.status);
-    if (tracked && after_tracked) run.intervals_ms.push_back(since_last.elapsed_ms());
-    since_last.restart();
-    after_tracked = tracked;
-    progress.update(++done, n_frames);
-    return !interrupted();
-  });
-  progress.finish();
-  if (interrupted()) throw Error("interrupted");
-  if (run.intervals_ms.empty()) throw Error(capture.video + ": nobody was tracked, there is nothing to measure");
-  run.file = Json::parse(read_file(out / "report.json"));
-  return run;
-}
-
-double percentile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  return values[static_cast<size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
-}
-
-Json run_json(const Run& run) {
-  Json json;
-  json["frames"] = run.report.frames;
-  json["tracked"] = run.report.tracked;
-  json["frame_median_ms"] = median(run.intervals_ms);
-  json["frame_p95_ms"] = percentile(run.intervals_ms, 0.95);
-  json["fps"] = 1000 / median(run.intervals_ms);
-  json["latency_median_ms"] = run.report.latency_ms;
-  for (int i = 0; i < kStageCount; ++i)
-    json["stage_median_ms"][stage_name(static_cast<CaptureStage>(i))] = run.report.stage_median_ms[i];
-  return json;
-}
+constexpr int kTracedFrames = 30;
 
 // "model name" of /proc/cpuinfo, or the machine's architecture.
 std::string processor_name() {
@@ -174,6 +92,15 @@ void print_report(const Json& json) {
   std::printf("memory     %.0f MiB resident, %.0f MiB of it or beside it in device buffers\n",
               json["memory_mib"]["peak_resident"].get<double>(),
               json["memory_mib"]["peak_device_buffers"].get<double>());
+  std::printf("allocated  %lld device buffers while frames were processed\n",
+              json["device_allocations_while_running"].get<long long>());
+  for (const auto& [role, roofline] : json["roofline"].items())
+    std::printf("roofline   %s: copies %.1f GB/s, multiplies matrices at %.0f GFLOP/s\n", role.c_str(),
+                roofline["copy_gb_per_s"].get<double>(), roofline["gemm_gflop_per_s"].get<double>());
+  const Json& network = json["network_arithmetic"];
+  std::printf("           the network stage: %.2f GFLOP a frame at %.0f GFLOP/s, %.2f of that rate\n",
+              network["gflop_per_frame"].get<double>(), network["gflop_per_s"].get<double>(),
+              network["share_of_gemm_rate"].get<double>());
   std::printf("vertices   of both runs are %s\n", json["runs_are_identical"].get<bool>() ? "identical" : "DIFFERENT");
   std::printf("beside it ");
   for (const auto& [peer, ms] : json["peers_ms"].items()) std::printf(" %s %.1f", peer.c_str(), ms.get<double>());
@@ -182,7 +109,15 @@ void print_report(const Json& json) {
     std::printf("  ratio    %s %.2f\n", ratio.c_str(), value.get<double>());
 }
 
-int run(const Options& options) {
+// A run of its own, since profiled queues are slower.
+void trace_capture(const BenchOptions& options, const fs::path& sequence, const fs::path& out) {
+  CaptureOptions capture = bench_capture_options(options, sequence, out);
+  capture.frames = std::min(options.frames, kTracedFrames);
+  capture.trace = options.trace;
+  bench_capture(capture, "trace");
+}
+
+int run(const BenchOptions& options) {
   catch_interrupt();
   Json json = machine_json();
   const ScratchFolder scratch;
@@ -192,16 +127,14 @@ int run(const Options& options) {
     SynthOptions synth;
     synth.n_frames = options.frames;
     synth.empty_frames = 0;
-    Progress progress("synth");
-    write_sequence(synth, sequence, [&](int frame, int n_frames) {
-      progress.update(frame, n_frames);
-      return !interrupted();
-    });
-    progress.finish();
-    if (interrupted()) throw Error("interrupted");
+    make_bench_sequence(synth, sequence);
   }
-  const Run pipelined = capture_once(options, sequence, scratch.path() / "pipelined", false);
-  const Run sequential = capture_once(options, sequence, scratch.path() / "sequential", true);
+  const BenchRun pipelined =
+      bench_capture(bench_capture_options(options, sequence, scratch.path() / "pipelined"), "pipelined");
+  CaptureOptions one_thread = bench_capture_options(options, sequence, scratch.path() / "sequential");
+  one_thread.sequential = true;
+  const BenchRun sequential = bench_capture(one_thread, "sequential");
+  if (!options.trace.empty()) trace_capture(options, sequence, scratch.path() / "trace");
 
   const Actor actor = load_actor(sequence / "actor.glb");
   const Camera camera = load_camera(sequence / "camera.json");
@@ -215,21 +148,28 @@ int run(const Options& options) {
   json["pipelined"] = run_json(pipelined);
   json["sequential"] = run_json(sequential);
   json["memory_mib"] = pipelined.file["memory_mib"];
+  json["device_allocations_while_running"] = pipelined.report.device_allocations;
   json["runs_are_identical"] = read_file(pipelined.report.pc2) == read_file(sequential.report.pc2);
 
   const PeerTimes peers = time_peers(actor, camera.width, camera.height);
   json["peers_ms"] = {{"opencv_distance_transform", peers.distance_transform_ms},
                       {"opencv_gaussian_blur_15_9_3", peers.gaussian_blur_ms},
                       {"eigen_cg_12_iterations", peers.conjugate_gradient_ms}};
-  const auto& stages = json["sequential"]["stage_median_ms"];
+  const Json stages = json["sequential"]["stage_median_ms"];
   json["ratios"] = {
       {"segment / opencv_distance_transform", stages["segment"].get<double>() / peers.distance_transform_ms},
       {"surface / (opencv_gaussian_blur_15_9_3 + eigen_cg_12_iterations)",
        stages["surface"].get<double>() / (peers.gaussian_blur_ms + peers.conjugate_gradient_ms)}};
+  const Roofline network_roofline = measure_roofline(options.cnn_device, options.solver_device, true);
+  json["roofline"] = {{"network", roofline_json(network_roofline)},
+                      {"solver", roofline_json(measure_roofline(options.cnn_device, options.solver_device, false))}};
+  json["network_arithmetic"] = network_share_json(options.model, stages["network"], network_roofline);
+  if (options.growth) json["growth"] = measure_growth(options, scratch.path());
   if (options.json) {
     std::printf("%s\n", json.dump(2).c_str());
   } else {
     print_report(json);
+    if (options.growth) print_growth(json["growth"]);
   }
   return kExitOk;
 }
@@ -237,7 +177,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_bench_command(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchOptions>();
   CLI::App* command = app.add_subcommand("bench", "measure how fast this machine captures");
   command->add_flag("--json", options->json, "print the result as JSON");
   command->add_option("--frames", options->frames, "capture at most this many")
@@ -246,6 +186,9 @@ void add_bench_command(CLI::App& app, Action& action) {
   command->add_option("--model", options->model, "lite, full, heavy or a .tflite file")->capture_default_str();
   command->add_option("--sequence", options->sequence,
                       "folder with video.mp4, camera.json, background.png, actor.glb instead of the built-in sequence");
+  command->add_flag("--growth", options->growth, "also measure how the times grow with vertices and pixels");
+  command->add_option("--trace", options->trace,
+                      "also write a timeline of threads and devices (30 frames), for chrome://tracing or Perfetto");
   command->add_option("--cnn-device", options->cnn_device, "device of the network, see `livecap devices`");
   command->add_option("--solver-device", options->solver_device, "device of the solvers");
   command->callback([options, &action] { action = [options] { return run(*options); }; });

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <filesystem>
 
 #include "base/text.h"
 #include "capture/components.h"
@@ -35,6 +36,9 @@ void CaptureOptions::validate() const {
   if (video.empty()) throw ConfigError("--video is missing: a video file, a folder of images or webcam:N");
   if (actor.empty()) throw ConfigError("--actor is missing: an actor.glb or builtin:skirt, builtin:trousers");
   if (out.empty()) throw ConfigError("--out is missing: the folder to write");
+  if (const auto folder = std::filesystem::path(trace).parent_path();
+      !folder.empty() && !std::filesystem::is_directory(folder))
+    throw ConfigError("--trace " + trace + ": there is no such folder");
   if (camera.empty() == (fov_deg == 0)) throw ConfigError("give either --camera FILE or --fov DEGREES");
   if (fov_deg != 0 && !(fov_deg > 1 && fov_deg < 170))
     throw ConfigError(format("--fov %g: must be between 1 and 170 degrees", fov_deg));

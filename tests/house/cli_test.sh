@@ -235,6 +235,7 @@ expect 2 'seq/video.mp4: no board' calibrate --video seq/video.mp4 --charuco 7x5
 expect 2 'nowhere/video.mp4' bench --sequence nowhere
 expect 2 '--frames' bench --frames 0
 expect 2 'none.tflite' bench --sequence seq --model none.tflite
+expect 2 '--trace nowhere/t.json' bench --sequence seq --trace nowhere/t.json
 
 echo "$cases cases, $failures failures"
 [[ $failures -eq 0 ]]

@@ -2,11 +2,11 @@
 
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "actor/actor.h"
+#include "base/power_law.h"
 #include "base/text.h"
 
 namespace livecap::tools {
@@ -30,27 +30,12 @@ Json exponents(const Json& rows, const char* field) {
   for (const auto& [stage, unused] : rows[0]["stage_median_ms"].items()) {
     std::vector<double> y;
     for (const Json& row : rows) y.push_back(row["stage_median_ms"][stage]);
-    result[stage] = growth_exponent(x, y);
+    result[stage] = power_law_exponent(x, y);
   }
   return result;
 }
 
 }  // namespace
-
-double growth_exponent(std::span<const double> x, std::span<const double> y) {
-  double sx = 0, sy = 0, sxx = 0, sxy = 0;
-  const double n = static_cast<double>(x.size());
-  for (size_t i = 0; i < x.size(); ++i) {
-    if (!(x[i] > 0 && y[i] > 0)) return std::numeric_limits<double>::quiet_NaN();
-    const double u = std::log(x[i]), v = std::log(y[i]);
-    sx += u;
-    sy += v;
-    sxx += u * u;
-    sxy += u * v;
-  }
-  const double spread = n * sxx - sx * sx;
-  return spread > 1e-12 * n * sxx ? (n * sxy - sx * sy) / spread : std::numeric_limits<double>::quiet_NaN();
-}
 
 Json measure_growth(const BenchOptions& options, const fs::path& scratch) {
   Json growth;

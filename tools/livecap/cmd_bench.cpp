@@ -110,11 +110,11 @@ void print_report(const Json& json) {
 }
 
 // A run of its own, since profiled queues are slower.
-void trace_capture(const BenchOptions& options, const fs::path& sequence, const fs::path& out) {
+CaptureOptions traced_capture(const BenchOptions& options, const fs::path& sequence, const fs::path& out) {
   CaptureOptions capture = bench_capture_options(options, sequence, out);
   capture.frames = std::min(options.frames, kTracedFrames);
   capture.trace = options.trace;
-  bench_capture(capture, "trace");
+  return capture;
 }
 
 int run(const BenchOptions& options) {
@@ -129,12 +129,14 @@ int run(const BenchOptions& options) {
     synth.empty_frames = 0;
     make_bench_sequence(synth, sequence);
   }
+  const CaptureOptions traced = traced_capture(options, sequence, scratch.path() / "trace");
+  traced.validate();
   const BenchRun pipelined =
       bench_capture(bench_capture_options(options, sequence, scratch.path() / "pipelined"), "pipelined");
   CaptureOptions one_thread = bench_capture_options(options, sequence, scratch.path() / "sequential");
   one_thread.sequential = true;
   const BenchRun sequential = bench_capture(one_thread, "sequential");
-  if (!options.trace.empty()) trace_capture(options, sequence, scratch.path() / "trace");
+  if (!options.trace.empty()) bench_capture(traced, "trace");
 
   const Actor actor = load_actor(sequence / "actor.glb");
   const Camera camera = load_camera(sequence / "camera.json");

@@ -1,5 +1,7 @@
 // Rows of E_silhouette: skins each contour vertex, samples the signed distance image at its projection and sums the
 // row's derivative up per bone.
+#include "shared/lanes.h"
+//
 #include "pose/huber.h"
 #include "pose/layout.h"
 #include "pose/skinned_row.h"

@@ -1,4 +1,6 @@
 // Rows of E_match: two per matched vertex.
+#include "shared/lanes.h"
+//
 #include "pose/huber.h"
 #include "pose/layout.h"
 #include "pose/skinned_row.h"

@@ -1,5 +1,3 @@
 // The kernels of the pose stage that work on slices of vertices as one program.
-#include "shared/lanes.h"
-//
 #include "pose/contour_records.cl"
 #include "pose/match_records.cl"

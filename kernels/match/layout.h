@@ -13,6 +13,8 @@ typedef struct {
 #define LC_MATCH_RADIUS 12
 // Columns at the left and right of a box that are left grey: a window must not leave its row.
 #define LC_MATCH_MARGIN 16
+// Rows in which a work-item carries a column's sums on.
+#define LC_MATCH_BAND(is_cpu) ((is_cpu) ? 64 : 16)
 // Half-resolution levels below the full picture.
 #define LC_MATCH_LEVELS 2
 

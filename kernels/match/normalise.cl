@@ -4,20 +4,28 @@
 #include "match/wide.h"
 
 // Rows of a work-item: windows are summed anew at the first and carried on from there.
-#define BAND 64
+#define BAND LC_MATCH_BAND(LC_CPU)
+
+#if LC_CPU
+typedef float16 pix_t;
+#define LOAD(p) vload16(0, p)
+#else
+typedef float pix_t;
+#define LOAD(p) (*(p))
+#endif
 
 // Sums over a window: pixels that count, their light, its square.
 typedef struct {
-  float16 n, s, ss;
+  pix_t n, s, ss;
 } Sums;
 
-static inline void add_row(Sums* sums, float16 light, float16 weight) {
+static inline void add_row(Sums* sums, pix_t light, pix_t weight) {
   sums->n += weight;
   sums->s += light;
   sums->ss += light * light;
 }
 
-static inline void remove_row(Sums* sums, float16 light, float16 weight) {
+static inline void remove_row(Sums* sums, pix_t light, pix_t weight) {
   sums->n -= weight;
   sums->s -= light;
   sums->ss -= light * light;
@@ -27,9 +35,8 @@ static inline void remove_row(Sums* sums, float16 light, float16 weight) {
 static inline void move_down(Sums* sums, int y, int first, MatchBox box, global const float* restrict light,
                              global const float* restrict weight) {
   const int enters = (y + LC_MATCH_RADIUS) * box.width, leaves = (y - LC_MATCH_RADIUS - 1) * box.width;
-  if (y + LC_MATCH_RADIUS < box.height) add_row(sums, vload16(0, light + enters), vload16(0, weight + enters));
-  if (y > first && y - LC_MATCH_RADIUS - 1 >= 0)
-    remove_row(sums, vload16(0, light + leaves), vload16(0, weight + leaves));
+  if (y + LC_MATCH_RADIUS < box.height) add_row(sums, LOAD(light + enters), LOAD(weight + enters));
+  if (y > first && y - LC_MATCH_RADIUS - 1 >= 0) remove_row(sums, LOAD(light + leaves), LOAD(weight + leaves));
 }
 
 // What a band's first row has in its window before move_down.
@@ -37,24 +44,24 @@ static inline Sums sums_above(int first, MatchBox box, global const float* restr
                               global const float* restrict weight) {
   Sums sums = {0.0f, 0.0f, 0.0f};
   for (int y = max(first - LC_MATCH_RADIUS, 0); y < min(first + LC_MATCH_RADIUS, box.height); ++y)
-    add_row(&sums, vload16(0, light + y * box.width), vload16(0, weight + y * box.width));
+    add_row(&sums, LOAD(light + y * box.width), LOAD(weight + y * box.width));
   return sums;
 }
 
-// (light - mean) / sqrt(variance + floor) of sixteen pixels, 0 where there is nobody. sums: three planes of column
+// (light - mean) / sqrt(variance + floor) of neighbouring pixels, 0 where there is nobody. sums: three planes of column
 // sums.
-static inline float16 normalised(global const float* restrict sums, int plane, float16 light, float16 weight,
-                                 float variance_floor) {
-  float16 n = 0.0f, s = 0.0f, ss = 0.0f;
+static inline pix_t normalised(global const float* restrict sums, int plane, pix_t light, pix_t weight,
+                               float variance_floor) {
+  pix_t n = 0.0f, s = 0.0f, ss = 0.0f;
 #pragma unroll
   for (int k = -LC_MATCH_RADIUS; k <= LC_MATCH_RADIUS; ++k) {
-    n += vload16(0, sums + k);
-    s += vload16(0, sums + plane + k);
-    ss += vload16(0, sums + 2 * plane + k);
+    n += LOAD(sums + k);
+    s += LOAD(sums + plane + k);
+    ss += LOAD(sums + 2 * plane + k);
   }
   n = fmax(n, 1.0f);
-  const float16 mean = s / n;
-  const float16 variance = fmax(ss / n - mean * mean, 0.0f);
+  const pix_t mean = s / n;
+  const pix_t variance = fmax(ss / n - mean * mean, 0.0f);
   return (light - mean) / sqrt(variance + variance_floor) * weight;
 }
 
@@ -99,10 +106,10 @@ kernel void normalise(MatchBox box, float variance_floor, global const float* re
 
 #else
 
-// Over (box.width / 16, bands). Out: sums over the 25 rows around each pixel, 3 planes of the box.
+// Over (box.width, bands). Out: sums over the 25 rows around each pixel, 3 planes of the box.
 kernel void column_sums(MatchBox box, global const float* restrict light, global const float* restrict weight,
                         global float* restrict sums) {
-  const int x = 16 * (int)get_global_id(0);
+  const int x = get_global_id(0);
   const int first = BAND * (int)get_global_id(1);
   if (x >= box.width || first >= box.height) return;
   const int plane = box.width * box.height;
@@ -110,25 +117,22 @@ kernel void column_sums(MatchBox box, global const float* restrict light, global
   for (int y = first; y < min(first + BAND, box.height); ++y) {
     const int at = y * box.width + x;
     move_down(&column, y, first, box, light + x, weight + x);
-    vstore16(column.n, 0, sums + at);
-    vstore16(column.s, 0, sums + plane + at);
-    vstore16(column.ss, 0, sums + 2 * plane + at);
+    sums[at] = column.n;
+    sums[plane + at] = column.s;
+    sums[2 * plane + at] = column.ss;
   }
 }
 
-// Over (box.width / 16, box.height).
+// Over (box.width, box.height).
 kernel void normalise_rows(MatchBox box, float variance_floor, global const float* restrict light,
                            global const float* restrict weight, global const float* restrict sums,
                            global float* restrict normal) {
-  const int x = 16 * (int)get_global_id(0);
-  const int y = get_global_id(1);
+  const int x = get_global_id(0), y = get_global_id(1);
   if (x >= box.width || y >= box.height) return;
   const int at = y * box.width + x;
-  float16 value = 0.0f;
-  if (!in_margin(x, box.width))
-    value =
-        normalised(sums + at, box.width * box.height, vload16(0, light + at), vload16(0, weight + at), variance_floor);
-  vstore16(value, 0, normal + at);
+  normal[at] = in_margin(x, box.width) || !(weight[at] > 0.0f)
+                   ? 0.0f
+                   : normalised(sums + at, box.width * box.height, light[at], weight[at], variance_floor);
 }
 
 #endif

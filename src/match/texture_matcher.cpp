@@ -9,7 +9,6 @@
 namespace livecap {
 namespace {
 
-constexpr int kBand = 64;          // BAND of kernels/match/normalise.cl
 constexpr int kWidthStep = 32;     // of a box: work-groups divide every level's rows
 constexpr int kBeyond = 32;        // px around the person in the picture
 constexpr int kMinTexture = 8;     // px
@@ -137,12 +136,13 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
 
 // light_ and weight_ to a normalised pyramid, down to `level`.
 void TextureMatcher::build_pyramid(int level, ocl::Buffer<float>& pyramid) {
-  const size_t groups = box_.width / 16, bands = (box_.height + kBand - 1) / kBand;
+  const size_t bands = (box_.height + LC_MATCH_BAND(is_cpu_) - 1) / LC_MATCH_BAND(is_cpu_);
   if (is_cpu_) {
     normalise_.launch(bands, 1, box_, options_.variance_floor, light_, weight_, sums_, pyramid);
   } else {
-    column_sums_.launch(ocl::Range{groups, bands, 1, 1}, box_, light_, weight_, sums_);
-    normalise_rows_.launch(ocl::Range{groups, size_t(box_.height), 1, 1}, box_, options_.variance_floor, light_,
+    const size_t width = box_.width;
+    column_sums_.launch(ocl::Range{width, bands, 32, 1}, box_, light_, weight_, sums_);
+    normalise_rows_.launch(ocl::Range{width, size_t(box_.height), 32, 1}, box_, options_.variance_floor, light_,
                            weight_, sums_, pyramid);
   }
   halve_levels(halve_, level, pyramid);

@@ -50,7 +50,8 @@ void measure(const BenchOptions& options, const Case& what, const fs::path& scra
   const BenchRun run = bench_capture(capture, what.name);
   row["tracked"] = run.report.tracked;
   Json& lowest = row["stage_median_ms"];
-  for (const auto& [stage, ms] : stages_json(run.report).items())
+  const Json stages = stages_json(run.report);
+  for (const auto& [stage, ms] : stages.items())
     lowest[stage] = lowest.contains(stage) ? std::min(lowest[stage].get<double>(), ms.get<double>()) : ms.get<double>();
 }
 

@@ -19,7 +19,7 @@ typedef struct {
 #define LC_MATCH_LEVELS 2
 
 // One vertex's match, in floats: u, v (px); root of the distance's weight a, b, c (see VertexMatch); weight, 0 = no
-// match; correlation of the two patches; unused.
+// match; correlation of the two patches; px^2 that the vertex stands for, of every visible one, matched or not.
 #define LC_MATCH 8
 
 typedef struct {

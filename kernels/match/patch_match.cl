@@ -121,6 +121,11 @@ kernel void match_patches(int n, MatchBox box, PatchOptions options, float focal
   global float* out = matches + LC_MATCH * i;
   vstore8((float8)0.0f, 0, out);
   if (!visible[i] || !(share[i] > 0.0f)) return;
+  const float3 p = vload3(i, positions), normal = vload3(i, normals);
+  const float facing = -(p.x * normal.x + p.y * normal.y + p.z * normal.z) / sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
+  const float wanted = share[i] * areas[i] * fmax(facing, 0.0f) * focal_px * focal_px / (p.z * p.z);
+  out[7] = wanted;
+
   const float4 q = vload4(i, projected);
   const int x = convert_int_rte(q.x) - box.x, y = convert_int_rte(q.y) - box.y;
 
@@ -143,10 +148,7 @@ kernel void match_patches(int n, MatchBox box, PatchOptions options, float focal
   const float b = wxy / a;
   const float c = sqrt(fmax(wyy - b * b, 0.0f));
 
-  const float3 p = vload3(i, positions), normal = vload3(i, normals);
-  const float facing = -(p.x * normal.x + p.y * normal.y + p.z * normal.z) / sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
-  const float area_px = areas[i] * fmax(facing, 0.0f) * focal_px * focal_px / (p.z * p.z);
-  vstore8((float8)(q.x + dx * (float)(1 << l), q.y + dy * (float)(1 << l), a, b, c, share[i] * correlation * area_px,
-                   correlation, 0.0f),
+  vstore8((float8)(q.x + dx * (float)(1 << l), q.y + dy * (float)(1 << l), a, b, c, correlation * wanted, correlation,
+                   wanted),
           0, out);
 }

@@ -7,7 +7,6 @@
 #include "base/timer.h"
 #include "capture/expected_detections.h"
 #include "livecap/error.h"
-#include "pose/leg_exchange.h"
 #include "pose/person_height.h"
 
 namespace livecap {
@@ -29,8 +28,7 @@ Tracker::Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& c
       rasterizer_(device, actor.mesh, camera.width, camera.height),
       visibility_(device, actor.mesh, options.visibility),
       part_mask_(device, actor.mesh, body_parts_of_vertices(actor.skeleton, actor.skin), camera.width, camera.height),
-      matcher_(device, actor, camera, options.match),
-      pose_solver_(device, actor, camera, options.pose),
+      pose_stage_(device, actor, camera, options, rasterizer_, visibility_),
       surface_solver_(device, actor, camera, options.surface),
       snapper_(device, actor, surface_solver_.domain(), options.snap),
       frame_(device, camera.width, camera.height) {
@@ -43,9 +41,6 @@ Tracker::Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& c
   std::vector<float> share(n_vertices_);
   for (int i = 0; i < n_vertices_; ++i)
     share[i] = actor.rigidity[i] <= options.max_carried_rigidity ? options.carried_share : 0.0f;
-  std::vector<float> matched(n_vertices_);
-  for (int i = 0; i < n_vertices_; ++i) matched[i] = actor.rigidity[i] >= options.min_matched_rigidity ? 1.0f : 0.0f;
-  matched_share_ = ocl::Buffer<float>(device, matched);
   carried_share_ = ocl::Buffer<float>(device, share);
 }
 
@@ -53,103 +48,11 @@ void Tracker::reset() {
   last_pose_.reset();
   pose_before_last_.reset();
   n_history_ = 0;
-  exchanged_frames_ = 0;
+  pose_stage_.reset();
   doubtful_frames_ = 0;
   missed_frames_ = 0;
   displacement_rest_.fill(0);
   before_displacement_rest_.fill(0);
-}
-
-// The contour vertices of stage I: of the skinned template alone. The paper also adds the carried displacement. That
-// ties the pose to what the surface made of an earlier pose; without it the pose was as good or better on every
-// sequence with ground truth.
-std::vector<int32_t> Tracker::find_contour(const TrackInput& input, const Pose& pose) {
-  if (input.silhouette.empty()) return {};
-  skinner_.set_pose(bone_dual_quats(forward_kinematics(actor_.skeleton, pose)));
-  skinner_.skin(zero_, start_);
-  rasterizer_.render(start_, camera_);
-  visibility_.find_contour(rasterizer_);
-  return visibility_.read_contour();
-}
-
-bool Tracker::matches(const TrackInput& input) const {
-  return matcher_.usable() && options_.pose.weights.match > 0 && !input.silhouette.empty();
-}
-
-// Where the picture shows the skinned template; find_contour has rendered it.
-std::vector<VertexMatch> Tracker::find_matches(int level) {
-  skinner_.normals(start_, normals_);
-  visibility_.find_visible(start_, normals_, rasterizer_);
-  matcher_.match(rasterizer_, start_, normals_, visibility_.visible(), matched_share_, level);
-  return matcher_.read();
-}
-
-// Stage I, once per level of match_levels, or once when there is nothing to match.
-PoseResult Tracker::solve_in_rounds(const TrackInput& input, const Detections& detections, const Pose& initial,
-                                    const Pose* previous) {
-  const bool matching = matches(input);
-  const size_t n_rounds = matching ? std::max<size_t>(1, options_.match_levels.size()) : 1;
-  PoseResult result;
-  result.pose = initial;
-  for (size_t round = 0; round < n_rounds && result.status == SolveStatus::kOk; ++round) {
-    const Pose from = result.pose;
-    const std::vector<int32_t> contour = find_contour(input, from);
-    std::vector<VertexMatch> matches;
-    if (matching && round < options_.match_levels.size()) matches = find_matches(options_.match_levels[round]);
-    result = pose_solver_.solve(PoseInput{.detections = detections,
-                                          .initial = from,
-                                          .previous = previous,
-                                          .frame = input.silhouette.empty() ? nullptr : picture_,
-                                          .contour_vertices = contour,
-                                          .matches = matches,
-                                          .n_steps = previous ? options_.pose.steps : options_.pose.first_steps});
-  }
-  return result;
-}
-
-// From a pose that knows no past. The contour found on a rough pose is only a start: once more from where that solve
-// ends.
-PoseResult Tracker::solve_anew(const TrackInput& input, const Pose& initial) {
-  const std::vector<int32_t> contour = find_contour(input, initial);
-  const PoseResult rough = pose_solver_.solve(PoseInput{.detections = input.detections,
-                                                        .initial = initial,
-                                                        .frame = input.silhouette.empty() ? nullptr : picture_,
-                                                        .contour_vertices = contour,
-                                                        .n_steps = options_.pose.first_steps});
-  if (rough.status != SolveStatus::kOk) return rough;
-  return solve_in_rounds(input, input.detections, rough.pose, nullptr);
-}
-
-// The frame after a tracked one.
-PoseResult Tracker::solve_tracked(const TrackInput& input, const Pose& predicted) {
-  const std::vector<KeypointDetections> alternatives =
-      exchanged_legs(actor_, camera_, predicted, input.detections.keypoints);
-  if (alternatives.empty()) exchanged_frames_ = 0;
-  if (exchanged_frames_ >= options_.max_exchanged_frames) {
-    // Silhouette and matches hold a leg where the other should be: once from the network's points alone.
-    exchanged_frames_ = 0;
-    if (const std::optional<Pose> found = initialize_pose(actor_, camera_, input.detections, options_.pose)) {
-      PoseResult anew = solve_anew(input, *found);
-      if (anew.status == SolveStatus::kOk) return anew;
-    }
-  }
-  const auto solve = [&](const Detections& detections) {
-    return solve_in_rounds(input, detections, predicted, &*last_pose_);
-  };
-  PoseResult best = solve(input.detections);
-  bool exchanged = false;
-  for (const KeypointDetections& keypoints : alternatives) {
-    Detections detections;
-    detections.person = true;
-    detections.keypoints = keypoints;
-    PoseResult result = solve(detections);
-    if (result.status != SolveStatus::kOk) continue;
-    if (best.status == SolveStatus::kOk && result.energy.total() >= best.energy.total()) continue;
-    best = std::move(result);
-    exchanged = true;
-  }
-  if (exchanged) ++exchanged_frames_;
-  return best;
 }
 
 bool Tracker::believable(const PoseResult& result, const Detections& detections) const {
@@ -164,17 +67,16 @@ Pose Tracker::predict() const {
   return predict_pose(actor_.skeleton, pose_before_last_ ? &*pose_before_last_ : nullptr, *last_pose_, options_.pose);
 }
 
-Tracker::Solved Tracker::solve_pose(const TrackInput& input) {
+Tracker::Solved Tracker::solve_pose(const PoseStageInput& input) {
   Solved solved;
-  const PoseOptions& options = options_.pose;
   if (!options_.solve_pose) {
-    const std::optional<Pose> found = initialize_pose(actor_, camera_, input.detections, options);
+    const std::optional<Pose> found = initialize_pose(actor_, camera_, input.detections, options_.pose);
     solved.accepted = found.has_value();
     if (found) solved.pose.pose = *found;
     return solved;
   }
   if (last_pose_) {
-    solved.pose = solve_tracked(input, predict());
+    solved.pose = pose_stage_.solve_tracked(input, predict(), *last_pose_);
     const bool believed = believable(solved.pose, input.detections);
     if (missed_frames_ > 0) {
       solved.accepted = believed;
@@ -186,27 +88,20 @@ Tracker::Solved Tracker::solve_pose(const TrackInput& input) {
     reset();
   }
   solved.initialized = true;
-  const std::optional<Pose> initial = initialize_pose(actor_, camera_, input.detections, options);
-  if (!initial) {
-    solved.pose.status = SolveStatus::kNoObservations;
-    return solved;
-  }
-  solved.pose = solve_anew(input, *initial);
+  solved.pose = pose_stage_.find(input);
   solved.accepted = believable(solved.pose, input.detections);
   return solved;
 }
 
 // A frame in which the network sees nobody: the silhouette, near where the motion would have led.
-Tracker::Solved Tracker::solve_missed(const TrackInput& input) {
+Tracker::Solved Tracker::solve_missed(const PoseStageInput& input) {
   Solved solved;
   if (!last_pose_ || input.silhouette.empty()) return solved;
   const Pose predicted = predict();
   const Detections expected = expected_detections(actor_, camera_, predicted, kExpectedConfidence);
-  solved.pose = solve_tracked({input.image, expected, input.silhouette, input.mask}, predicted);
+  solved.pose = pose_stage_.solve_tracked({expected, input.silhouette, input.frame}, predicted, *last_pose_);
   if (solved.pose.status != SolveStatus::kOk) return solved;
-  skinner_.set_pose(bone_dual_quats(forward_kinematics(actor_.skeleton, solved.pose.pose)));
-  skinner_.skin(zero_, start_);
-  rasterizer_.render(start_, camera_);
+  pose_stage_.render(solved.pose.pose);
   solved.accepted = rasterizer_.intersection_over_union(picture_->mask) >= options_.least_missed_iou;
   return solved;
 }
@@ -268,21 +163,21 @@ TrackResult Tracker::track(const TrackInput& given) {
     certain = given.detections;
     for (KeypointDetection& keypoint : certain.keypoints) keypoint.confidence = keypoint.confidence > 0 ? 1 : 0;
   }
-  const TrackInput input{given.image, options_.ignore_confidence ? certain : given.detections, given.silhouette,
-                         given.mask};
+  const Silhouette& silhouette = given.silhouette;
+  picture_ = given.frame ? given.frame : &frame_;
+  const PoseStageInput input{options_.ignore_confidence ? certain : given.detections, silhouette, *picture_};
   TrackResult result;
   const bool person = input.detections.person;
-  if (!given.frame && (person || !input.silhouette.empty()) &&
-      input.mask.pixels.size() != size_t(camera_.width) * camera_.height)
+  if (!given.frame && (person || !silhouette.empty()) &&
+      given.mask.pixels.size() != size_t(camera_.width) * camera_.height)
     throw LogicError("capture: the mask is not of the camera's size");
   if (!person && last_pose_ && ++missed_frames_ > options_.max_missed_frames) reset();
   Timer timer;
-  picture_ = given.frame ? given.frame : &frame_;
-  if (!given.frame && !input.silhouette.empty()) {
-    frame_.upload(input.silhouette, input.image);
-    frame_.mask.write(input.mask.pixels);
+  if (!given.frame && !silhouette.empty()) {
+    frame_.upload(silhouette, given.image);
+    frame_.mask.write(given.mask.pixels);
   }
-  if (matches(input)) matcher_.set_picture(*picture_, input.silhouette.box);
+  pose_stage_.set_picture(input);
   const Solved solved = person ? solve_pose(input) : solve_missed(input);
   result.pose_ms = timer.elapsed_ms();
   result.pose_energy = solved.pose.energy.total();
@@ -297,13 +192,13 @@ TrackResult Tracker::track(const TrackInput& given) {
   result.pose = solved.pose.pose;
 
   timer.restart();
-  solve_surface(result.pose, !input.silhouette.empty(), result);
+  solve_surface(result.pose, !silhouette.empty(), result);
   result.vertices_mm.resize(size_t(3) * n_vertices_);
   vertices_.read(result.vertices_mm);
   result.surface_ms = timer.elapsed_ms();
 
   rasterizer_.render(vertices_, camera_);
-  if (!input.silhouette.empty()) result.iou = rasterizer_.intersection_over_union(picture_->mask);
+  if (!silhouette.empty()) result.iou = rasterizer_.intersection_over_union(picture_->mask);
 
   pose_before_last_ = last_pose_;
   last_pose_ = result.pose;

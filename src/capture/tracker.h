@@ -7,11 +7,11 @@
 
 #include "actor/actor.h"
 #include "actor/skinner.h"
+#include "capture/pose_stage.h"
+#include "capture/tracker_options.h"
 #include "image/device_frame.h"
 #include "livecap/camera.h"
 #include "livecap/capture.h"
-#include "match/texture_matcher.h"
-#include "pose/pose_solver.h"
 #include "raster/depth.h"
 #include "raster/part_mask.h"
 #include "raster/visibility.h"
@@ -20,49 +20,6 @@
 #include "surface/surface_solver.h"
 
 namespace livecap {
-
-struct TrackerOptions {
-  PoseOptions pose;
-  SurfaceOptions surface;
-  SnapOptions snap;
-  MatchOptions match;
-  VisibilityOptions visibility;
-  // Stage I of an actor with a texture: one solve per round, each with matches found at this resolution (half of it per
-  // level) where the last one ended. Coarse ones first: patches are only right within a few px, and stripes match one
-  // stripe further as well.
-  std::vector<int> match_levels = {2, 2, 1, 0, 0};
-  float min_matched_rigidity = 1.5f;  // softer cloth hangs where skinning does not know
-  bool solve_pose = true;             // false: stage I ends with its initialisation from each frame's detections alone
-  bool enable_surface = true;         // false: the result is the skinned template of stage I
-  bool warp_displacements = true;     // carry the non-rigid displacement to the next frame
-  // Only cloth keeps its displacement: what skin, hair and shoes seem to be displaced by is an error of the pose, and
-  // carried on it would hold the pose there. A tenth is forgotten per frame (the paper: nothing); that helped one of
-  // three sequences with ground truth and left the others as they were.
-  float max_carried_rigidity = 3;
-  float carried_share = 0.9f;
-  // Stage II skins hanging cloth differently from stage I. On a simulated skirt with true keypoints its mean error was
-  // 72 mm with the actor's weights, 54 mm so before anything is fitted; skirts whose weights follow the legs little
-  // change little.
-  HangingClothOptions hanging;
-  bool part_mask = true;  // b_i = 0 on another body part's region
-  bool snapping = true;
-  bool ignore_confidence = false;  // true: every keypoint the network knows counts fully
-  // Where the network seems to have exchanged the legs (pose/leg_exchange.h), stage I is solved both ways and the lower
-  // energy counts; but for no more than this many frames until both agree again, since in the long run the network is
-  // right. 0 = never.
-  int max_exchanged_frames = 9;
-  // A pose whose mean keypoint error exceeds this fraction of the person's height in the picture is not believed: the
-  // frame is solved again from the detections alone, and lost when that does not help.
-  double lost_error_fraction = 0.08;
-  // ... unless it was believed until a moment ago: networks have single frames in which they see somebody else's limbs,
-  // and stage I does not follow these (PoseOptions::keypoint_2d_huber_px). For so many frames on end its pose is kept.
-  int max_doubtful_frames = 3;
-  // After a frame in which the network saw nobody, the person is taken up again where the motion would have led for so
-  // many frames on end. What is not believed then is nobody: networks go on seeing something where a person just was.
-  // In between the silhouette alone is followed, as long as the mesh has this IoU with it.
-  int max_missed_frames = 5;
-  double least_missed_iou = 0.75;
-};
 
 struct TrackInput {
   const ImageRgb& image;  // undistorted
@@ -103,16 +60,9 @@ class Tracker {
     bool accepted = false;
     bool initialized = false;
   };
-  Solved solve_pose(const TrackInput& input);
-  Solved solve_missed(const TrackInput& input);
+  Solved solve_pose(const PoseStageInput& input);
+  Solved solve_missed(const PoseStageInput& input);
   Pose predict() const;
-  PoseResult solve_tracked(const TrackInput& input, const Pose& predicted);
-  std::vector<int32_t> find_contour(const TrackInput& input, const Pose& pose);
-  bool matches(const TrackInput& input) const;
-  std::vector<VertexMatch> find_matches(int level);
-  PoseResult solve_in_rounds(const TrackInput& input, const Detections& detections, const Pose& initial,
-                             const Pose* previous);
-  PoseResult solve_anew(const TrackInput& input, const Pose& initial);
   bool believable(const PoseResult& result, const Detections& detections) const;
   void solve_surface(const Pose& pose, bool has_picture, TrackResult& result);
 
@@ -127,8 +77,7 @@ class Tracker {
   DepthRasterizer rasterizer_;
   SurfaceVisibility visibility_;
   PartMask part_mask_;
-  TextureMatcher matcher_;
-  PoseSolver pose_solver_;
+  PoseStage pose_stage_;
   SurfaceSolver surface_solver_;
   Snapper snapper_;
   DeviceFrame frame_;  // where what comes from the host is uploaded to
@@ -137,7 +86,6 @@ class Tracker {
   ocl::Buffer<float> displacement_rest_;         // d-hat, rest frame; zero before the first surface
   ocl::Buffer<float> before_displacement_rest_;  // the same of the frame before
   ocl::Buffer<float> zero_;                      // [3n] always zero
-  ocl::Buffer<float> matched_share_;             // [n] 1 for vertices that stage I matches
   ocl::Buffer<float> carried_share_;             // [n] share of each vertex's displacement that is carried on
   ocl::Buffer<float> start_;                     // V^S + d^S
   ocl::Buffer<float> skinned_;                   // V^S
@@ -146,9 +94,8 @@ class Tracker {
   ocl::Buffer<float> before_;    // V^S + d^S of the frame before the last
   int n_history_ = 0;            // of how many frames (at most two) there is a displacement
 
-  int doubtful_frames_ = 0;   // on end until the last frame
-  int missed_frames_ = 0;     // on end until the last frame, those in which the silhouette was followed included
-  int exchanged_frames_ = 0;  // since the detections last agreed with the prediction
+  int doubtful_frames_ = 0;  // on end until the last frame
+  int missed_frames_ = 0;    // on end until the last frame, those in which the silhouette was followed included
   std::optional<Pose> last_pose_;
   std::optional<Pose> pose_before_last_;
 };

@@ -86,7 +86,7 @@ std::vector<ocl::SelfTestResult> match_self_test(ocl::DeviceContext& device) {
     matcher.match(raster, positions, normals, visible, share, level);
     int found = 0;
     double worst = 0;
-    for (const VertexMatch& match : matcher.read()) {
+    for (const VertexMatch& match : matcher.read().found) {
       const int i = match.vertex % (kCells + 1), j = match.vertex / (kCells + 1);
       if (std::min(i, j) < 2 || std::max(i, j) > kCells - 2) continue;  // its patch leaves the square
       const float* p = &actor.mesh.positions[3 * size_t(match.vertex)];

@@ -199,16 +199,21 @@ void TextureMatcher::match(const DepthRasterizer& raster, const ocl::Buffer<floa
                         raster.projected(), areas_, share, actor_, depth_, camera_, matches_);
 }
 
-std::vector<VertexMatch> TextureMatcher::read() {
-  std::vector<VertexMatch> found;
-  if (!usable()) return found;
+Matches TextureMatcher::read() {
+  Matches matches;
+  if (!usable()) return matches;
   host_.resize(size_t(LC_MATCH) * n_vertices_);
   matches_.read(host_);
+  double matched = 0, visible = 0;
   for (int i = 0; i < n_vertices_; ++i) {
     const float* m = &host_[size_t(LC_MATCH) * i];
-    if (m[5] > 0) found.push_back({i, m[0], m[1], m[2], m[3], m[4], m[5] / options_.weight_area_px});
+    visible += m[7];
+    if (!(m[5] > 0)) continue;
+    matched += m[5];
+    matches.found.push_back({i, m[0], m[1], m[2], m[3], m[4], m[5] / options_.weight_area_px});
   }
-  return found;
+  if (visible > 0) matches.coverage = matched / visible;
+  return matches;
 }
 
 }  // namespace livecap

@@ -6,7 +6,7 @@
 //   TextureMatcher matcher(device, actor, camera, options);
 //   matcher.set_picture(frame, silhouette.box);                    // once per frame
 //   matcher.match(raster, positions, normals, visible, share, level); // `raster` has rendered `positions`
-//   std::vector<VertexMatch> found = matcher.read();
+//   Matches matches = matcher.read();
 #pragma once
 
 #include <cstdint>
@@ -35,6 +35,11 @@ struct MatchOptions {
   void validate() const;  // throws ConfigError
 };
 
+struct Matches {
+  std::vector<VertexMatch> found;  // by vertex
+  double coverage = 0;             // of the visible wanted picture, how much was found, times its correlation: 0..1
+};
+
 class TextureMatcher {
  public:
   // Keeps no reference to the actor. camera: undistorted.
@@ -52,8 +57,8 @@ class TextureMatcher {
   void match(const DepthRasterizer& raster, const ocl::Buffer<float>& positions, const ocl::Buffer<float>& normals,
              const ocl::Buffer<int32_t>& visible, const ocl::Buffer<float>& share, int level);
 
-  // What the last match found, by vertex. Blocking.
-  std::vector<VertexMatch> read();
+  // What the last match found. Blocking.
+  Matches read();
 
  private:
   void build_pyramid(int level, ocl::Buffer<float>& pyramid);

@@ -6,7 +6,6 @@
 #include <numbers>
 #include <vector>
 
-#include "pose/rebone.h"
 #include "pose/targets.h"
 
 namespace livecap {
@@ -196,17 +195,23 @@ Pose predict_pose(const Skeleton& skeleton, const Pose* before_previous, const P
   return add_increment(previous, delta);
 }
 
+std::optional<Eigen::Matrix3d> torso_rotation(const Actor& actor, const Detections& detections,
+                                              const PoseOptions& options) {
+  if (!detections.person) return std::nullopt;
+  Pose rest = rest_pose(actor.skeleton);
+  rest.root_translation_mm.setZero();
+  return align_torso(keypoint_positions(actor, forward_kinematics(actor.skeleton, rest)),
+                     detected_points(actor, detections, options));
+}
+
 std::optional<Pose> initialize_pose(const Actor& actor, const Camera& camera, const Detections& detections,
                                     const PoseOptions& options) {
-  if (!detections.person) return std::nullopt;
-  const Keypoints3d detected = options.rebone ? rebone(actor, detections) : keypoints_3d(actor, detections);
+  const std::optional<Eigen::Matrix3d> rotation = torso_rotation(actor, detections, options);
+  if (!rotation) return std::nullopt;
   Pose pose = rest_pose(actor.skeleton);
   pose.root_translation_mm.setZero();
-  const auto model = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
-  const std::optional<Eigen::Matrix3d> rotation = align_torso(model, detected);
-  if (!rotation) return std::nullopt;
   pose.root_rotation = *rotation;
-  find_angles(actor, detected, pose);
+  find_angles(actor, detected_points(actor, detections, options), pose);
 
   const auto points = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
   const auto translation = translation_from_2d(points, camera, make_targets(actor, detections, nullptr, options));

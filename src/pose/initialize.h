@@ -17,9 +17,14 @@ namespace livecap {
 Pose predict_pose(const Skeleton& skeleton, const Pose* before_previous, const Pose& previous,
                   const PoseOptions& options);
 
+// How the root is turned when the torso (pelvis, hips, neck, shoulders) lies on the 3D detections as well as it can.
+// nullopt when nobody was detected or fewer than three of these points are known.
+std::optional<Eigen::Matrix3d> torso_rotation(const Actor& actor, const Detections& detections,
+                                              const PoseOptions& options);
+
 // Root rotation by rigid alignment of the torso to the 3D detections, joint angles by cyclic coordinate descent on the
 // re-boned 3D keypoints, root translation by linear least squares on the 2D detections.
-// nullopt when nobody was detected or fewer than three torso points (pelvis, hips, neck, shoulders) are known.
+// nullopt as for torso_rotation.
 std::optional<Pose> initialize_pose(const Actor& actor, const Camera& camera, const Detections& detections,
                                     const PoseOptions& options);
 

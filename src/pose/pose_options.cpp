@@ -34,7 +34,7 @@ std::array<double, kKeypointCount> default_keypoint_2d_weights() {
 std::array<double, kKeypointCount> default_keypoint_3d_weights() {
   std::array<double, kKeypointCount> weights;
   weights.fill(0.35);
-  for (int k : {kNeck, kPelvis, kLeftHip, kRightHip, kLeftShoulder, kRightShoulder}) weights[k] = 3.5;
+  for (int k : {kNeck, kPelvis, kLeftHip, kRightHip, kLeftShoulder, kRightShoulder}) weights[k] = 1.75;
   for (int k : kLoose) weights[k] = 0.115;
   return weights;
 }

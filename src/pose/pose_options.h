@@ -28,11 +28,11 @@ std::array<double, kKeypointCount> default_keypoint_2d_weights();
 // lambda_i of E_temporal: torso, head, hips 2.5; shoulders 2; knees, elbows 1.5; wrists, hands, ankles, toes 1; face 0.
 std::array<double, kKeypointCount> default_temporal_weights();
 
-// lambda_i of E_3D: torso (neck, pelvis, hips, shoulders) 3.5, limbs 0.35, face, hands and toes a third of that as in
+// lambda_i of E_3D: torso (neck, pelvis, hips, shoulders) 1.75, limbs 0.35, face, hands and toes a third of that as in
 // E_2D. The paper has none and no face here. A network's depth of a limb is off by a quarter to a half of its length,
 // its 2D points by a few px: with 1 the limbs followed the wrong depth against the picture. Where the torso faces is
-// known better, and without the tenfold weight some 450 contour vertices outweigh it: in a turn the trunk lags behind
-// while hips, clavicles and neck twist against their limits.
+// known better, and with no more weight than a limb's some 450 contour vertices outweigh it: in a turn the trunk lags
+// behind while hips, clavicles and neck twist against their limits.
 std::array<double, kKeypointCount> default_keypoint_3d_weights();
 
 struct PoseOptions {

@@ -41,7 +41,9 @@ PoseSolver::PoseSolver(ocl::DeviceContext& device, const Actor& actor, const Cam
     : actor_(actor), camera_(camera), options_(options), system_(device, actor, camera, options) {}
 
 PoseResult PoseSolver::solve(const PoseInput& input) {
-  const KeypointTargets targets = make_targets(actor_, input.detections, input.previous, options_);
+  KeypointTargets targets = make_targets(actor_, input.detections, input.previous, options_);
+  for (int k : {kLeftElbow, kRightElbow, kLeftWrist, kRightWrist, kLeftHand, kRightHand})
+    targets[k].weight_3d *= input.arms_3d;
   system_.set_frame(targets, input.frame, input.contour_vertices, input.displacement_rest, input.matches);
   PoseResult result;
   result.pose = input.initial;

@@ -25,8 +25,9 @@ struct PoseInput {
   std::span<const int32_t> contour_vertices = {};  // B of the frame, template vertex indices
   std::span<const VertexMatch> matches = {};       // where the picture shows vertices of the skinned template
   const ocl::Buffer<float>* displacement_rest =
-      nullptr;      // [3n] mm added to the rest pose before skinning; may be nullptr
-  int n_steps = 0;  // 0: PoseOptions::steps
+      nullptr;         // [3n] mm added to the rest pose before skinning; may be nullptr
+  double arms_3d = 1;  // factor of lambda_i of E_3D of elbows, wrists and hands
+  int n_steps = 0;     // 0: PoseOptions::steps
 };
 
 // Weighted, as in the paper's E_pose.

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "geometry/reference.h"
-#include "pose/rebone.h"
 
 namespace livecap {
 
@@ -25,10 +24,14 @@ Eigen::Vector2d project_px(const Camera& camera, const Eigen::Vector3d& point_mm
   return {px.x, px.y};
 }
 
+Keypoints3d detected_points(const Actor& actor, const Detections& detections, const PoseOptions& options) {
+  return options.rebone ? rebone(actor, detections) : keypoints_3d(actor, detections);
+}
+
 KeypointTargets make_targets(const Actor& actor, const Detections& detections, const Pose* previous,
                              const PoseOptions& options) {
   KeypointTargets targets;
-  const Keypoints3d points = options.rebone ? rebone(actor, detections) : keypoints_3d(actor, detections);
+  const Keypoints3d points = detected_points(actor, detections, options);
   std::array<Eigen::Vector3d, kKeypointCount> previous_positions;
   if (previous) previous_positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, *previous));
   for (int k = 0; k < kKeypointCount; ++k) {

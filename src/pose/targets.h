@@ -10,6 +10,7 @@
 #include "livecap/camera.h"
 #include "livecap/detections.h"
 #include "pose/pose_options.h"
+#include "pose/rebone.h"
 
 namespace livecap {
 
@@ -29,6 +30,9 @@ std::array<Eigen::Vector3d, kKeypointCount> keypoint_positions(const Actor& acto
 
 // Where a point with z > 0 [mm, camera frame] lies in an undistorted picture [px].
 Eigen::Vector2d project_px(const Camera& camera, const Eigen::Vector3d& point_mm);
+
+// P_3D as E_3D takes it: re-boned unless options.rebone is off.
+Keypoints3d detected_points(const Actor& actor, const Detections& detections, const PoseOptions& options);
 
 // previous: the last frame's pose, or nullptr (no temporal term). Detections that are not finite count as unknown; so
 // do all when detections.person is false. E_temporal has the 19 body keypoints, the others the

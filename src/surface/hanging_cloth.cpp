@@ -27,13 +27,11 @@ SkinWeights hanging_weights(const Actor& actor, float leg_share) {
   SkinWeights out = actor.skin;
   const std::vector<char> leg = leg_bones(actor.skeleton);
   const int hanging_bone = actor.skeleton.n_bones();
+  const std::vector<float> leg_weight = leg_weights(actor);
   std::vector<std::pair<float, int>> influences;
   for (int i = 0; i < actor.n_vertices(); ++i) {
     if (actor.rigidity[i] > kHangingRigidity) continue;
-    float legs = 0;
-    for (int k = 4 * i; k < 4 * i + 4; ++k) {
-      if (leg[actor.skin.bones[k]]) legs += actor.skin.weights[k];
-    }
+    const float legs = leg_weight[i];
     if (legs <= 0 || leg_share == 1) continue;
     const float scale = leg_share / (leg_share + (1 - leg_share) * legs);
     influences = {{(1 - scale) * legs, hanging_bone}};
@@ -55,6 +53,15 @@ SkinWeights hanging_weights(const Actor& actor, float leg_share) {
 }
 
 }  // namespace
+
+std::vector<float> leg_weights(const Actor& actor) {
+  const std::vector<char> leg = leg_bones(actor.skeleton);
+  std::vector<float> sums(actor.n_vertices(), 0.0f);
+  for (size_t k = 0; k < actor.skin.bones.size(); ++k) {
+    if (leg[actor.skin.bones[k]]) sums[k / kMaxInfluences] += actor.skin.weights[k];
+  }
+  return sums;
+}
 
 void HangingClothOptions::validate() const {
   if (!(leg_share > 0.0f && leg_share <= 1.0f)) {

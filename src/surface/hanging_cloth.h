@@ -20,6 +20,9 @@ struct HangingClothOptions {
   void validate() const;  // throws ConfigError
 };
 
+// [n] sum of each vertex's weights on the legs (below and including the hips).
+std::vector<float> leg_weights(const Actor& actor);
+
 // Only hanging cloth changes (dress, coat, jumpsuit, skirt: the softest class of the paper's Table 1, rigidity <= 1).
 class HangingCloth {
  public:

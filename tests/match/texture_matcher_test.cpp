@@ -108,7 +108,7 @@ std::vector<VertexMatch> find(ocl::DeviceContext& device, const Actor& actor, co
   raster.render(positions, camera);
   matcher.set_picture(frame, drawing.silhouette.box);
   matcher.match(raster, positions, normals, visible, share, level);
-  return matcher.read();
+  return matcher.read().found;
 }
 
 bool well_inside(int vertex) {

@@ -1,0 +1,162 @@
+#include "capture/pose_stage.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "pose/turned_trunk.h"
+#include "surface/hanging_cloth.h"
+
+namespace livecap {
+namespace {
+
+std::vector<float> matched_share(const Actor& actor, const TrackerOptions& options) {
+  const std::vector<float> legs = leg_weights(actor);
+  std::vector<float> share(actor.n_vertices());
+  for (int i = 0; i < actor.n_vertices(); ++i) {
+    const bool follows = actor.rigidity[i] >= options.min_matched_rigidity || legs[i] < options.max_matched_leg_weight;
+    share[i] = follows ? 1.0f : 0.0f;
+  }
+  return share;
+}
+
+}  // namespace
+
+PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
+                     const TrackerOptions& options, DepthRasterizer& rasterizer, SurfaceVisibility& visibility)
+    : actor_(actor),
+      camera_(camera),
+      options_(options),
+      skinner_(device, actor),
+      rasterizer_(rasterizer),
+      visibility_(visibility),
+      matcher_(device, actor, camera, options.match),
+      solver_(device, actor, camera, options.pose),
+      zero_(device, size_t(3) * actor.n_vertices()),
+      skinned_(device, size_t(3) * actor.n_vertices()),
+      normals_(device, size_t(3) * actor.n_vertices()),
+      matched_share_(device, matched_share(actor, options)) {
+  for (ocl::Buffer<float>* buffer : {&zero_, &skinned_, &normals_}) buffer->fill(0);
+}
+
+bool PoseStage::matches(const PoseStageInput& input) const {
+  return matcher_.usable() && options_.pose.weights.match > 0 && !input.silhouette.empty();
+}
+
+void PoseStage::set_picture(const PoseStageInput& input) {
+  if (matches(input)) matcher_.set_picture(input.frame, input.silhouette.box);
+}
+
+void PoseStage::render(const Pose& pose) {
+  skinner_.set_pose(bone_dual_quats(forward_kinematics(actor_.skeleton, pose)));
+  skinner_.skin(zero_, skinned_);
+  rasterizer_.render(skinned_, camera_);
+}
+
+// The contour vertices of stage I: of the skinned template alone. The paper also adds the carried displacement. That
+// ties the pose to what the surface made of an earlier pose; without it the pose was as good or better on every
+// sequence with ground truth.
+std::vector<int32_t> PoseStage::find_contour(const PoseStageInput& input, const Pose& pose) {
+  if (input.silhouette.empty()) return {};
+  render(pose);
+  visibility_.find_contour(rasterizer_);
+  return visibility_.read_contour();
+}
+
+// Where the picture shows the skinned template; find_contour has rendered it.
+Matches PoseStage::find_matches(int level) {
+  skinner_.normals(skinned_, normals_);
+  visibility_.find_visible(skinned_, normals_, rasterizer_);
+  matcher_.match(rasterizer_, skinned_, normals_, visibility_.visible(), matched_share_, level);
+  return matcher_.read();
+}
+
+// Once per level of match_levels, or once when there is nothing to match.
+PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, const Detections& detections,
+                                               const Pose& initial, const Pose* previous) {
+  const int n_levels = matches(input) ? int(options_.match_levels.size()) : 0;
+  Solution solution;
+  solution.pose.pose = initial;
+  for (int round = 0; round < std::max(1, n_levels) && solution.pose.status == SolveStatus::kOk; ++round) {
+    const Pose from = solution.pose.pose;
+    const std::vector<int32_t> contour = find_contour(input, from);
+    Matches matches;
+    if (round < n_levels) matches = find_matches(options_.match_levels[round]);
+    const bool refining = n_levels > 0 && round >= n_levels - options_.refining_rounds;
+    solution.coverage = matches.coverage;
+    solution.pose = solver_.solve(PoseInput{.detections = detections,
+                                            .initial = from,
+                                            .previous = previous,
+                                            .frame = input.silhouette.empty() ? nullptr : &input.frame,
+                                            .contour_vertices = contour,
+                                            .matches = matches.found,
+                                            .arms_3d = refining ? options_.refined_arms_3d : 1,
+                                            .n_steps = previous ? options_.pose.steps : options_.pose.first_steps});
+  }
+  return solution;
+}
+
+// The contour found on a rough pose is only a start: once more from where that solve ends.
+PoseResult PoseStage::find(const PoseStageInput& input) {
+  const std::optional<Pose> initial = initialize_pose(actor_, camera_, input.detections, options_.pose);
+  if (!initial) {
+    PoseResult nothing;
+    nothing.status = SolveStatus::kNoObservations;
+    return nothing;
+  }
+  const std::vector<int32_t> contour = find_contour(input, *initial);
+  const PoseResult rough = solver_.solve(PoseInput{.detections = input.detections,
+                                                   .initial = *initial,
+                                                   .frame = input.silhouette.empty() ? nullptr : &input.frame,
+                                                   .contour_vertices = contour,
+                                                   .n_steps = options_.pose.first_steps});
+  if (rough.status != SolveStatus::kOk) return rough;
+  return solve_in_rounds(input, input.detections, rough.pose, nullptr).pose;
+}
+
+PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& predicted, const Pose& previous) {
+  const std::vector<KeypointDetections> alternatives =
+      exchanged_legs(actor_, camera_, predicted, input.detections.keypoints);
+  if (alternatives.empty()) exchanged_frames_ = 0;
+  if (exchanged_frames_ >= options_.max_exchanged_frames) {
+    // Silhouette and matches hold a leg where the other should be: once from the network's points alone.
+    exchanged_frames_ = 0;
+    PoseResult anew = find(input);
+    if (anew.status == SolveStatus::kOk) return anew;
+  }
+  Solution best = solve_in_rounds(input, input.detections, predicted, &previous);
+  try_exchanged_legs(input, predicted, previous, alternatives, best);
+  try_turned(input, previous, best);
+  return best.pose;
+}
+
+void PoseStage::try_exchanged_legs(const PoseStageInput& input, const Pose& predicted, const Pose& previous,
+                                   const std::vector<KeypointDetections>& alternatives, Solution& best) {
+  bool exchanged = false;
+  for (const KeypointDetections& keypoints : alternatives) {
+    Detections detections;
+    detections.person = true;
+    detections.keypoints = keypoints;
+    Solution other = solve_in_rounds(input, detections, predicted, &previous);
+    if (other.pose.status != SolveStatus::kOk) continue;
+    if (best.pose.status == SolveStatus::kOk && other.pose.energy.total() >= best.pose.energy.total()) continue;
+    best = std::move(other);
+    exchanged = true;
+  }
+  if (exchanged) ++exchanged_frames_;
+}
+
+// A body one stripe further round fits its matches, but nothing else as well. Energies alone do not tell: who matches
+// less pays less.
+void PoseStage::try_turned(const PoseStageInput& input, const Pose& previous, Solution& best) {
+  if (!matches(input) || best.pose.status != SolveStatus::kOk) return;
+  const std::optional<Pose> turned =
+      turned_trunk(actor_, best.pose.pose, input.detections, options_.pose, options_.least_turn_rad);
+  if (!turned) return;
+  Solution other = solve_in_rounds(input, input.detections, *turned, &previous);
+  if (other.pose.status == SolveStatus::kOk && other.pose.energy.total() < best.pose.energy.total() &&
+      other.coverage >= best.coverage)
+    best = std::move(other);
+}
+
+}  // namespace livecap

@@ -1,0 +1,77 @@
+// Stage I of one frame: the contour and the matches of the actor as it is thought to be, and pose solves in between;
+// and what is tried beside the predicted pose where that may have led to the wrong place.
+#pragma once
+
+#include <vector>
+
+#include "actor/actor.h"
+#include "actor/skinner.h"
+#include "capture/tracker_options.h"
+#include "image/device_frame.h"
+#include "image/silhouette.h"
+#include "livecap/camera.h"
+#include "match/texture_matcher.h"
+#include "pose/leg_exchange.h"
+#include "pose/pose_solver.h"
+#include "raster/depth.h"
+#include "raster/visibility.h"
+
+namespace livecap {
+
+struct PoseStageInput {
+  const Detections& detections;
+  const Silhouette& silhouette;
+  const DeviceFrame& frame;  // of the picture; not looked at while the silhouette is empty
+};
+
+class PoseStage {
+ public:
+  // Everything given must outlive it. rasterizer and visibility are left as the last solve used them.
+  PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const TrackerOptions& options,
+            DepthRasterizer& rasterizer, SurfaceVisibility& visibility);
+
+  // Before the first solve of a frame.
+  void set_picture(const PoseStageInput& input);
+
+  // The frame after one whose pose was `previous`.
+  PoseResult solve_tracked(const PoseStageInput& input, const Pose& predicted, const Pose& previous);
+
+  // From the detections alone. kNoObservations when they do not tell a pose.
+  PoseResult find(const PoseStageInput& input);
+
+  // The skinned template, as last rendered by render().
+  void render(const Pose& pose);
+
+  // Forgets what it knew of the last frames.
+  void reset() { exchanged_frames_ = 0; }
+
+ private:
+  struct Solution {
+    PoseResult pose;
+    double coverage = 0;  // of the last round's matches
+  };
+  Solution solve_in_rounds(const PoseStageInput& input, const Detections& detections, const Pose& initial,
+                           const Pose* previous);
+  std::vector<int32_t> find_contour(const PoseStageInput& input, const Pose& pose);
+  bool matches(const PoseStageInput& input) const;
+  Matches find_matches(int level);
+  void try_exchanged_legs(const PoseStageInput& input, const Pose& predicted, const Pose& previous,
+                          const std::vector<KeypointDetections>& alternatives, Solution& best);
+  void try_turned(const PoseStageInput& input, const Pose& previous, Solution& best);
+
+  const Actor& actor_;
+  Camera camera_;
+  TrackerOptions options_;
+  Skinner skinner_;
+  DepthRasterizer& rasterizer_;
+  SurfaceVisibility& visibility_;
+  TextureMatcher matcher_;
+  PoseSolver solver_;
+  ocl::Buffer<float> zero_;           // [3n] always zero
+  ocl::Buffer<float> skinned_;        // [3n]
+  ocl::Buffer<float> normals_;        // [3n]
+  ocl::Buffer<float> matched_share_;  // [n] 1 for vertices that are matched
+  int exchanged_frames_ = 0;          // since the detections last agreed with the prediction
+};
+
+}  // namespace livecap

@@ -1,0 +1,67 @@
+// Options of the tracker: both stages, and what holds them together.
+#pragma once
+
+#include <vector>
+
+#include "match/texture_matcher.h"
+#include "pose/pose_options.h"
+#include "raster/visibility.h"
+#include "surface/hanging_cloth.h"
+#include "surface/snap.h"
+#include "surface/surface_input.h"
+
+namespace livecap {
+
+struct TrackerOptions {
+  PoseOptions pose;
+  SurfaceOptions surface;
+  SnapOptions snap;
+  MatchOptions match;
+  VisibilityOptions visibility;
+  // Stage I of an actor with a texture: one solve per round, each with matches found at this resolution (half of it per
+  // level) where the last one ended. Coarse ones first: patches are only right within a few px, and stripes match one
+  // stripe further as well.
+  std::vector<int> match_levels = {2, 2, 1, 0, 0};
+  // Softer cloth is matched only near where it is fastened, where its weights on the legs sum to less than this:
+  // further down it hangs where skinning does not know.
+  float min_matched_rigidity = 1.5f;
+  float max_matched_leg_weight = 0.3f;
+  // In the last rounds E_3D counts so much less for arms: which way they point is the network's to say, how far the
+  // lengths in the picture tell better.
+  int refining_rounds = 2;
+  double refined_arms_3d = 0.1;
+  // A body that faces so much elsewhere than the detections is solved from there as well (pose/turned_trunk.h).
+  double least_turn_rad = 0.21;
+  bool solve_pose = true;          // false: stage I ends with its initialisation from each frame's detections alone
+  bool enable_surface = true;      // false: the result is the skinned template of stage I
+  bool warp_displacements = true;  // carry the non-rigid displacement to the next frame
+  // Only cloth keeps its displacement: what skin, hair and shoes seem to be displaced by is an error of the pose, and
+  // carried on it would hold the pose there. A tenth is forgotten per frame (the paper: nothing); that helped one of
+  // three sequences with ground truth and left the others as they were.
+  float max_carried_rigidity = 3;
+  float carried_share = 0.9f;
+  // Stage II skins hanging cloth differently from stage I. On a simulated skirt with true keypoints its mean error was
+  // 72 mm with the actor's weights, 54 mm so before anything is fitted; skirts whose weights follow the legs little
+  // change little.
+  HangingClothOptions hanging;
+  bool part_mask = true;  // b_i = 0 on another body part's region
+  bool snapping = true;
+  bool ignore_confidence = false;  // true: every keypoint the network knows counts fully
+  // Where the network seems to have exchanged the legs (pose/leg_exchange.h), stage I is solved both ways and the lower
+  // energy counts; but for no more than this many frames until both agree again, since in the long run the network is
+  // right. 0 = never.
+  int max_exchanged_frames = 9;
+  // A pose whose mean keypoint error exceeds this fraction of the person's height in the picture is not believed: the
+  // frame is solved again from the detections alone, and lost when that does not help.
+  double lost_error_fraction = 0.08;
+  // ... unless it was believed until a moment ago: networks have single frames in which they see somebody else's limbs,
+  // and stage I does not follow these (PoseOptions::keypoint_2d_huber_px). For so many frames on end its pose is kept.
+  int max_doubtful_frames = 3;
+  // After a frame in which the network saw nobody, the person is taken up again where the motion would have led for so
+  // many frames on end. What is not believed then is nobody: networks go on seeing something where a person just was.
+  // In between the silhouette alone is followed, as long as the mesh has this IoU with it.
+  int max_missed_frames = 5;
+  double least_missed_iou = 0.75;
+};
+
+}  // namespace livecap

@@ -163,7 +163,7 @@ void demo_raise(double t, double w, Posture& p) {
   p.side += w * kDegree * 8 * (up[1] - up[0]);
 }
 
-// A little more than a full turn in A-pose, as on a turning plate.
+// A little more than a full turn in the actor's rest pose, as on a turning plate.
 void turntable(double t, double w, Posture& p, double duration) {
   constexpr double kStill = 0.5, kStart = 0.7;  // s, with the arms up before and behind; from rest to full speed
   const double length = duration - 2 * kStill - kStart, since = t - kStill;
@@ -175,9 +175,13 @@ void turntable(double t, double w, Posture& p, double duration) {
   const double steady = std::clamp(since - kStart, 0.0, length - kStart);
   const double turned = kStart * ramp(since / kStart) + steady + kStart * (0.5 - ramp(1 - (since - length) / kStart));
   p.yaw += 2 * M_PI * 1.05 * turned / length;
+  const Posture from = p;
   for (int side = 0; side < 2; ++side) {
-    p.arms[side].abduction += w * kDegree * 40;
-    p.legs[side].abduction += w * kDegree * 4;
+    ArmAngles& arm = p.arms[side];
+    arm.abduction = (1 - w) * from.arms[side].abduction + w * kDegree * (90 - kArmRestDeg);
+    for (double* angle : {&arm.flexion, &arm.twist, &arm.elbow}) *angle *= 1 - w;
+    LegAngles& leg = p.legs[side];
+    for (double* angle : {&leg.flexion, &leg.abduction, &leg.turn, &leg.knee, &leg.ankle}) *angle *= 1 - w;
   }
 }
 

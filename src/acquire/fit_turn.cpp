@@ -21,6 +21,7 @@ constexpr double kKeypointRad = 0.012;  // how far keypoints are beside a rigid 
 constexpr double kClosedRad = 0.35;     // the last view is followed by the first
 constexpr double kMovedShare = 0.12;    // of the body's height: a limb that far off has moved
 constexpr double kMovedViews = 0.15;    // of the views
+constexpr double kFacesAway = -0.3;     // cosine of the angle between network and turn: sides are exchanged
 constexpr int kFewTracks = 200;
 constexpr std::array<std::pair<int, int>, 8> kSides = {{{kLeftHip, kRightHip},
                                                         {kLeftShoulder, kRightShoulder},
@@ -111,18 +112,24 @@ void exchange_sides(Detections& detections) {
   std::swap(detections.keypoints[kLeftEye], detections.keypoints[kRightEye]);
 }
 
+Turn fit_keypoint_turn(const Camera& camera, std::vector<Detections>& detections,
+                       const std::vector<double>& angle_rad) {
+  for (size_t i = 0; i < detections.size(); ++i)
+    if (detections[i].person && std::cos(facing_rad(detections[i]) - angle_rad[i]) < kFacesAway)
+      exchange_sides(detections[i]);
+  Turn turn = first_guess(camera, detections, angle_rad);
+  const std::vector<TurnObservation> keypoints = keypoint_observations(camera, detections);
+  solve_turn(camera, keypoints, {}, turn);
+  require_still(camera, keypoints, turn);
+  return turn;
+}
+
 TurnFit fit_turn(std::vector<View>& views, std::vector<Detections>& detections, const std::vector<double>& angle_rad,
                  std::vector<std::string>& notes) {
   const Camera& camera = views.front().camera;
-  for (size_t i = 0; i < views.size(); ++i)
-    if (detections[i].person && std::cos(facing_rad(detections[i]) - angle_rad[i]) < -0.3)
-      exchange_sides(detections[i]);
   TurnFit fit;
-  fit.turn = first_guess(camera, detections, angle_rad);
+  fit.turn = fit_keypoint_turn(camera, detections, angle_rad);
   const std::vector<TurnObservation> keypoints = keypoint_observations(camera, detections);
-  solve_turn(camera, keypoints, {}, fit.turn);
-  require_still(camera, keypoints, fit.turn);
-
   const double gap = 2 * M_PI - std::abs(fit.turn.angle_rad.back() - fit.turn.angle_rad.front());
   std::vector<TurnObservation> observations = track_turn(views, std::abs(gap) < kClosedRad, kKeypointCount);
   int n_points = kKeypointCount;

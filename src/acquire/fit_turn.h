@@ -19,6 +19,10 @@ struct TurnFit {
   double sway_mm = 0;      // rms of how far the body was beside the axis
 };
 
+// From keypoints alone; exchanges left and right where the network took the back for the front. Throws ConfigError when
+// the person does not hold still.
+Turn fit_keypoint_turn(const Camera& camera, std::vector<Detections>& detections, const std::vector<double>& angle_rad);
+
 // views: one turn in its order, one camera, with masks; detections of each, whose left and right are exchanged where
 // the network took the back for the front; angle_rad: roughly how far the person had turned. Sets camera_from_world: Y
 // up the axis, in roughly mm (one camera does not tell the scale). Throws ConfigError when the person does not hold

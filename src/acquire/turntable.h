@@ -27,9 +27,8 @@ inline constexpr double kAssumedFovDeg = 60;  // of a phone that films upright
 
 // One full turn, in its order.
 struct TurntableViews {
-  std::vector<View> views;  // where the cameras were is not known yet
-  std::vector<double>
-      angle_rad;  // how far the person has turned to their left since facing the camera; some 25 degrees off
+  std::vector<View> views;        // where the cameras were is not known yet
+  std::vector<double> angle_rad;  // how far the person has turned to their left since facing the camera
 };
 
 // What one look at a frame says, for choose_turn.

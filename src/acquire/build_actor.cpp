@@ -333,9 +333,6 @@ class Builder {
 }  // namespace
 
 void BuildOptions::validate() const {
-  if (!has_pictures() && mesh.empty())
-    throw ConfigError(
-        "--images, --video or --mesh is needed: pictures of the person, a video of them turning, or a scan");
   if (!turntable.video.empty()) {
     turntable.validate();
     for (const auto& [option, given] : {std::pair{"--images", !views.images.empty()},
@@ -348,6 +345,9 @@ void BuildOptions::validate() const {
   } else if (!turntable.camera.empty() || turntable.fov_deg > 0) {
     throw ConfigError("--camera and --fov belong to --video; the cameras of pictures are given by --cameras");
   }
+  if (!has_pictures() && mesh.empty())
+    throw ConfigError(
+        "--images, --video or --mesh is needed: pictures of the person, a video of them turning, or a scan");
   unit_in_mm(unit);
   if (target_vertices < 500 || target_vertices > 40000)
     throw ConfigError(format("--vertices %d; must be within 500..40000", target_vertices));

@@ -22,6 +22,8 @@ constexpr double kClosedRad = 0.35;     // the last view is followed by the firs
 constexpr double kMovedShare = 0.12;    // of the body's height: a limb that far off has moved
 constexpr double kMovedViews = 0.15;    // of the views
 constexpr double kFacesAway = -0.3;     // cosine of the angle between network and turn: sides are exchanged
+constexpr int kNeighbors = 4;
+constexpr double kSideOn = 0.3;  // cosine of the angle
 constexpr int kFewTracks = 200;
 constexpr std::array<std::pair<int, int>, 8> kSides = {{{kLeftHip, kRightHip},
                                                         {kLeftShoulder, kRightShoulder},
@@ -105,6 +107,40 @@ void require_still(const Camera& camera, const std::vector<TurnObservation>& key
                       " moved against the body; keep arms and legs as they are and turn as a whole, in small steps");
 }
 
+// Robust error of a view's keypoints with the person turned that far.
+double view_error(const Camera& camera, const Turn& turn, double angle_rad, const Detections& detections) {
+  Turn one;
+  one.axis = turn.axis, one.center_mm = turn.center_mm, one.points_mm = turn.points_mm;
+  one.deviation.resize(1);
+  one.angle_rad = {angle_rad};
+  double error = 0;
+  for (const TurnObservation& seen : keypoint_observations(camera, {detections}))
+    error += std::log1p(std::pow(one.error_px(camera, seen) / seen.sigma_px, 2));
+  return error;
+}
+
+// Views that clearly fit better with left and right exchanged, where their neighbours in the turn have the person;
+// returns how many. From the side both look alike.
+int exchange_worse_sides(const Camera& camera, const Turn& turn, const std::vector<double>& angle_rad,
+                         std::vector<Detections>& detections) {
+  int n_exchanged = 0;
+  const int n = static_cast<int>(detections.size());
+  for (int i = 0; i < n; ++i) {
+    if (!detections[i].person) continue;
+    std::vector<double> correction;
+    for (int j = std::max(0, i - kNeighbors); j <= std::min(n - 1, i + kNeighbors); ++j)
+      correction.push_back(turn.angle_rad[j] - angle_rad[j]);
+    const double expected = angle_rad[i] + median(correction);
+    if (std::abs(std::cos(expected)) < kSideOn) continue;
+    Detections exchanged = detections[i];
+    exchange_sides(exchanged);
+    if (2 * view_error(camera, turn, expected, exchanged) > view_error(camera, turn, expected, detections[i])) continue;
+    detections[i] = exchanged;
+    ++n_exchanged;
+  }
+  return n_exchanged;
+}
+
 }  // namespace
 
 void exchange_sides(Detections& detections) {
@@ -117,9 +153,14 @@ Turn fit_keypoint_turn(const Camera& camera, std::vector<Detections>& detections
   for (size_t i = 0; i < detections.size(); ++i)
     if (detections[i].person && std::cos(facing_rad(detections[i]) - angle_rad[i]) < kFacesAway)
       exchange_sides(detections[i]);
-  Turn turn = first_guess(camera, detections, angle_rad);
-  const std::vector<TurnObservation> keypoints = keypoint_observations(camera, detections);
-  solve_turn(camera, keypoints, {}, turn);
+  Turn turn;
+  std::vector<TurnObservation> keypoints;
+  for (int round = 0; round < 3; ++round) {
+    turn = first_guess(camera, detections, angle_rad);
+    keypoints = keypoint_observations(camera, detections);
+    solve_turn(camera, keypoints, {}, turn);
+    if (exchange_worse_sides(camera, turn, angle_rad, detections) == 0) break;
+  }
   require_still(camera, keypoints, turn);
   return turn;
 }

@@ -43,8 +43,9 @@ Vector3d vector_of(const Eigen::Quaterniond& q) {
 // Cauchy: cost log(1 + s) / 2 of s = |r|^2, weight 1 / (1 + s).
 class Bundle {
  public:
-  Bundle(const Camera& camera, const std::vector<TurnObservation>& observations, const TurnBundleOptions& options)
-      : camera_(camera), observations_(observations), options_(options) {}
+  Bundle(const Camera& camera, const std::vector<TurnObservation>& observations, const TurnBundleOptions& options,
+         const Turn& start)
+      : camera_(camera), observations_(observations), options_(options), start_rad_(start.angle_rad) {}
 
   double cost(const Turn& turn) const {
     const auto poses = poses_of(turn);
@@ -54,7 +55,8 @@ class Bundle {
       if (!(p.z() > kNearestMm)) return std::numeric_limits<double>::infinity();
       sum += std::log1p(residual(p, seen).squaredNorm()) / 2;
     }
-    for (const double angle : turn.angle_rad) sum += std::pow(angle / kAngleSigma, 2) / 2;
+    for (size_t i = 0; i < start_rad_.size(); ++i)
+      sum += std::pow((turn.angle_rad[i] - start_rad_[i]) / kAngleSigma, 2) / 2;
     if (options_.deviate) sum += mean_deviation(turn).squaredNorm() / (2 * kMeanSigma * kMeanSigma);
     if (options_.deviate)
       for (const TurnDeviation& d : turn.deviation)
@@ -162,7 +164,7 @@ class Bundle {
     const int n = static_cast<int>(turn.angle_rad.size());
     for (int i = 0; i < n; ++i) {
       a(kShared + i, kShared + i) += 1 / (kAngleSigma * kAngleSigma);
-      b[kShared + i] += turn.angle_rad[i] / (kAngleSigma * kAngleSigma);
+      b[kShared + i] += (turn.angle_rad[i] - start_rad_[i]) / (kAngleSigma * kAngleSigma);
       if (!options_.deviate) continue;
       Vector6 value, stiffness;
       value << vector_of(turn.deviation[i].rotation), turn.deviation[i].shift_mm;
@@ -196,6 +198,7 @@ class Bundle {
   const Camera& camera_;
   const std::vector<TurnObservation>& observations_;
   const TurnBundleOptions& options_;
+  std::vector<double> start_rad_;
 };
 
 }  // namespace
@@ -217,7 +220,7 @@ double Turn::error_px(const Camera& camera, const TurnObservation& seen) const {
 
 double solve_turn(const Camera& camera, const std::vector<TurnObservation>& observations,
                   const TurnBundleOptions& options, Turn& turn) {
-  const Bundle bundle(camera, observations, options);
+  const Bundle bundle(camera, observations, options, turn);
   double cost = bundle.cost(turn), damping = 1e-3;
   for (int i = 0; i < options.max_iterations && damping < 1e8; ++i) {
     Turn next = bundle.step(turn, damping);

@@ -21,8 +21,9 @@ constexpr double kStillTurn = 60 * kDegree;    // less is no turn at all
 constexpr double kNearlyFull = 350 * kDegree;  // the gap that may be left
 constexpr double kBackwards = 40 * kDegree;    // more than the network's unsteadiness
 constexpr double kMostNotWhole = 0.2;          // of the turn's frames
-constexpr double kLeastSides = 0.7;            // of the views asked for
-constexpr double kBlurred = 0.4;               // of the usual sharpness
+constexpr double kWidestGap = 20 * kDegree;    // in which a part of the person is outside
+constexpr int kLeastFrames = 16;
+constexpr double kBlurred = 0.4;  // of the usual sharpness
 
 Camera open_camera(const TurntableOptions& options, const VideoInfo& video, std::vector<std::string>& notes) {
   if (options.camera.empty()) {
@@ -50,13 +51,20 @@ double wrapped(double angle) {
   return std::remainder(angle, kFullTurn);
 }
 
-// Without jumps of a full turn, a median over five; by sample with a person.
+// Without jumps of a full turn, a median over five; by sample that shows all of them.
 std::vector<double> unwrapped(const std::vector<TurnSample>& samples, const std::vector<int>& seen) {
   std::vector<double> raw;
-  for (int i : seen)
-    raw.push_back(raw.empty() ? samples[i].facing_rad : raw.back() + wrapped(samples[i].facing_rad - raw.back()));
+  const int n = static_cast<int>(seen.size());
+  for (int i = 0; i < n; ++i) {
+    const double last = raw.empty() ? samples[seen[0]].facing_rad : raw.back();
+    const auto jump = [&](int k) { return wrapped(samples[seen[k]].facing_rad - last); };
+    // A jump that is taken back within some frames is the network's.
+    bool wrong = false;
+    for (int k = i + 1; std::abs(jump(i)) > M_PI / 2 && k < std::min(n, i + 6) && !wrong; ++k)
+      wrong = std::abs(jump(k)) < M_PI / 2;
+    raw.push_back(wrong ? last : last + jump(i));
+  }
   std::vector<double> smooth = raw;
-  const int n = static_cast<int>(raw.size());
   for (int i = 0; i < n; ++i) {
     const int reach = std::min({2, i, n - 1 - i});
     std::vector<double> around(raw.begin() + i - reach, raw.begin() + i + reach + 1);
@@ -117,11 +125,14 @@ double facing_rad(const Detections& detections) {
 std::vector<int> choose_turn(const std::vector<TurnSample>& samples, int n_views, const std::string& what,
                              std::vector<double>& angle_rad) {
   std::vector<int> seen;
-  int n_whole = 0;
-  for (size_t i = 0; i < samples.size(); ++i)
-    if (samples[i].person) seen.push_back(static_cast<int>(i)), n_whole += samples[i].whole;
+  bool anybody = false;
+  for (size_t i = 0; i < samples.size(); ++i) {
+    anybody |= samples[i].person;
+    if (samples[i].whole) seen.push_back(static_cast<int>(i));
+  }
   const int n = static_cast<int>(seen.size());
-  if (n == 0) throw ConfigError(what + ": the network sees nobody in its frames");
+  if (!anybody) throw ConfigError(what + ": the network sees nobody in its frames");
+  if (n == 0) throw ConfigError(what + ": no frame shows all of the person, from head to feet and with both arms");
   std::vector<double> turned = unwrapped(samples, seen);
   const auto [low, high] = std::minmax_element(turned.begin(), turned.end());
   if (*high - *low < kStillTurn)
@@ -142,7 +153,7 @@ std::vector<int> choose_turn(const std::vector<TurnSample>& samples, int n_views
       if (angle > most || shorter) most = angle, begin = i, end = j;
       if (angle >= kFullTurn) break;
     }
-  const int n_missing = static_cast<int>(samples.size()) - n_whole;
+  const int n_missing = static_cast<int>(samples.size()) - n;
   if (most < kNearlyFull) {
     if (n_missing > kMostNotWhole * static_cast<double>(samples.size()))
       throw ConfigError(what + format(": the person leaves the picture: %d of %zu frames do not show all of them, from "
@@ -150,15 +161,14 @@ std::vector<int> choose_turn(const std::vector<TurnSample>& samples, int n_views
                                       n_missing, samples.size()));
     throw ConfigError(what + format(": the person turns by only %.0f degrees; a full turn is needed", most / kDegree));
   }
-  double highest = turned[begin], back = 0;
-  int n_cut = 0;
+  double highest = turned[begin], back = 0, gap = 0;
   for (int i = begin; i <= end; ++i) {
     highest = std::max(highest, turned[i]);
     back = std::max(back, highest - turned[i]);
+    if (i > begin && seen[i] > seen[i - 1] + 1) gap = std::max(gap, turned[i] - turned[i - 1]);
   }
-  for (int i = seen[begin]; i <= seen[end]; ++i) n_cut += !samples[i].whole;
-  const int n_frames = seen[end] - seen[begin] + 1;
-  if (n_cut > kMostNotWhole * n_frames)
+  const int n_frames = seen[end] - seen[begin] + 1, n_cut = n_frames - (end - begin + 1);
+  if (n_cut > kMostNotWhole * n_frames || gap > kWidestGap)
     throw ConfigError(what + format(": the person leaves the picture: %d of the turn's %d frames do not show all of "
                                     "them, from head to feet and with both arms",
                                     n_cut, n_frames));
@@ -169,7 +179,6 @@ std::vector<int> choose_turn(const std::vector<TurnSample>& samples, int n_views
   std::vector<int> best(n_views, -1);
   for (int i = begin; i <= end; ++i) {
     const TurnSample& sample = samples[seen[i]];
-    if (!sample.whole) continue;
     const double side = (turned[i] - turned[begin]) / most * n_views;
     const int bin = static_cast<int>(side);
     if (bin < 0 || bin >= n_views || std::abs(side - bin - 0.5) > 0.4) continue;
@@ -183,7 +192,7 @@ std::vector<int> choose_turn(const std::vector<TurnSample>& samples, int n_views
     chosen.push_back(seen[i]);
     angle_rad.push_back(sign * turned[i]);
   }
-  if (static_cast<int>(chosen.size()) < std::max<int>(kMinViews, static_cast<int>(kLeastSides * std::min(n_views, 24))))
+  if (static_cast<int>(chosen.size()) < std::min(kLeastFrames, n_views - n_views / 4))
     throw ConfigError(
         what + format(": only %zu frames of the turn are usable; turn slower, in ten seconds or more", chosen.size()));
   return chosen;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "acquire/fit_turn.h"
 #include "acquire/hull.h"
@@ -10,6 +11,7 @@
 #include "acquire/mesh_volume.h"
 #include "acquire/person_frame.h"
 #include "acquire/refine.h"
+#include "acquire/run_colmap.h"
 #include "acquire/scan.h"
 #include "acquire/skin_weights.h"
 #include "acquire/surface_views.h"
@@ -43,8 +45,9 @@ class Builder {
   BuildResult run() {
     if (!options_.joints.empty()) given_joints_ = read_joints(options_.joints);
     if (!options_.mesh.empty()) stage("reading the scan", [&] { scan_ = read_scan(options_.mesh, result_.notes); });
+    if (!options_.views.images.empty() && options_.colmap) stage("finding the cameras", [&] { run_colmap(); });
     if (!options_.views.images.empty())
-      stage("reading pictures", [&] { views_ = load_views(options_.views, result_.notes); });
+      stage("reading pictures", [&] { read_pictures(); });
     else if (!options_.turntable.video.empty())
       stage("watching the turn", [&] { watch_turn(); });
     else
@@ -79,6 +82,25 @@ class Builder {
     result_.stage_s.emplace_back(name, timer.elapsed_ms() / 1000);
   }
 
+  void run_colmap() {
+    colmap_ = std::make_unique<ColmapRun>(options_.views.images, result_.notes,
+                                          [&](int done, int total) { return tell(done, total); });
+    assume_height("COLMAP's world has no unit");
+  }
+
+  void read_pictures() {
+    ViewFiles files = options_.views;
+    if (colmap_) files.cameras = colmap_->model();
+    views_ = load_views(files, result_.notes);
+  }
+
+  // Without --height.
+  void assume_height(const std::string& why) {
+    if (given_height_mm_ > 0) return;
+    given_height_mm_ = kAssumedHeightMm;
+    note(why + format(": %.2f m is assumed (--height)", given_height_mm_ / 1000));
+  }
+
   void watch_turn() {
     TurntableViews turn =
         read_turntable(network_device_, options_.model, options_.turntable, result_.notes, [&](int done, int total) {
@@ -86,10 +108,7 @@ class Builder {
         });
     views_ = std::move(turn.views);
     turned_rad_ = std::move(turn.angle_rad);
-    if (given_height_mm_ > 0) return;
-    given_height_mm_ = kAssumedHeightMm;
-    note(
-        format("one camera does not tell how tall somebody is: %.2f m is assumed (--height)", given_height_mm_ / 1000));
+    assume_height("one camera does not tell how tall somebody is");
   }
 
   void find_person() {
@@ -117,7 +136,8 @@ class Builder {
                  fit.track_px, fit.sway_mm);
     }
     const SpaceKeypoints world = triangulate_keypoints(views_, detections);
-    frame_ = find_person_frame(world, unit_in_mm(options_.unit), given_height_mm_, result_.notes);
+    frame_ = find_person_frame(world, unit_in_mm(options_.unit), given_height_mm_, result_.notes,
+                               colmap_ ? vertical_of(views_) : Vector3d(Vector3d::Zero()));
     move_views(frame_, views_);
     keypoints_ = move_keypoints(frame_, world);
     double sum = 0;
@@ -314,6 +334,7 @@ class Builder {
   const BuildOptions& options_;
   const BuildProgress& progress_;
   std::string stage_;
+  std::unique_ptr<ColmapRun> colmap_;
   std::vector<View> views_;  // in the rest frame once the person is found
   int n_network_masks_ = 0;
   std::vector<double> turned_rad_;  // of a turntable video's views, as the network sees it
@@ -344,6 +365,12 @@ void BuildOptions::validate() const {
       if (given) throw ConfigError(std::string(option) + " does not go with --video, which finds its cameras itself");
   } else if (!turntable.camera.empty() || turntable.fov_deg > 0) {
     throw ConfigError("--camera and --fov belong to --video; the cameras of pictures are given by --cameras");
+  }
+  if (colmap) {
+    if (views.images.empty()) throw ConfigError("--colmap needs --images, the pictures whose cameras it finds");
+    for (const auto& [option, given] :
+         {std::pair{"--cameras", !views.cameras.empty()}, {"--mesh", !mesh.empty()}, {"--joints", !joints.empty()}})
+      if (given) throw ConfigError(std::string(option) + " does not go with --colmap, which makes a world of its own");
   }
   if (!has_pictures() && mesh.empty())
     throw ConfigError(

@@ -18,6 +18,7 @@ namespace livecap::acquire {
 
 struct BuildOptions {
   ViewFiles views;               // pictures; views.images empty: none
+  bool colmap = false;           // COLMAP finds the cameras of the pictures
   TurntableOptions turntable;    // instead of pictures; turntable.video empty: none
   std::filesystem::path mesh;    // a scan; empty: a hull is carved
   std::filesystem::path joints;  // joints.json; empty: all from the network

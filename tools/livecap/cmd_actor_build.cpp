@@ -119,7 +119,10 @@ void add_actor_build_command(CLI::App& actor, Action& action) {
   command->fallthrough();
   command->add_option("--images", build_options.views.images, "folder of pictures from all around");
   command->add_option("--cameras", build_options.views.cameras,
-                      "where they were taken: COLMAP text model (folder) or OpenCV YAML; looked for around --images");
+                      "where they were taken: COLMAP text model (folder), OpenCV YAML or Skeletool calibration; looked "
+                      "for around --images");
+  command->add_flag("--colmap", build_options.colmap,
+                    "find the cameras of --images with COLMAP, which must be installed");
   command->add_option("--video", build_options.turntable.video,
                       "instead: the person turns in place once before a static camera, arms and legs held still");
   command->add_option("--camera", build_options.turntable.camera, "camera.json of --video");

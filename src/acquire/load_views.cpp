@@ -146,7 +146,7 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
   int n_missing = 0, n_no_mask = 0;
   int n_turned = 0;
   const bool as_stored = std::filesystem::is_directory(where);  // COLMAP's cameras
-  const std::vector<ViewPose> poses = read_view_poses(where);
+  const std::vector<ViewPose> poses = read_view_poses(where, files.images);
   std::map<std::string, int> n_of_stem;
   for (const ViewPose& pose : poses) ++n_of_stem[path(pose.picture).stem().string()];
   for (const ViewPose& given : poses) {

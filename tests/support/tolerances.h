@@ -141,6 +141,8 @@ inline constexpr double kVotedLabels = 0.95;
 inline constexpr double kGuessedLabels = 0.85;
 // The network's masks are blurred by some pixels of 256 over the person's crop; median.
 inline constexpr double kNetworkMaskMm = 12;
+// The vertical from cameras held level within 1.5 degrees, to and fro.
+inline constexpr double kVerticalRad = 0.005;
 // Where a person faces, from float positions.
 inline constexpr double kFacingRad = 1e-6;
 // A turn from exact keypoints, rad and mm: what is left when a step gains less than a ten-thousandth. With keypoints 1.5 px

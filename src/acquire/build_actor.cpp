@@ -135,7 +135,11 @@ class Builder {
                  std::abs(fit.turn.angle_rad.back() - fit.turn.angle_rad.front()) * 180 / M_PI, fit.n_tracks,
                  fit.track_px, fit.sway_mm);
     }
-    const SpaceKeypoints world = triangulate_keypoints(views_, detections);
+    SpaceKeypoints world = triangulate_keypoints(views_, detections);
+    if (options_.has_pictures() && leave_out_disagreeing(world, detections)) {
+      world = triangulate_keypoints(views_, detections);
+      result_.n_views = static_cast<int>(views_.size());
+    }
     frame_ = find_person_frame(world, unit_in_mm(options_.unit), given_height_mm_, result_.notes,
                                colmap_ ? vertical_of(views_) : Vector3d(Vector3d::Zero()));
     move_views(frame_, views_);
@@ -149,6 +153,29 @@ class Builder {
       note(format(
           "the keypoints of the pictures disagree by %.1f degrees: did the person move, or are the cameras wrong?",
           result_.keypoint_rad * 180 / M_PI));
+  }
+
+  // Views whose cameras contradict the others'. True when there were some.
+  bool leave_out_disagreeing(const SpaceKeypoints& world, std::vector<Detections>& detections) {
+    const std::vector<char> agrees = agreeing_views(views_, detections, world);
+    const int n_wrong = static_cast<int>(std::count(agrees.begin(), agrees.end(), 0));
+    if (n_wrong == 0 || static_cast<int>(views_.size()) - n_wrong < kMinViews) return false;
+    std::vector<View> views;
+    std::vector<Detections> kept;
+    std::string names;
+    for (size_t i = 0; i < agrees.size(); ++i) {
+      if (agrees[i]) {
+        views.push_back(std::move(views_[i]));
+        kept.push_back(std::move(detections[i]));
+      } else {
+        names += (names.empty() ? "" : ", ") + views_[i].name;
+      }
+    }
+    note(format("%d pictures show the person elsewhere than the others do, their cameras are wrong; left out: %s",
+                n_wrong, names.c_str()));
+    views_ = std::move(views);
+    detections = std::move(kept);
+    return true;
   }
 
   void carve() {

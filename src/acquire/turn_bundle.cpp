@@ -22,7 +22,7 @@ constexpr double kNearestMm = 100;
 constexpr double kWeakPoint = 1e-12;  // of a point's normal matrix: seen along one line, it stays in place
 constexpr double kMeanSigma = 1e-4;   // rad, of the deviations' mean
 constexpr double kConverged = 1e-4;   // relative gain of a step
-constexpr double kAngleSigma = 10;    // rad; only the common zero of all angles needs it
+constexpr double kAngleSigma = 10;    // rad, from where it starts; only the common zero of all angles needs it
 
 Matrix3d cross(const Vector3d& v) {
   Matrix3d m;

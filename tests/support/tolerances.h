@@ -145,8 +145,8 @@ inline constexpr double kNetworkMaskMm = 12;
 inline constexpr double kVerticalRad = 0.005;
 // Where a person faces, from float positions.
 inline constexpr double kFacingRad = 1e-6;
-// A turn from exact keypoints, rad and mm: what is left when a step gains less than a ten-thousandth. With keypoints 1.5 px
-// off, rad.
+// A turn from exact keypoints, rad and mm: what is left when a step gains less than a ten-thousandth. With
+// keypoints 1.5 px off, rad.
 inline constexpr double kExactTurnRad = 1e-3;
 inline constexpr double kExactTurnMm = 1;
 inline constexpr double kNoisyTurnRad = 0.06;

@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
+#include "acquire/fit_turn.h"
 #include "acquire/hull.h"
 #include "acquire/keypoints.h"
 #include "acquire/material_labels.h"
 #include "acquire/mesh_volume.h"
 #include "acquire/person_frame.h"
 #include "acquire/refine.h"
+#include "acquire/run_colmap.h"
 #include "acquire/scan.h"
 #include "acquire/skin_weights.h"
 #include "acquire/surface_views.h"
@@ -25,6 +28,7 @@ using Eigen::Vector3d;
 
 constexpr int kScanViews = 32;
 constexpr double kScanGridMm = 7;
+constexpr double kAssumedHeightMm = 1700;
 constexpr double kLowestMm = 800, kTallestMm = 2500;  // of a person
 constexpr size_t kMostTriangles = 1500000;            // thinned one edge at a time
 
@@ -32,13 +36,20 @@ class Builder {
  public:
   Builder(ocl::DeviceContext& network_device, ocl::DeviceContext& device, const BuildOptions& options,
           const BuildProgress& progress)
-      : network_device_(network_device), device_(device), options_(options), progress_(progress) {}
+      : network_device_(network_device),
+        device_(device),
+        options_(options),
+        progress_(progress),
+        given_height_mm_(options.height_mm) {}
 
   BuildResult run() {
     if (!options_.joints.empty()) given_joints_ = read_joints(options_.joints);
     if (!options_.mesh.empty()) stage("reading the scan", [&] { scan_ = read_scan(options_.mesh, result_.notes); });
+    if (!options_.views.images.empty() && options_.colmap) stage("finding the cameras", [&] { run_colmap(); });
     if (!options_.views.images.empty())
-      stage("reading pictures", [&] { views_ = load_views(options_.views, result_.notes); });
+      stage("reading pictures", [&] { read_pictures(); });
+    else if (!options_.turntable.video.empty())
+      stage("watching the turn", [&] { watch_turn(); });
     else
       stage("looking at the scan", [&] { views_ = photograph_scan(scan_, kScanViews); });
     result_.n_views = static_cast<int>(views_.size());
@@ -71,8 +82,37 @@ class Builder {
     result_.stage_s.emplace_back(name, timer.elapsed_ms() / 1000);
   }
 
+  void run_colmap() {
+    colmap_ = std::make_unique<ColmapRun>(options_.views.images, result_.notes,
+                                          [&](int done, int total) { return tell(done, total); });
+    assume_height("COLMAP's world has no unit");
+  }
+
+  void read_pictures() {
+    ViewFiles files = options_.views;
+    if (colmap_) files.cameras = colmap_->model();
+    views_ = load_views(files, result_.notes);
+  }
+
+  // Without --height.
+  void assume_height(const std::string& why) {
+    if (given_height_mm_ > 0) return;
+    given_height_mm_ = kAssumedHeightMm;
+    note(why + format(": %.2f m is assumed (--height)", given_height_mm_ / 1000));
+  }
+
+  void watch_turn() {
+    TurntableViews turn =
+        read_turntable(network_device_, options_.model, options_.turntable, result_.notes, [&](int done, int total) {
+          if (!tell(done, total)) throw Error("interrupted while " + stage_);
+        });
+    views_ = std::move(turn.views);
+    turned_rad_ = std::move(turn.angle_rad);
+    assume_height("one camera does not tell how tall somebody is");
+  }
+
   void find_person() {
-    const auto detections = detect_in_views(network_device_, options_.model, views_, [&](int done, int total) {
+    auto detections = detect_in_views(network_device_, options_.model, views_, [&](int done, int total) {
       if (!tell(done, total)) throw Error("interrupted while " + stage_);
       return true;
     });
@@ -88,8 +128,20 @@ class Builder {
     if (n_network_masks_ > 0 && options_.mesh.empty())
       note(format("%d of %zu masks are the network's: the shape is about 1 %% coarser than with exact masks",
                   n_network_masks_, views_.size()));
-    const SpaceKeypoints world = triangulate_keypoints(views_, detections);
-    frame_ = find_person_frame(world, unit_in_mm(options_.unit), options_.height_mm, result_.notes);
+    if (!turned_rad_.empty()) {
+      const TurnFit fit = fit_turn(views_, detections, turned_rad_, result_.notes);
+      result_.turn =
+          format("turned %.0f degrees: %d points of the clothes followed to %.2f px, beside the axis by %.0f mm",
+                 std::abs(fit.turn.angle_rad.back() - fit.turn.angle_rad.front()) * 180 / M_PI, fit.n_tracks,
+                 fit.track_px, fit.sway_mm);
+    }
+    SpaceKeypoints world = triangulate_keypoints(views_, detections);
+    if (options_.has_pictures() && leave_out_disagreeing(world, detections)) {
+      world = triangulate_keypoints(views_, detections);
+      result_.n_views = static_cast<int>(views_.size());
+    }
+    frame_ = find_person_frame(world, unit_in_mm(options_.unit), given_height_mm_, result_.notes,
+                               colmap_ ? vertical_of(views_) : Vector3d(Vector3d::Zero()));
     move_views(frame_, views_);
     keypoints_ = move_keypoints(frame_, world);
     double sum = 0;
@@ -101,6 +153,29 @@ class Builder {
       note(format(
           "the keypoints of the pictures disagree by %.1f degrees: did the person move, or are the cameras wrong?",
           result_.keypoint_rad * 180 / M_PI));
+  }
+
+  // Views whose cameras contradict the others'. True when there were some.
+  bool leave_out_disagreeing(const SpaceKeypoints& world, std::vector<Detections>& detections) {
+    const std::vector<char> agrees = agreeing_views(views_, detections, world);
+    const int n_wrong = static_cast<int>(std::count(agrees.begin(), agrees.end(), 0));
+    if (n_wrong == 0 || static_cast<int>(views_.size()) - n_wrong < kMinViews) return false;
+    std::vector<View> views;
+    std::vector<Detections> kept;
+    std::string names;
+    for (size_t i = 0; i < agrees.size(); ++i) {
+      if (agrees[i]) {
+        views.push_back(std::move(views_[i]));
+        kept.push_back(std::move(detections[i]));
+      } else {
+        names += (names.empty() ? "" : ", ") + views_[i].name;
+      }
+    }
+    note(format("%d pictures show the person elsewhere than the others do, their cameras are wrong; left out: %s",
+                n_wrong, names.c_str()));
+    views_ = std::move(views);
+    detections = std::move(kept);
+    return true;
   }
 
   void carve() {
@@ -154,7 +229,7 @@ class Builder {
     double bottom = 1e9, top = -1e9;
     for (const Vector3d& p : surface().vertices) bottom = std::min(bottom, p.y()), top = std::max(top, p.y());
     double scale = 1;
-    if (options_.height_mm > 0) scale = options_.height_mm / (top - bottom);
+    if (given_height_mm_ > 0) scale = given_height_mm_ / (top - bottom);
     height_mm_ = scale * (top - bottom);
     if (height_mm_ < kLowestMm || height_mm_ > kTallestMm)
       throw ConfigError(format("the body is %.0f mm tall; --unit or --height", height_mm_));
@@ -195,7 +270,7 @@ class Builder {
   }
 
   void texture() {
-    if (options_.views.images.empty()) {
+    if (!options_.has_pictures()) {
       texture_from_scan();
       return;
     }
@@ -228,7 +303,7 @@ class Builder {
 
   void label() {
     const bool given = std::any_of(views_.begin(), views_.end(), [](const View& view) { return !view.labels.empty(); });
-    if (given && !options_.views.images.empty() && vote()) return;
+    if (given && options_.has_pictures() && vote()) return;
     result_.actor.labels =
         guess_labels({surface(), result_.actor.weights, result_.joints, volume_, vertex_colors(), nose_vertex()});
     note(given ? "the materials are guessed from body parts and colours instead"
@@ -286,8 +361,11 @@ class Builder {
   const BuildOptions& options_;
   const BuildProgress& progress_;
   std::string stage_;
+  std::unique_ptr<ColmapRun> colmap_;
   std::vector<View> views_;  // in the rest frame once the person is found
   int n_network_masks_ = 0;
+  std::vector<double> turned_rad_;  // of a turntable video's views, as the network sees it
+  double given_height_mm_;          // 0: the cameras' world has a unit
   GivenJoints given_joints_;
   SpaceKeypoints keypoints_;
   PersonFrame frame_;
@@ -303,8 +381,27 @@ class Builder {
 }  // namespace
 
 void BuildOptions::validate() const {
-  if (views.images.empty() && mesh.empty())
-    throw ConfigError("--images or --mesh is needed: pictures of the person or a scan");
+  if (!turntable.video.empty()) {
+    turntable.validate();
+    for (const auto& [option, given] : {std::pair{"--images", !views.images.empty()},
+                                        {"--cameras", !views.cameras.empty()},
+                                        {"--masks", !views.masks.empty()},
+                                        {"--labels", !views.labels.empty()},
+                                        {"--mesh", !mesh.empty()},
+                                        {"--joints", !joints.empty()}})
+      if (given) throw ConfigError(std::string(option) + " does not go with --video, which finds its cameras itself");
+  } else if (!turntable.camera.empty() || turntable.fov_deg > 0) {
+    throw ConfigError("--camera and --fov belong to --video; the cameras of pictures are given by --cameras");
+  }
+  if (colmap) {
+    if (views.images.empty()) throw ConfigError("--colmap needs --images, the pictures whose cameras it finds");
+    for (const auto& [option, given] :
+         {std::pair{"--cameras", !views.cameras.empty()}, {"--mesh", !mesh.empty()}, {"--joints", !joints.empty()}})
+      if (given) throw ConfigError(std::string(option) + " does not go with --colmap, which makes a world of its own");
+  }
+  if (!has_pictures() && mesh.empty())
+    throw ConfigError(
+        "--images, --video or --mesh is needed: pictures of the person, a video of them turning, or a scan");
   unit_in_mm(unit);
   if (target_vertices < 500 || target_vertices > 40000)
     throw ConfigError(format("--vertices %d; must be within 500..40000", target_vertices));

@@ -1,5 +1,5 @@
-// `livecap actor build`: from pictures of a person standing still to actor.glb (docs/actor_build.md; paper, "Actor
-// Model Acquisition").
+// `livecap actor build`: from pictures of a person standing still, or a video of them turning, to actor.glb
+// (docs/actor_build.md; paper, "Actor Model Acquisition").
 #pragma once
 
 #include <filesystem>
@@ -9,6 +9,7 @@
 
 #include "acquire/body_rig.h"
 #include "acquire/load_views.h"
+#include "acquire/turntable.h"
 #include "acquire/volume.h"
 #include "meshing/actor_glb.h"
 #include "ocl/context.h"
@@ -17,6 +18,8 @@ namespace livecap::acquire {
 
 struct BuildOptions {
   ViewFiles views;               // pictures; views.images empty: none
+  bool colmap = false;           // COLMAP finds the cameras of the pictures
+  TurntableOptions turntable;    // instead of pictures; turntable.video empty: none
   std::filesystem::path mesh;    // a scan; empty: a hull is carved
   std::filesystem::path joints;  // joints.json; empty: all from the network
   std::string name = "actor";
@@ -28,6 +31,7 @@ struct BuildOptions {
   int texture_size = 1024;  // px
   bool refine = true;       // move the hull to where the pictures agree in colour
 
+  bool has_pictures() const { return !views.images.empty() || !turntable.video.empty(); }
   void validate() const;  // throws ConfigError
 };
 
@@ -38,6 +42,7 @@ struct BuildResult {
   std::vector<char> seen;          // [n_vertices] 0: no picture shows the vertex; empty without pictures
   std::vector<std::string> notes;  // what was assumed, left out or looks wrong, one line each
   std::vector<std::pair<std::string, double>> stage_s;
+  std::string turn;  // of a turntable video: how well it is known, one line
   int n_views = 0;
   int n_detected = 0;       // views in which the network saw a person
   double keypoint_rad = 0;  // rms angle between the views' keypoints and their points in space

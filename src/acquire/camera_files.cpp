@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 #include <sstream>
 
+#include "actor/skeletool.h"
 #include "base/text.h"
 #include "livecap/error.h"
 
@@ -191,19 +192,53 @@ std::vector<ViewPose> read_opencv(const path& file) {
   return views;
 }
 
+// Cameras of an array, one picture each: the picture called as the camera is, or, when none is and there are as many
+// pictures as cameras, the one at its place in the order of names.
+std::vector<ViewPose> read_skeletool(const path& file, const path& pictures) {
+  const std::vector<SkeletoolCamera> cameras = load_skeletool_cameras(file);
+  if (!std::filesystem::is_directory(pictures)) throw IoError(pictures.string() + ": is no folder of pictures");
+  std::map<std::string, std::string> picture_of;  // by stem
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(pictures)) {
+    const path name = entry.path().filename();
+    if (name.extension() != ".png" && name.extension() != ".jpg") continue;
+    names.push_back(name.string());
+    picture_of[name.stem().string()] = name.string();
+  }
+  std::sort(names.begin(), names.end());
+  std::vector<ViewPose> views;
+  for (const SkeletoolCamera& camera : cameras)
+    if (const auto found = picture_of.find(camera.name); found != picture_of.end())
+      views.push_back({found->second, camera.camera, camera.camera_from_world});
+  if (views.empty() && names.size() == cameras.size())
+    for (size_t i = 0; i < cameras.size(); ++i)
+      views.push_back({names[i], cameras[i].camera, cameras[i].camera_from_world});
+  if (views.empty())
+    fail(file, format("its %zu cameras (\"%s\", ...) have no picture of their name in %s, which has %zu pictures",
+                      cameras.size(), cameras.empty() ? "" : cameras[0].name.c_str(), pictures.string().c_str(),
+                      names.size()));
+  return views;
+}
+
+bool is_skeletool(const path& file) {
+  return file.extension() == ".calibration" || read_file(file).rfind("Skeletool Camera Calibration", 0) == 0;
+}
+
 bool is_colmap(const path& folder) {
   return std::filesystem::exists(folder / "cameras.txt") && std::filesystem::exists(folder / "images.txt");
 }
 
 }  // namespace
 
-std::vector<ViewPose> read_view_poses(const path& path) {
+std::vector<ViewPose> read_view_poses(const path& path, const std::filesystem::path& pictures) {
   if (std::filesystem::is_directory(path) && !is_colmap(path))
     throw IoError(path.string() + ": holds no cameras.txt and images.txt" +
                   (std::filesystem::exists(path / "cameras.bin")
                        ? "; convert the binary model: colmap model_converter --output_type TXT"
                        : ""));
-  auto views = std::filesystem::is_directory(path) ? read_colmap(path) : read_opencv(path);
+  auto views = std::filesystem::is_directory(path) ? read_colmap(path)
+               : is_skeletool(path)                ? read_skeletool(path, pictures)
+                                                   : read_opencv(path);
   std::stable_sort(views.begin(), views.end(),
                    [](const ViewPose& a, const ViewPose& b) { return a.picture < b.picture; });
   return views;
@@ -213,11 +248,13 @@ path find_view_poses(const path& pictures) {
   const path parent = std::filesystem::absolute(pictures / ".").parent_path().parent_path();
   for (const path& folder : {pictures, parent, parent / "sparse" / "0", parent / "sparse"}) {
     if (is_colmap(folder)) return folder;
-    for (const char* name : {"cameras.yml", "cameras.yaml", "cameras.json", "cameras.xml"})
+    for (const char* name : {"cameras.yml", "cameras.yaml", "cameras.json", "cameras.xml", "cameras.calibration"})
       if (std::filesystem::exists(folder / name)) return folder / name;
   }
   throw ConfigError("--cameras: neither " + pictures.string() +
-                    " nor the folder around it holds cameras.txt and images.txt (COLMAP text model) or cameras.yml");
+                    " nor the folder around it holds cameras.txt and images.txt (COLMAP text model), cameras.yml or "
+                    "cameras.calibration; --colmap "
+                    "finds them when COLMAP is installed");
 }
 
 }  // namespace livecap::acquire

@@ -1,5 +1,5 @@
 // Where the cameras of a set of pictures stood, from the files other tools write: COLMAP's text model (cameras.txt,
-// images.txt) or OpenCV's YAML, XML or JSON (docs/actor_build.md).
+// images.txt), OpenCV's YAML, XML or JSON, or a Skeletool calibration (docs/actor_build.md).
 #pragma once
 
 #include <Eigen/Geometry>
@@ -17,12 +17,13 @@ struct ViewPose {
   Eigen::Isometry3d camera_from_world = Eigen::Isometry3d::Identity();
 };
 
-// path: a folder with cameras.txt and images.txt, or a file read by OpenCV's FileStorage. Sorted by picture. Throws
-// IoError naming file, line or view, and what would be right.
-std::vector<ViewPose> read_view_poses(const std::filesystem::path& path);
+// path: a folder with cameras.txt and images.txt, a Skeletool calibration (whose cameras are given the pictures of the
+// folder `pictures` by name), or a file read by OpenCV's FileStorage. Sorted by picture. Throws IoError naming file,
+// line or view, and what would be right.
+std::vector<ViewPose> read_view_poses(const std::filesystem::path& path, const std::filesystem::path& pictures = {});
 
-// Where they are when nobody says: PICTURES, PICTURES/.., PICTURES/../sparse/0, each with a COLMAP text model or
-// cameras.yml. Throws ConfigError listing what was looked for.
+// Where they are when nobody says: PICTURES, PICTURES/.., PICTURES/../sparse/0, each with a COLMAP text model,
+// cameras.yml or cameras.calibration. Throws ConfigError listing what was looked for.
 std::filesystem::path find_view_poses(const std::filesystem::path& pictures);
 
 }  // namespace livecap::acquire

@@ -39,6 +39,12 @@ double angle_to(const Ray& ray, const Vector3d& point) {
   return std::atan2(to.cross(ray.direction).norm(), to.dot(ray.direction));
 }
 
+Ray ray_of(const View& view, const KeypointDetection& seen) {
+  const Camera& camera = view.camera;
+  const Vector3d direction((seen.x_px - camera.cx) / camera.fx, (seen.y_px - camera.cy) / camera.fy, 1);
+  return {view.center(), (view.camera_from_world.linear().transpose() * direction).normalized(), seen.confidence};
+}
+
 }  // namespace
 
 std::vector<Detections> detect_in_views(ocl::DeviceContext& device, const std::string& model,
@@ -104,15 +110,27 @@ SpaceKeypoints triangulate_keypoints(const std::vector<View>& views, const std::
     std::vector<Ray> rays;
     for (size_t i = 0; i < views.size(); ++i) {
       if (!detections[i].person || detections[i].keypoints[k].confidence < kMinConfidence) continue;
-      const KeypointDetection& seen = detections[i].keypoints[k];
-      const Camera& camera = views[i].camera;
-      const Vector3d direction((seen.x_px - camera.cx) / camera.fx, (seen.y_px - camera.cy) / camera.fy, 1);
-      rays.push_back({views[i].center(), (views[i].camera_from_world.linear().transpose() * direction).normalized(),
-                      seen.confidence});
+      rays.push_back(ray_of(views[i], detections[i].keypoints[k]));
     }
     points[k] = triangulate(rays);
   }
   return points;
+}
+
+std::vector<char> agreeing_views(const std::vector<View>& views, const std::vector<Detections>& detections,
+                                 const SpaceKeypoints& points) {
+  std::vector<char> agrees(views.size(), 1);
+  for (size_t i = 0; i < views.size(); ++i) {
+    int n = 0, n_near = 0;
+    for (int k = 0; k < kKeypointCount; ++k) {
+      const KeypointDetection& seen = detections[i].keypoints[k];
+      if (!detections[i].person || !points[k].found || seen.confidence < kMinConfidence) continue;
+      ++n;
+      n_near += angle_to(ray_of(views[i], seen), points[k].position) < kInlierRad;
+    }
+    agrees[i] = 2 * n_near >= n;
+  }
+  return agrees;
 }
 
 }  // namespace livecap::acquire

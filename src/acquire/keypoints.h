@@ -41,4 +41,8 @@ using SpaceKeypoints = std::array<SpacePoint, kKeypointCount>;
 // In the world of the views. Observations below a confidence of 0.3 do not count.
 SpaceKeypoints triangulate_keypoints(const std::vector<View>& views, const std::vector<Detections>& detections);
 
+// 0 for a view that sees most of its keypoints elsewhere than the points are: its camera is wrong, or its detection.
+std::vector<char> agreeing_views(const std::vector<View>& views, const std::vector<Detections>& detections,
+                                 const SpaceKeypoints& points);
+
 }  // namespace livecap::acquire

@@ -100,7 +100,21 @@ ImageGray read_companion(const path& file, const ImageRgb& image, int turns) {
   return gray;
 }
 
+View view_of(const std::string& name, const ImageRgb& image, const Camera& camera, int max_side_px, cv::Mat& map) {
+  View view;
+  view.name = name;
+  view.camera = reduced(camera, max_side_px);
+  map = sampling_map(camera, view.camera);
+  view.image = sample_rgb(image, map, std::max(1, static_cast<int>(camera.width / view.camera.width)));
+  return view;
+}
+
 }  // namespace
+
+View view_of(const std::string& name, const ImageRgb& image, const Camera& camera, int max_side_px) {
+  cv::Mat map;
+  return view_of(name, image, camera, max_side_px, map);
+}
 
 double sharpness(const ImageRgb& image) {
   if (image.width < 3 || image.height < 3) return 0;
@@ -132,7 +146,7 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
   int n_missing = 0, n_no_mask = 0;
   int n_turned = 0;
   const bool as_stored = std::filesystem::is_directory(where);  // COLMAP's cameras
-  const std::vector<ViewPose> poses = read_view_poses(where);
+  const std::vector<ViewPose> poses = read_view_poses(where, files.images);
   std::map<std::string, int> n_of_stem;
   for (const ViewPose& pose : poses) ++n_of_stem[path(pose.picture).stem().string()];
   for (const ViewPose& given : poses) {
@@ -156,12 +170,9 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
     if (image.width != camera.width || image.height != camera.height)
       throw IoError(file.string() + format(": %d x %d, its camera has %d x %d", image.width, image.height, camera.width,
                                            camera.height));
-    View view;
-    view.name = pose.picture;
+    cv::Mat map;
+    View view = view_of(pose.picture, image, camera, files.max_side_px, map);
     view.camera_from_world = pose.camera_from_world;
-    view.camera = reduced(camera, files.max_side_px);
-    const cv::Mat map = sampling_map(camera, view.camera);
-    view.image = sample_rgb(image, map, std::max(1, static_cast<int>(camera.width / view.camera.width)));
     if (!files.masks.empty()) {
       if (const path mask = companion(files.masks, pose.picture, n_of_stem); !mask.empty())
         view.mask = sample_gray(read_companion(mask, image, turns), map, cv::INTER_LINEAR);

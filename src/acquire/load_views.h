@@ -23,6 +23,9 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
 
 inline constexpr int kMinViews = 8;
 
+// One picture as a view, undistorted, at most max_side_px large; where its camera was stays open.
+View view_of(const std::string& name, const ImageRgb& image, const Camera& camera, int max_side_px);
+
 // What a slight blur takes away from the picture (640 px), over its contrast: a measure of blur that light does not
 // change.
 double sharpness(const ImageRgb& image);

@@ -1,5 +1,6 @@
 #include "acquire/person_frame.h"
 
+#include <Eigen/Eigenvalues>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -36,8 +37,19 @@ double guess_unit_mm(double height_units, std::string& name) {
   return 0;
 }
 
+Vector3d vertical_of(const std::vector<View>& views) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const View& view : views) {
+    const Vector3d right = view.camera_from_world.linear().row(0);
+    sum += right * right.transpose() / static_cast<double>(views.size());
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(sum);
+  return eigen.eigenvalues()[1] > 0.1 && eigen.eigenvalues()[0] < 0.05 ? Vector3d(eigen.eigenvectors().col(0))
+                                                                       : Vector3d::Zero();
+}
+
 PersonFrame find_person_frame(const SpaceKeypoints& world, double unit_mm, double height_mm,
-                              std::vector<std::string>& notes) {
+                              std::vector<std::string>& notes, const Vector3d& vertical) {
   for (int k : {kLeftHip, kRightHip, kLeftShoulder, kRightShoulder, kLeftAnkle, kRightAnkle})
     if (!world[k].found)
       throw ConfigError("the network's " + std::string(kKeypointNames[k]) +
@@ -50,7 +62,8 @@ PersonFrame find_person_frame(const SpaceKeypoints& world, double unit_mm, doubl
   Vector3d up = (shoulders - ankles).normalized();
   int axis;
   up.cwiseAbs().maxCoeff(&axis);
-  if (std::abs(up[axis]) > std::cos(8 * M_PI / 180)) up = (up[axis] > 0 ? 1 : -1) * Vector3d::Unit(axis);
+  const Vector3d level = vertical.isZero() ? Vector3d(Vector3d::Unit(axis)) : vertical;
+  if (std::abs(up.dot(level)) > std::cos(8 * M_PI / 180)) up = (up.dot(level) > 0 ? 1 : -1) * level;
   Vector3d left = (at(kLeftHip) - at(kRightHip)).normalized() + (at(kLeftShoulder) - at(kRightShoulder)).normalized();
   left = (left - left.dot(up) * up).normalized();
   if (!up.allFinite() || !left.allFinite())

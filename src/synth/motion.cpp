@@ -9,7 +9,8 @@
 namespace livecap {
 
 const std::vector<std::string>& motion_names() {
-  static const std::vector<std::string> names = {"walk", "raise", "turn", "squat", "jacks", "dance", "demo"};
+  static const std::vector<std::string> names = {"walk",  "raise", "turn", "squat",
+                                                 "jacks", "dance", "demo", "turntable"};
   return names;
 }
 
@@ -162,6 +163,28 @@ void demo_raise(double t, double w, Posture& p) {
   p.side += w * kDegree * 8 * (up[1] - up[0]);
 }
 
+// A little more than a full turn in the actor's rest pose, as on a turning plate.
+void turntable(double t, double w, Posture& p, double duration) {
+  constexpr double kStill = 0.5, kStart = 0.7;  // s, with the arms up before and behind; from rest to full speed
+  const double length = duration - 2 * kStill - kStart, since = t - kStill;
+  // A speed that rises and falls as a smoothstep: the angle is its integral.
+  const auto ramp = [](double x) {
+    x = std::clamp(x, 0.0, 1.0);
+    return x * x * x - 0.5 * x * x * x * x;
+  };
+  const double steady = std::clamp(since - kStart, 0.0, length - kStart);
+  const double turned = kStart * ramp(since / kStart) + steady + kStart * (0.5 - ramp(1 - (since - length) / kStart));
+  p.yaw += 2 * M_PI * 1.05 * turned / length;
+  const Posture from = p;
+  for (int side = 0; side < 2; ++side) {
+    ArmAngles& arm = p.arms[side];
+    arm.abduction = (1 - w) * from.arms[side].abduction + w * kDegree * (90 - kArmRestDeg);
+    for (double* angle : {&arm.flexion, &arm.twist, &arm.elbow}) *angle *= 1 - w;
+    LegAngles& leg = p.legs[side];
+    for (double* angle : {&leg.flexion, &leg.abduction, &leg.turn, &leg.knee, &leg.ankle}) *angle *= 1 - w;
+  }
+}
+
 struct Segment {
   double seconds;
   Movement movement;
@@ -186,6 +209,9 @@ void append_segments(const std::string& name, std::vector<Segment>& segments) {
     segments.push_back({1.25, demo_raise});
     segments.push_back({1.05, dance});
     segments.push_back({1.7, [](double t, double w, Posture& p) { turn(t, w, p, 1.7); }});
+  } else if (name == "turntable") {
+    constexpr double kTurntable = 10;
+    segments.push_back({kTurntable, [](double t, double w, Posture& p) { turntable(t, w, p, kTurntable); }});
   } else {
     std::string names;
     for (const auto& known : motion_names()) names += (names.empty() ? "" : ", ") + known;

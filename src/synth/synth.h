@@ -24,7 +24,7 @@ std::string make_builtin_actor_glb(const std::string& name, double height_mm = k
                                    int target_vertices = 5000);
 
 // What a sequence can be made of: walk, raise (arm raises), turn (360 degrees), squat, jacks (jumping jacks), dance,
-// and demo (a mix of them).
+// demo (a mix of them), and turntable (in rest pose on a turning plate, a little more than once around).
 const std::vector<std::string>& motion_names();
 
 // What can be made difficult in a sequence (docs/formats.md): none, leave, two-people, moving-shadow,

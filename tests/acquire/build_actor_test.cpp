@@ -17,6 +17,7 @@
 #include "support/data_dir.h"
 #include "support/test_device.h"
 #include "support/tolerances.h"
+#include "synth/synth.h"
 
 namespace livecap {
 namespace {
@@ -182,10 +183,52 @@ TEST_F(BuildActor, FromAScanAlone) {
   EXPECT_LT(c.joints_mean_mm, test::kBuiltJointsMm);
 }
 
+TEST_F(BuildActor, FromAVideoOfATurn) {
+  SynthOptions synth;
+  synth.actor = "trousers";
+  synth.motions = {"turntable"};
+  synth.width = 480, synth.height = 640, synth.fps = 15;
+  synth.distance_mm = 2900, synth.fov_deg = 46, synth.empty_frames = 3;
+  write_sequence(synth, folder_);
+  BuildOptions build_options;
+  build_options.turntable.video = (folder_ / "video.mp4").string();
+  build_options.turntable.camera = (folder_ / "camera.json").string();
+  build_options.height_mm = 1700;
+  const BuildResult result = build(build_options);
+  const ActorComparison c = compare_actors(loaded(result), test::builtin_actor("trousers"));
+  print("turntable", c);
+  std::printf("%s\n", result.turn.c_str());
+  EXPECT_GT(result.n_views, 50);
+  EXPECT_LT(c.built_to_truth_mm.mean, test::kTurntableSurfaceMm);
+  EXPECT_LT(c.joints_mean_mm, test::kTurntableJointsMm);
+  EXPECT_GT(c.labels, test::kGuessedLabels);
+
+  // What does not go together, and a camera for another size.
+  build_options.views.images = folder_;
+  EXPECT_NE(failure(build_options).find("--images does not go with --video"), std::string::npos);
+  build_options.views.images.clear();
+  build_options.turntable.fov_deg = 40;
+  EXPECT_NE(failure(build_options).find("either --camera or --fov"), std::string::npos);
+  build_options.turntable.fov_deg = 0;
+  build_options.turntable.n_views = 3;
+  EXPECT_NE(failure(build_options).find("--views 3"), std::string::npos);
+  build_options.turntable.n_views = 70;
+  write_file_atomically(folder_ / "wide.json",
+                        R"({"width":640,"height":480,"fx":500,"fy":500,"cx":320,"cy":240,"distortion":[0,0,0,0,0]})");
+  build_options.turntable.camera = (folder_ / "wide.json").string();
+  EXPECT_NE(failure(build_options).find("640x480"), std::string::npos) << failure(build_options);
+  build_options.turntable.video = "webcam:0";
+  EXPECT_NE(failure(build_options).find("record it first"), std::string::npos);
+  build_options.turntable.video = (folder_ / "none.mp4").string();
+  EXPECT_NE(failure(build_options).find("none.mp4"), std::string::npos);
+  build_options.turntable.video.clear();
+  EXPECT_NE(failure(build_options).find("belong to --video"), std::string::npos) << failure(build_options);
+}
+
 TEST_F(BuildActor, BadPicturesAreRefusedOrTold) {
   photograph(test::builtin_actor("trousers"), 12, 1000, 320);
   BuildOptions build_options = options();
-  EXPECT_NE(failure({}).find("--images or --mesh"), std::string::npos);
+  EXPECT_NE(failure({}).find("--images, --video or --mesh"), std::string::npos);
   build_options.unit = "feet";
   EXPECT_NE(failure(build_options).find("--unit feet"), std::string::npos);
   build_options.unit = "cm";  // they are metres

@@ -111,5 +111,43 @@ TEST_F(CameraFiles, OpenCvYamlGivesTheSame) {
   EXPECT_NE(failure(folder_ / "cameras.yml").find("cameras.yml"), std::string::npos);
 }
 
+TEST_F(CameraFiles, SkeletoolCamerasTakeThePicturesOfTheirNames) {
+  const std::string camera =
+      "  sensor 10 10\n  size 640 480\n  animated 0\n  intrinsic 500 0 321 0 0 510 241 0 0 0 1 0 0 0 0 1\n"
+      "  extrinsic 0 -1 0 100 1 0 0 -200 0 0 1 3000 0 0 0 1\n  radial 0\n";
+  std::string text = "Skeletool Camera Calibration File V1.0\n";
+  for (const char* name : {"right", "left", "spare"}) text += "name " + std::string(name) + "\n" + camera;
+  write("rig.calibration", text);
+  const auto read = [&] { return read_view_poses(folder_ / "rig.calibration", folder_ / "images"); };
+  EXPECT_THROW(read(), IoError);
+  std::filesystem::create_directories(folder_ / "images");
+  for (const char* name : {"images/left.png", "images/right.jpg", "images/notes.txt"}) write(name, "x");
+  const auto views = read();
+  ASSERT_EQ(views.size(), 2u);
+  EXPECT_EQ(views[0].picture, "left.png");
+  EXPECT_EQ(views[1].picture, "right.jpg");
+  EXPECT_DOUBLE_EQ(views[0].camera.cx, 321);
+  // World x goes to camera y, and 3 m away.
+  const Eigen::Vector3d p = views[1].camera_from_world * Eigen::Vector3d(1000, 0, 0);
+  EXPECT_NEAR((p - Eigen::Vector3d(100, 800, 3000)).norm(), 0, test::kPoseDigits);
+
+  // No picture of their name: in order when there are as many, else refused.
+  std::filesystem::remove(folder_ / "images" / "left.png");
+  std::filesystem::remove(folder_ / "images" / "right.jpg");
+  for (const char* name : {"images/b.png", "images/a.png"}) write(name, "x");
+  try {
+    read();
+    FAIL() << "two pictures for three cameras";
+  } catch (const IoError& error) {
+    EXPECT_NE(std::string(error.what()).find("its 3 cameras (\"right\""), std::string::npos) << error.what();
+  }
+  write("images/c.png", "x");
+  EXPECT_EQ(read()[0].picture, "a.png");
+  EXPECT_EQ(read().size(), 3u);
+  // Faults keep file and line.
+  write("rig.calibration", "Skeletool Camera Calibration File V1.0\nname a\n  size 640\n");
+  EXPECT_THROW(read(), IoError);
+}
+
 }  // namespace
 }  // namespace livecap

@@ -98,6 +98,60 @@ TEST(Keypoints, PersonFrameUndoesTurnScaleAndShift) {
   EXPECT_THROW(acquire::unit_in_mm("feet"), ConfigError);
 }
 
+TEST(Keypoints, AViewWithAWrongCameraIsFound) {
+  const auto world = standing(1, Eigen::Matrix3d::Identity(), {0, 0, 0});
+  std::vector<acquire::View> views(10);
+  std::vector<Detections> detections(views.size());
+  for (size_t i = 0; i < views.size(); ++i) {
+    const double angle = 2 * M_PI * static_cast<double>(i) / static_cast<double>(views.size());
+    acquire::View& view = views[i];
+    view.camera = camera_from_fov(480, 640, 46);
+    view.camera_from_world.linear() =
+        Eigen::Vector3d(1, -1, -1).asDiagonal() * Eigen::AngleAxisd(angle, Vector3d::UnitY()).toRotationMatrix();
+    view.camera_from_world.translation() = Vector3d(0, 900, 3000);
+    detections[i].person = true;
+    for (int k = 0; k < kKeypointCount; ++k) {
+      Eigen::Vector2d pixel;
+      if (!world[k].found || !view.project(world[k].position, pixel)) continue;
+      detections[i].keypoints[k].x_px = static_cast<float>(pixel.x());
+      detections[i].keypoints[k].y_px = static_cast<float>(pixel.y());
+      detections[i].keypoints[k].confidence = 0.9f;
+    }
+  }
+  const std::vector<char> all(views.size(), 1);
+  EXPECT_EQ(acquire::agreeing_views(views, detections, acquire::triangulate_keypoints(views, detections)), all);
+  views[3].camera_from_world = views[3].camera_from_world * Eigen::AngleAxisd(0.2, Vector3d::UnitX());
+  views[7].camera_from_world.translation().x() += 300;
+  std::vector<char> expected = all;
+  expected[3] = expected[7] = 0;
+  EXPECT_EQ(acquire::agreeing_views(views, detections, acquire::triangulate_keypoints(views, detections)), expected);
+}
+
+TEST(Keypoints, LevelCamerasTellTheVertical) {
+  // A world whose axes mean nothing, the person leaning by 4 degrees, the cameras level but for 1.5 degrees to and fro.
+  const Eigen::Matrix3d world_from_room =
+      (Eigen::AngleAxisd(0.05, Vector3d::UnitX()) * Eigen::AngleAxisd(0.06, Vector3d::UnitZ())).toRotationMatrix();
+  const Eigen::Matrix3d lean = Eigen::AngleAxisd(4 * M_PI / 180, Vector3d::UnitX()).toRotationMatrix();
+  std::vector<acquire::View> views(24);
+  for (size_t i = 0; i < views.size(); ++i) {
+    const double angle = 2 * M_PI * static_cast<double>(i) / static_cast<double>(views.size());
+    Eigen::Matrix3d camera_from_room;  // looks at the axis, 20 degrees down
+    const Vector3d forward = Vector3d(-std::sin(angle), -0.36, -std::cos(angle)).normalized();
+    const Vector3d right =
+        Eigen::AngleAxisd(0.026 * (i % 2 ? 1 : -1), forward) * forward.cross(Vector3d::UnitY()).normalized();
+    camera_from_room << right.transpose(), forward.cross(right).transpose(), forward.transpose();
+    views[i].camera_from_world.linear() = camera_from_room * world_from_room.transpose();
+  }
+  const Vector3d vertical = acquire::vertical_of(views), up = world_from_room.col(1);
+  EXPECT_GT(std::abs(vertical.dot(up)), std::cos(test::kVerticalRad));
+  std::vector<std::string> notes;
+  const auto frame =
+      acquire::find_person_frame(standing(1, world_from_room * lean, {0, 0, 0}), 0, 1700, notes, vertical);
+  EXPECT_GT(frame.rotation.row(1).dot(up), std::cos(test::kVerticalRad)) << "not an axis of the world";
+  // All from one side: no vertical.
+  EXPECT_TRUE(acquire::vertical_of({views[0], views[0], views[0]}).isZero());
+}
+
 TEST(Keypoints, SymmetryMakesPairsEquallyLong) {
   acquire::BodyJoints joints;
   for (int bone = 0; bone < acquire::kBodyBoneCount; ++bone)

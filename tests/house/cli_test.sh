@@ -200,6 +200,12 @@ expect 2 'cameras.txt' actor build --images seq/truth/masks --out a.glb
 printf '1 PINHOLE 540 960 500\n' >cameras.txt
 printf '1 1 0 0 0 0 0 5 1 a.png\n\n' >images.txt
 expect 2 'cameras.txt line 1 PINHOLE' actor build --images seq/truth/masks --cameras . --out a.glb
+expect 2 'none.mp4' actor build --video none.mp4 --out a.glb
+expect 2 'seq/video.mp4 turn' actor build --video seq/video.mp4 --camera seq/camera.json --model lite --out a.glb
+expect 2 '--colmap --images' actor build --colmap --mesh seq/actor.glb --out a.glb
+expect 2 '--cameras --colmap' actor build --colmap --images seq/truth/masks --cameras . --out a.glb
+expect 2 '--images --video' actor build --video seq/video.mp4 --images seq/truth/masks --out a.glb
+expect 2 '--camera --video' actor build --images seq/truth/masks --camera seq/camera.json --out a.glb
 expect 2 'nobody' actor views builtin:nobody --out v
 expect 2 'none.glb' actor compare none.glb seq/actor.glb
 [[ ! -e a.glb ]] || { echo "FAILED: actor build left a file"; failures=$((failures + 1)); }

@@ -141,6 +141,20 @@ inline constexpr double kVotedLabels = 0.95;
 inline constexpr double kGuessedLabels = 0.85;
 // The network's masks are blurred by some pixels of 256 over the person's crop; median.
 inline constexpr double kNetworkMaskMm = 12;
+// The vertical from cameras held level within 1.5 degrees, to and fro.
+inline constexpr double kVerticalRad = 0.005;
+// Where a person faces, from float positions.
+inline constexpr double kFacingRad = 1e-6;
+// A turn from exact keypoints, rad and mm: what is left when a step gains less than a ten-thousandth. With
+// keypoints 1.5 px off, rad.
+inline constexpr double kExactTurnRad = 1e-3;
+inline constexpr double kExactTurnMm = 1;
+inline constexpr double kNoisyTurnRad = 0.06;
+// A point followed by Lucas-Kanade in a smooth pattern of 8-bit grey.
+inline constexpr double kTrackPx = 0.1;
+// An actor from a turntable video of 480x640: the network's masks and the turn's fit on top of a build from pictures.
+inline constexpr double kTurntableSurfaceMm = 8;
+inline constexpr double kTurntableJointsMm = 20;
 // A broken scan rebuilt on a grid of 7 mm.
 inline constexpr double kScanSurfaceMm = 1.5;
 // Vertex colours under the lamp of the pictures against those of the file.

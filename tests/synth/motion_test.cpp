@@ -87,6 +87,21 @@ TEST(Motion, TurnGoesAllTheWayRoundAndStays) {
   EXPECT_NEAR(postures.back().yaw, 2 * M_PI, 0.1) << "the next motion does not turn back";
 }
 
+TEST(Motion, TurntableTurnsTheStillBodyMoreThanOnce) {
+  const auto postures = make_motion({"turntable"}, 30);
+  EXPECT_NEAR(postures.back().yaw, 2 * M_PI * 1.05, 0.01);
+  for (size_t i = 1; i < postures.size(); ++i) EXPECT_GE(postures[i].yaw, postures[i - 1].yaw);
+  // While it turns nothing else moves but breath and sway.
+  const Posture& first = postures[20];
+  for (const auto& p : postures) {
+    if (p.yaw <= 0 || p.yaw >= postures.back().yaw) continue;
+    for (int side = 0; side < 2; ++side) {
+      EXPECT_DOUBLE_EQ(p.arms[side].abduction, first.arms[side].abduction);
+      EXPECT_DOUBLE_EQ(p.legs[side].flexion, first.legs[side].flexion);
+    }
+  }
+}
+
 TEST(Motion, UnknownNameIsRefused) {
   EXPECT_THROW(make_motion({"moonwalk"}, 30), ConfigError);
 }

@@ -83,8 +83,11 @@ int build(const BuildCommand& options) {
   const std::string facts =
       format("%d vertices from %d views (a person in %d), keypoints agree within %.2f degrees, %.0f s",
              actor.n_vertices(), result.n_views, result.n_detected, result.keypoint_rad * 180 / M_PI, total_s);
+  if (!result.turn.empty()) std::printf("  %s\n", result.turn.c_str());
+  std::vector<std::string> lines = {facts};
+  if (!result.turn.empty()) lines.push_back(result.turn);
   const std::filesystem::path report = std::filesystem::path(options.out).replace_extension(".html");
-  write_file_atomically(report, acquire::actor_report_html(actor, {build.name, {facts}, result.notes}));
+  write_file_atomically(report, acquire::actor_report_html(actor, {build.name, lines, result.notes}));
   std::printf("%s: %s; see %s\n", options.out.c_str(), facts.c_str(), report.c_str());
   return kExitOk;
 }
@@ -111,11 +114,22 @@ void add_actor_views_command(CLI::App& actor, Action& action) {
 void add_actor_build_command(CLI::App& actor, Action& action) {
   auto options = std::make_shared<BuildCommand>();
   acquire::BuildOptions& build_options = options->build;
-  CLI::App* command = actor.add_subcommand("build", "make an actor.glb from pictures of a person standing still");
+  CLI::App* command =
+      actor.add_subcommand("build", "make an actor.glb from pictures of a person standing still or turning");
   command->fallthrough();
   command->add_option("--images", build_options.views.images, "folder of pictures from all around");
   command->add_option("--cameras", build_options.views.cameras,
-                      "where they were taken: COLMAP text model (folder) or OpenCV YAML; looked for around --images");
+                      "where they were taken: COLMAP text model (folder), OpenCV YAML or Skeletool calibration; looked "
+                      "for around --images");
+  command->add_flag("--colmap", build_options.colmap,
+                    "find the cameras of --images with COLMAP, which must be installed");
+  command->add_option("--video", build_options.turntable.video,
+                      "instead: the person turns in place once before a static camera, arms and legs held still");
+  command->add_option("--camera", build_options.turntable.camera, "camera.json of --video");
+  command->add_option("--fov", build_options.turntable.fov_deg,
+                      "of --video without --camera: field of view of the longer side, degrees; else 60 is assumed");
+  command->add_option("--views", build_options.turntable.n_views, "frames of --video that are used")
+      ->capture_default_str();
   command->add_option("--masks", build_options.views.masks, "folder of masks, 255 = person; else the network's");
   command->add_option("--labels", build_options.views.labels, "folder of label images (LIP ids); else guessed");
   command->add_option("--mesh", build_options.mesh, "a scan (.obj, .ply, .glb) instead of carving");

@@ -20,13 +20,17 @@ typedef struct {
   int kernel_h, kernel_w;
   int stride_h, stride_w;
   int dilation_h, dilation_w;
-  int pad_top, pad_left, pad_front;       // front: channels (PAD only)
+  int pad_top, pad_left, pad_front;       // front: channels (PAD, and where an input of a CONCATENATION begins)
   int in_offset, out_offset;              // into the arena
-  int residual_offset;                    // into the arena, shape of the output, added before the clamp; -1 = none
+  int residual_offset;                    // into the arena, shape of the output, added before the clamp; -1 = none.
+                                          // The second input of ADD and MUL
   int weight_offset, bias_offset;         // into the weights; unused without
   int count;                              // work-items of this step
   int panels_innermost;                   // 1: work-items run over panels first (few weights), 0: over pixels first
-  int align_corners, half_pixel_centers;  // RESIZE_BILINEAR
+  int align_corners, half_pixel_centers;  // RESIZE_BILINEAR, RESIZE_NEAREST
+  int mode;                               // RESIZE_NEAREST: rounding 0 down, 1 up, 2 to the nearest, halves down, 3 halves up.
+                                          // AVERAGE_POOL_2D: 1 counts the padding. HARD_SIGMOID: 1 multiplies with x
+  float slope, offset;                    // LEAKY_RELU, HARD_SIGMOID
   float low, high;                        // the activation clamps to these
 } NnOp;
 

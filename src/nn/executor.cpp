@@ -216,6 +216,45 @@ void Executor::add_step(const Op& op, const std::vector<int64_t>& offsets, std::
   } else if (const auto* pool = std::get_if<MaxPool2d>(&op.attributes)) {
     set_window(p, pool->window, pool->kernel_h, pool->kernel_w);
     step.kernel = kernel("nn/elementwise.cl", "max_pool");
+  } else if (const auto* mean = std::get_if<AveragePool2d>(&op.attributes)) {
+    set_window(p, mean->window, mean->kernel_h, mean->kernel_w);
+    p.mode = mean->count_padding;
+    step.kernel = kernel("nn/pool.cl", "average_pool");
+  } else if (std::holds_alternative<Mul>(op.attributes)) {
+    p.residual_offset = static_cast<int>(offsets[op.inputs[1]]);
+    step.kernel = kernel("nn/elementwise.cl", "mul");
+  } else if (std::holds_alternative<Concat>(op.attributes)) {
+    step.kernel = kernel("nn/elementwise.cl", "concat");
+    for (int index : op.inputs) {
+      p.in_offset = static_cast<int>(offsets[index]);
+      p.in_channels = graph_.tensors[index].shape[3];
+      p.count = pixels * p.in_channels;
+      steps_.push_back(step);
+      p.pad_front += p.in_channels;
+    }
+    return;
+  } else if (std::holds_alternative<Clamp>(op.attributes)) {
+    p.slope = 1;
+    step.kernel = kernel("nn/elementwise.cl", "leaky_relu");
+  } else if (const auto* leaky = std::get_if<LeakyRelu>(&op.attributes)) {
+    p.slope = leaky->slope;
+    step.kernel = kernel("nn/elementwise.cl", "leaky_relu");
+  } else if (const auto* sigmoid = std::get_if<HardSigmoid>(&op.attributes)) {
+    p.slope = sigmoid->slope;
+    p.offset = sigmoid->offset;
+    p.mode = sigmoid->swish;
+    step.kernel = kernel("nn/elementwise.cl", "hard_sigmoid");
+  } else if (std::holds_alternative<Softmax>(op.attributes)) {
+    p.count = pixels;
+    step.kernel = kernel("nn/pool.cl", "softmax");
+  } else if (std::holds_alternative<ArgMax>(op.attributes)) {
+    p.count = pixels;
+    step.kernel = kernel("nn/pool.cl", "arg_max");
+  } else if (const auto* nearest = std::get_if<ResizeNearest>(&op.attributes)) {
+    p.align_corners = nearest->align_corners;
+    p.half_pixel_centers = nearest->half_pixel_centers;
+    p.mode = static_cast<int>(nearest->rounding);
+    step.kernel = kernel("nn/resize_nearest.cl", "resize_nearest");
   } else if (const auto* pad = std::get_if<Pad>(&op.attributes)) {
     p.pad_top = pad->height[0];
     p.pad_left = pad->width[0];

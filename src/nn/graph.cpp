@@ -100,7 +100,7 @@ Shape infer(const Graph& graph, const Op& op, const DepthwiseConv2d& conv) {
   return window_shape(graph, op, x.shape, conv.window, weights.shape[1], weights.shape[2], x.shape[3]);
 }
 
-Shape infer(const Graph& graph, const Op& op, const Add&) {
+Shape infer_pair(const Graph& graph, const Op& op) {
   const Tensor& a = input(graph, op, 0);
   const Tensor& b = input(graph, op, 1);
   if (a.shape != b.shape)
@@ -110,9 +110,40 @@ Shape infer(const Graph& graph, const Op& op, const Add&) {
   return a.shape;
 }
 
-Shape infer(const Graph& graph, const Op& op, const MaxPool2d& pool) {
+Shape infer(const Graph& graph, const Op& op, const Add&) {
+  return infer_pair(graph, op);
+}
+
+Shape infer(const Graph& graph, const Op& op, const Mul&) {
+  return infer_pair(graph, op);
+}
+
+Shape infer(const Graph& graph, const Op& op, const Concat&) {
+  Shape shape = image_input(graph, op).shape;
+  for (size_t i = 1; i < op.inputs.size(); ++i) {
+    const Tensor& x = input(graph, op, i);
+    if (x.is_constant) fail(graph, op, "a constant input is not supported");
+    if (x.shape.size() != 4 || x.shape[0] != 1 || x.shape[1] != shape[1] || x.shape[2] != shape[2])
+      fail(graph, op, "input shape " + to_string(x.shape) + format(" must be [1,%d,%d,channels]", shape[1], shape[2]));
+    if (x.shape[3] > kMaxSide || shape[3] > kMaxSide) fail(graph, op, "too many channels");
+    shape[3] += x.shape[3];
+  }
+  return shape;
+}
+
+template <typename Pool>
+Shape infer_pool(const Graph& graph, const Op& op, const Pool& pool) {
   const Tensor& x = image_input(graph, op);
+  if (pool.window.dilation_h != 1 || pool.window.dilation_w != 1) fail(graph, op, "dilation is not supported");
   return window_shape(graph, op, x.shape, pool.window, pool.kernel_h, pool.kernel_w, x.shape[3]);
+}
+
+Shape infer(const Graph& graph, const Op& op, const MaxPool2d& pool) {
+  return infer_pool(graph, op, pool);
+}
+
+Shape infer(const Graph& graph, const Op& op, const AveragePool2d& pool) {
+  return infer_pool(graph, op, pool);
 }
 
 Shape infer(const Graph& graph, const Op& op, const Pad& pad) {
@@ -127,11 +158,26 @@ Shape infer(const Graph& graph, const Op& op, const Pad& pad) {
   return shape;
 }
 
-Shape infer(const Graph& graph, const Op& op, const ResizeBilinear& resize) {
+template <typename Resize>
+Shape infer_resize(const Graph& graph, const Op& op, const Resize& resize) {
   const Tensor& x = image_input(graph, op);
   if (resize.height < 1 || resize.width < 1 || resize.height > kMaxSide || resize.width > kMaxSide)
     fail(graph, op, format("size %dx%d is out of range", resize.width, resize.height));
   return {1, resize.height, resize.width, x.shape[3]};
+}
+
+Shape infer(const Graph& graph, const Op& op, const ResizeBilinear& resize) {
+  return infer_resize(graph, op, resize);
+}
+
+Shape infer(const Graph& graph, const Op& op, const ResizeNearest& resize) {
+  // Twice the product of the sizes is computed in 32 bits.
+  const Shape shape = infer_resize(graph, op, resize);
+  const Shape& x = graph.tensors[op.inputs[0]].shape;
+  for (int axis : {1, 2}) {
+    if (int64_t(x[axis] + 1) * (shape[axis] + 1) > (1 << 28)) fail(graph, op, "the image is too large");
+  }
+  return shape;
 }
 
 Shape infer(const Graph& graph, const Op& op, const Reshape& reshape) {
@@ -146,6 +192,27 @@ Shape infer(const Graph& graph, const Op& op, const Reshape& reshape) {
 
 Shape infer(const Graph& graph, const Op& op, const Logistic&) {
   return input(graph, op, 0).shape;
+}
+
+Shape infer(const Graph& graph, const Op& op, const Clamp&) {
+  return input(graph, op, 0).shape;
+}
+
+Shape infer(const Graph& graph, const Op& op, const LeakyRelu&) {
+  return input(graph, op, 0).shape;
+}
+
+Shape infer(const Graph& graph, const Op& op, const HardSigmoid&) {
+  return input(graph, op, 0).shape;
+}
+
+Shape infer(const Graph& graph, const Op& op, const Softmax&) {
+  return image_input(graph, op).shape;
+}
+
+Shape infer(const Graph& graph, const Op& op, const ArgMax&) {
+  const Shape& x = image_input(graph, op).shape;
+  return {1, x[1], x[2], 1};
 }
 
 }  // namespace
@@ -164,8 +231,23 @@ ClampRange clamp_range(Activation activation) {
 }
 
 const char* op_name(const Op& op) {
-  constexpr const char* kNames[] = {"CONV_2D", "DEPTHWISE_CONV_2D", "ADD",     "MAX_POOL_2D",
-                                    "PAD",     "RESIZE_BILINEAR",   "RESHAPE", "LOGISTIC"};
+  constexpr const char* kNames[] = {"CONV_2D",
+                                    "DEPTHWISE_CONV_2D",
+                                    "ADD",
+                                    "MAX_POOL_2D",
+                                    "PAD",
+                                    "RESIZE_BILINEAR",
+                                    "RESHAPE",
+                                    "LOGISTIC",
+                                    "AVERAGE_POOL_2D",
+                                    "RESIZE_NEAREST",
+                                    "MUL",
+                                    "CONCATENATION",
+                                    "CLAMP",
+                                    "LEAKY_RELU",
+                                    "HARD_SIGMOID",
+                                    "SOFTMAX",
+                                    "ARG_MAX"};
   static_assert(std::size(kNames) == std::variant_size_v<Attributes>);
   return kNames[op.attributes.index()];
 }

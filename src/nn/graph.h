@@ -1,4 +1,4 @@
-// The network as a graph of tensors and operators: what every importer fills (.tflite now, .onnx later) and every
+// The network as a graph of tensors and operators: what every importer fills (.tflite, .onnx) and every
 // executor reads. Activations are NHWC float32 with batch 1; padding is explicit, so no importer's convention leaks in.
 #pragma once
 
@@ -53,6 +53,14 @@ struct MaxPool2d {
   int kernel_w = 1;
 };
 
+// inputs: x [1,H,W,C]. The mean of a window's pixels inside the image, or with count_padding the sum over its area.
+struct AveragePool2d {
+  Window window;
+  int kernel_h = 1;
+  int kernel_w = 1;
+  bool count_padding = false;
+};
+
 // inputs: x [1,H,W,C]. Zeros around it; entries are {before, after}.
 struct Pad {
   int height[2] = {0, 0};
@@ -68,6 +76,16 @@ struct ResizeBilinear {
   bool half_pixel_centers = false;
 };
 
+// inputs: x [1,H,W,C]. One source pixel for each: the position of ResizeBilinear, rounded.
+struct ResizeNearest {
+  enum class Rounding { kFloor, kCeil, kNearestFloor, kNearestCeil };  // the last two: where halves go
+  int height = 0;
+  int width = 0;
+  bool align_corners = false;
+  bool half_pixel_centers = false;
+  Rounding rounding = Rounding::kFloor;
+};
+
 // inputs: x; the same elements under another shape.
 struct Reshape {
   Shape shape;
@@ -76,7 +94,36 @@ struct Reshape {
 // inputs: x of any shape. 1 / (1 + exp(-x)).
 struct Logistic {};
 
-using Attributes = std::variant<Conv2d, DepthwiseConv2d, Add, MaxPool2d, Pad, ResizeBilinear, Reshape, Logistic>;
+// inputs: a, b of the same shape.
+struct Mul {};
+
+// inputs: any number of [1,H,W,*]: their channels one after another.
+struct Concat {};
+
+// inputs: x of any shape. Its activation alone.
+struct Clamp {};
+
+// inputs: x of any shape. x > 0 ? x : slope * x.
+struct LeakyRelu {
+  float slope = 0.01f;
+};
+
+// inputs: x of any shape. min(max(slope * x + offset, 0), 1), times x when `swish`.
+struct HardSigmoid {
+  float slope = 1.0f / 6;
+  float offset = 0.5f;
+  bool swish = false;
+};
+
+// inputs: x [1,H,W,C]. exp(x) over its sum over the channels.
+struct Softmax {};
+
+// inputs: x [1,H,W,C]. [1,H,W,1]: the first channel with the largest value.
+struct ArgMax {};
+
+using Attributes =
+    std::variant<Conv2d, DepthwiseConv2d, Add, MaxPool2d, Pad, ResizeBilinear, Reshape, Logistic, AveragePool2d,
+                 ResizeNearest, Mul, Concat, Clamp, LeakyRelu, HardSigmoid, Softmax, ArgMax>;
 
 struct Tensor {
   std::string name;

@@ -100,6 +100,24 @@ std::vector<float> run(const Graph& graph, const Op& op, const MaxPool2d& pool, 
   });
 }
 
+std::vector<float> run(const Graph& graph, const Op& op, const AveragePool2d& pool, const Values& values) {
+  const Image x{graph.tensors[op.inputs[0]].shape, values_of(graph, values, op.inputs[0])};
+  const Window& w = pool.window;
+  return for_each_element(graph.tensors[op.output].shape, [&](int oy, int ox, int c) {
+    double sum = 0;
+    int n = 0;
+    for (int ky = 0; ky < pool.kernel_h; ++ky) {
+      for (int kx = 0; kx < pool.kernel_w; ++kx) {
+        const int iy = oy * w.stride_h - w.pad_top + ky;
+        const int ix = ox * w.stride_w - w.pad_left + kx;
+        if (x.has(iy, ix)) sum += x.at(iy, ix, c);
+        n += pool.count_padding || x.has(iy, ix);
+      }
+    }
+    return sum / n;
+  });
+}
+
 std::vector<float> run(const Graph& graph, const Op& op, const Pad& pad, const Values& values) {
   const Image x{graph.tensors[op.inputs[0]].shape, values_of(graph, values, op.inputs[0])};
   return for_each_element(graph.tensors[op.output].shape, [&](int oy, int ox, int oc) {
@@ -108,7 +126,8 @@ std::vector<float> run(const Graph& graph, const Op& op, const Pad& pad, const V
   });
 }
 
-double source_coordinate(const ResizeBilinear& resize, int i, int in_size, int out_size) {
+template <typename Resize>
+double source_coordinate(const Resize& resize, int i, int in_size, int out_size) {
   if (resize.align_corners && out_size > 1) {
     const double scale = double(in_size - 1) / (out_size - 1);
     return resize.half_pixel_centers ? (i + 0.5) * scale - 0.5 : i * scale;
@@ -133,6 +152,87 @@ std::vector<float> run(const Graph& graph, const Op& op, const ResizeBilinear& r
       }
     }
     return sum;
+  });
+}
+
+int nearest_index(ResizeNearest::Rounding rounding, double at, int size) {
+  constexpr double kTiny = 1e-9;  // positions are fractions of whole numbers, computed here with rounding
+  double index = 0;
+  switch (rounding) {
+    case ResizeNearest::Rounding::kFloor:
+      index = std::floor(at + kTiny);
+      break;
+    case ResizeNearest::Rounding::kCeil:
+      index = std::ceil(at - kTiny);
+      break;
+    case ResizeNearest::Rounding::kNearestFloor:
+      index = std::ceil(at - 0.5 - kTiny);
+      break;
+    case ResizeNearest::Rounding::kNearestCeil:
+      index = std::floor(at + 0.5 + kTiny);
+      break;
+  }
+  return std::clamp(static_cast<int>(index), 0, size - 1);
+}
+
+std::vector<float> run(const Graph& graph, const Op& op, const ResizeNearest& resize, const Values& values) {
+  const Image x{graph.tensors[op.inputs[0]].shape, values_of(graph, values, op.inputs[0])};
+  return for_each_element(graph.tensors[op.output].shape, [&](int oy, int ox, int c) {
+    const double y = source_coordinate(resize, oy, x.shape[1], resize.height);
+    return x.at(nearest_index(resize.rounding, y, x.shape[1]),
+                nearest_index(resize.rounding, source_coordinate(resize, ox, x.shape[2], resize.width), x.shape[2]), c);
+  });
+}
+
+std::vector<float> run(const Graph& graph, const Op& op, const Mul&, const Values& values) {
+  std::vector<float> out = values_of(graph, values, op.inputs[0]);
+  const auto& other = values_of(graph, values, op.inputs[1]);
+  for (size_t i = 0; i < out.size(); ++i) out[i] *= other[i];
+  return out;
+}
+
+std::vector<float> run(const Graph& graph, const Op& op, const Concat&, const Values& values) {
+  return for_each_element(graph.tensors[op.output].shape, [&](int y, int x, int c) {
+    size_t i = 0;
+    while (c >= graph.tensors[op.inputs[i]].shape[3]) c -= graph.tensors[op.inputs[i++]].shape[3];
+    return Image{graph.tensors[op.inputs[i]].shape, values_of(graph, values, op.inputs[i])}.at(y, x, c);
+  });
+}
+
+std::vector<float> run(const Graph& graph, const Op& op, const Clamp&, const Values& values) {
+  return values_of(graph, values, op.inputs[0]);
+}
+
+std::vector<float> run(const Graph& graph, const Op& op, const LeakyRelu& leaky, const Values& values) {
+  std::vector<float> out = values_of(graph, values, op.inputs[0]);
+  for (float& v : out) v = v > 0 ? v : leaky.slope * v;
+  return out;
+}
+
+std::vector<float> run(const Graph& graph, const Op& op, const HardSigmoid& sigmoid, const Values& values) {
+  std::vector<float> out = values_of(graph, values, op.inputs[0]);
+  for (float& v : out) {
+    const double gate = std::clamp(double(sigmoid.slope) * v + sigmoid.offset, 0.0, 1.0);
+    v = static_cast<float>(sigmoid.swish ? v * gate : gate);
+  }
+  return out;
+}
+
+std::vector<float> run(const Graph& graph, const Op& op, const Softmax&, const Values& values) {
+  const Image x{graph.tensors[op.inputs[0]].shape, values_of(graph, values, op.inputs[0])};
+  return for_each_element(x.shape, [&](int oy, int ox, int c) {
+    double sum = 0;  // of exp relative to this channel: no overflow that the result does not survive
+    for (int k = 0; k < x.shape[3]; ++k) sum += std::exp(x.at(oy, ox, k) - x.at(oy, ox, c));
+    return 1 / sum;
+  });
+}
+
+std::vector<float> run(const Graph& graph, const Op& op, const ArgMax&, const Values& values) {
+  const Image x{graph.tensors[op.inputs[0]].shape, values_of(graph, values, op.inputs[0])};
+  return for_each_element(graph.tensors[op.output].shape, [&](int oy, int ox, int) {
+    int best = 0;
+    for (int c = 1; c < x.shape[3]; ++c) best = x.at(oy, ox, c) > x.at(oy, ox, best) ? c : best;
+    return best;
   });
 }
 

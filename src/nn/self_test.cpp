@@ -28,7 +28,8 @@ Graph one_op(Attributes attributes, Shape weights, Shape output) {
     graph.tensors.push_back({"w", weights, true, std::vector<float>(element_count(weights), 1.0f)});
     graph.tensors.push_back({"b", {n_out}, true, std::vector<float>(n_out, 0.5f)});
     op.inputs = {0, 1, 2};
-  } else if (std::holds_alternative<Add>(op.attributes)) {
+  } else if (std::holds_alternative<Add>(op.attributes) || std::holds_alternative<Mul>(op.attributes) ||
+             std::holds_alternative<Concat>(op.attributes)) {
     op.inputs = {0, 0};
   }
   op.output = static_cast<int>(graph.tensors.size());
@@ -130,6 +131,28 @@ std::vector<ocl::SelfTestResult> nn_self_test(ocl::DeviceContext& device) {
               [](int y, int x, int c) {
                 return y == 0 || x >= kWidth || c == 0 || c > kChannels ? 0.0 : input_value(y - 1, x, c - 1);
               }));
+  results.push_back(test_op(device, "nn/mul", one_op(Mul{}, {}, image),
+                            [](int y, int x, int c) { return double(input_value(y, x, c)) * input_value(y, x, c); }));
+  results.push_back(test_op(device, "nn/concat", one_op(Concat{}, {}, {1, kHeight, kWidth, 2 * kChannels}),
+                            [](int y, int x, int c) { return input_value(y, x, c % kChannels); }));
+  results.push_back(test_op(device, "nn/leaky_relu", one_op(LeakyRelu{0.5f}, {}, image),
+                            [](int y, int x, int c) { return input_value(y, x, c); }));
+  results.push_back(
+      test_op(device, "nn/hard_sigmoid", one_op(HardSigmoid{0.125f, 0.25f, true}, {}, image), [](int y, int x, int c) {
+        const double v = input_value(y, x, c);
+        return v * std::min(0.125 * v + 0.25, 1.0);
+      }));
+  results.push_back(test_op(device, "nn/average_pool",
+                            one_op(AveragePool2d{{}, kHeight, kWidth}, {}, {1, 1, 1, kChannels}),
+                            [](int, int, int c) { return 0.125 * (7 * 2.5 + 3 * 6 + c); }));
+  results.push_back(test_op(device, "nn/softmax", one_op(Softmax{}, {}, image), [](int, int, int c) {
+    return std::exp(0.125 * c) * std::expm1(0.125) / std::expm1(0.125 * kChannels);
+  }));
+  results.push_back(test_op(device, "nn/arg_max", one_op(ArgMax{}, {}, {1, kHeight, kWidth, 1}),
+                            [](int, int, int) { return kChannels - 1; }));
+  results.push_back(test_op(device, "nn/resize_nearest",
+                            one_op(ResizeNearest{3 * kHeight, 2 * kWidth}, {}, {1, 3 * kHeight, 2 * kWidth, kChannels}),
+                            [](int y, int x, int c) { return input_value(y / 3, x / 2, c); }));
   results.push_back(test_op(device, "nn/resize_bilinear",
                             one_op(ResizeBilinear{2 * kHeight - 1, 2 * kWidth - 1, true, false}, {},
                                    {1, 2 * kHeight - 1, 2 * kWidth - 1, kChannels}),

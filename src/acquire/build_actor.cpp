@@ -44,6 +44,9 @@ class Builder {
 
   BuildResult run() {
     if (!options_.joints.empty()) given_joints_ = read_joints(options_.joints);
+    if (!options_.parser.network.empty())
+      stage("loading the parser",
+            [&] { parser_ = std::make_unique<ParsingNetwork>(network_device_, options_.parser); });
     if (!options_.mesh.empty()) stage("reading the scan", [&] { scan_ = read_scan(options_.mesh, result_.notes); });
     if (!options_.views.images.empty() && options_.colmap) stage("finding the cameras", [&] { run_colmap(); });
     if (!options_.views.images.empty())
@@ -54,6 +57,7 @@ class Builder {
       stage("looking at the scan", [&] { views_ = photograph_scan(scan_, kScanViews); });
     result_.n_views = static_cast<int>(views_.size());
     stage("finding the person", [&] { find_person(); });
+    if (parser_) stage("parsing", [&] { parse_views(); });
     if (options_.mesh.empty())
       stage("carving", [&] { carve(); });
     else
@@ -176,6 +180,14 @@ class Builder {
     views_ = std::move(views);
     detections = std::move(kept);
     return true;
+  }
+
+  void parse_views() {
+    for (size_t i = 0; i < views_.size(); ++i) {
+      if (!tell(static_cast<int>(i), static_cast<int>(views_.size()))) throw Error("interrupted while " + stage_);
+      views_[i].labels = parser_->labels(views_[i].image, views_[i].mask);
+    }
+    parser_.reset();
   }
 
   void carve() {
@@ -362,6 +374,7 @@ class Builder {
   const BuildProgress& progress_;
   std::string stage_;
   std::unique_ptr<ColmapRun> colmap_;
+  std::unique_ptr<ParsingNetwork> parser_;
   std::vector<View> views_;  // in the rest frame once the person is found
   int n_network_masks_ = 0;
   std::vector<double> turned_rad_;  // of a turntable video's views, as the network sees it
@@ -398,6 +411,11 @@ void BuildOptions::validate() const {
     for (const auto& [option, given] :
          {std::pair{"--cameras", !views.cameras.empty()}, {"--mesh", !mesh.empty()}, {"--joints", !joints.empty()}})
       if (given) throw ConfigError(std::string(option) + " does not go with --colmap, which makes a world of its own");
+  }
+  if (!parser.network.empty()) {
+    parser.validate();
+    if (!has_pictures()) throw ConfigError("--parser needs pictures: --images or --video");
+    if (!views.labels.empty()) throw ConfigError("--labels does not go with --parser, which makes the label images");
   }
   if (!has_pictures() && mesh.empty())
     throw ConfigError(

@@ -9,6 +9,7 @@
 
 #include "acquire/body_rig.h"
 #include "acquire/load_views.h"
+#include "acquire/parsing_network.h"
 #include "acquire/turntable.h"
 #include "acquire/volume.h"
 #include "meshing/actor_glb.h"
@@ -22,6 +23,7 @@ struct BuildOptions {
   TurntableOptions turntable;    // instead of pictures; turntable.video empty: none
   std::filesystem::path mesh;    // a scan; empty: a hull is carved
   std::filesystem::path joints;  // joints.json; empty: all from the network
+  ParserOptions parser;          // labels from a network instead of label images
   std::string name = "actor";
   std::string model = "full";  // of the pose network
   std::string unit = "auto";   // of the cameras' or the scan's world: m, cm, mm, inch

@@ -81,15 +81,14 @@ void OnnxImporter::read_input() {
   const std::string label = "input \"" + printable(input->name) + "\": ";
   if (input->type != 1) fail(label + format("data type %d, must be 1 (float)", input->type));
   const Dims& stated = input->dims;
-  const bool last = stated.size() == 4 && stated[3] == 3 && stated[1] != 3;
+  // Behind TensorFlow's converter; an image of 3 columns has one to four channels in front.
+  const bool last = stated.size() == 4 && stated[3] == 3 && (stated[1] < 1 || stated[1] > 4);
   if (stated.size() != 4 || (stated[0] != 1 && stated[0] != -1) || stated[last ? 3 : 1] < 1 ||
       stated[last ? 3 : 1] > kMaxInputSide)
     fail(label + "shape " + to_string(stated) + " must be [1,channels,height,width], batch 1");
   const auto side = [&](const char* name, int64_t in_file, int given) {
     if (in_file == -1 && given == 0)
       fail(label + "shape " + to_string(stated) + " leaves the " + name + " open; give it");
-    if (in_file != -1 && given != 0 && given != in_file)
-      fail(label + format("%s %lld, cannot be %d", name, static_cast<long long>(in_file), given));
     const int64_t size = in_file == -1 ? given : in_file;
     if (size < 1 || size > kMaxInputSide)
       fail(label + format("%s %lld must be in 1..%d", name, static_cast<long long>(size), kMaxInputSide));

@@ -10,9 +10,9 @@
 
 namespace livecap::nn {
 
-// height, width: of the input, where the file leaves them open; they must agree with what it states. Throws IoError
-// with one line naming the file and, where it applies, byte, node and attribute: missing, truncated or garbage file,
-// unsupported operator or attribute, inconsistent shapes, a size that is open and not given.
+// height, width: of the input, used where the file leaves them open. Throws IoError with one line naming the file and,
+// where it applies, byte, node and attribute: missing, truncated or garbage file, unsupported operator or attribute,
+// inconsistent shapes, a size that is open and not given.
 Graph load_onnx(const std::filesystem::path& path, int height = 0, int width = 0);
 
 // The same from memory; `name` stands for the file in messages.

@@ -204,6 +204,12 @@ expect 2 'none.mp4' actor build --video none.mp4 --out a.glb
 expect 2 'seq/video.mp4 turn' actor build --video seq/video.mp4 --camera seq/camera.json --model lite --out a.glb
 expect 2 '--colmap --images' actor build --colmap --mesh seq/actor.glb --out a.glb
 expect 2 '--cameras --colmap' actor build --colmap --images seq/truth/masks --cameras . --out a.glb
+printf 'no network at all' >net.onnx
+expect 2 'net.onnx byte ModelProto' actor build --images seq/truth/masks --parser net.onnx --out a.glb
+expect 2 'none.onnx' actor build --images seq/truth/masks --parser none.onnx --out a.glb
+expect 2 '--parser --images' actor build --mesh seq/actor.glb --parser net.onnx --out a.glb
+expect 2 '--labels --parser' actor build --images seq/truth/masks --labels seq/truth/masks --parser net.onnx --out a.glb
+expect 2 '--parser-std' actor build --images seq/truth/masks --parser net.onnx --parser-std 0 1 1 --out a.glb
 expect 2 '--images --video' actor build --video seq/video.mp4 --images seq/truth/masks --out a.glb
 expect 2 '--camera --video' actor build --images seq/truth/masks --camera seq/camera.json --out a.glb
 expect 2 'nobody' actor views builtin:nobody --out v

@@ -111,7 +111,16 @@ TEST(Layers, OperatorsWithoutWeights) {
          {nn::Attributes(nn::MaxPool2d{window(2, 1, 0, 0, 1, 1), 2, 2}),
           nn::Attributes(nn::Pad{{1, 2}, {3, 0}, {2, 5}}), nn::Attributes(nn::ResizeBilinear{14, 22, false, true}),
           nn::Attributes(nn::ResizeBilinear{4, 31, true, false}),
-          nn::Attributes(nn::ResizeBilinear{9, 5, false, false}), nn::Attributes(nn::Logistic{})}) {
+          nn::Attributes(nn::ResizeBilinear{9, 5, false, false}), nn::Attributes(nn::Logistic{}),
+          nn::Attributes(nn::AveragePool2d{window(2, 1, 1, 0, 1, 1), 3, 2, false}),
+          nn::Attributes(nn::AveragePool2d{window(1, 1, 1, 1, 0, 1), 2, 3, true}),
+          nn::Attributes(nn::ResizeNearest{13, 30, false, false, nn::ResizeNearest::Rounding::kFloor}),
+          nn::Attributes(nn::ResizeNearest{4, 17, false, true, nn::ResizeNearest::Rounding::kNearestFloor}),
+          nn::Attributes(nn::ResizeNearest{9, 5, true, false, nn::ResizeNearest::Rounding::kNearestCeil}),
+          nn::Attributes(nn::ResizeNearest{14, 8, false, true, nn::ResizeNearest::Rounding::kCeil}),
+          nn::Attributes(nn::Clamp{}), nn::Attributes(nn::LeakyRelu{0.2f}),
+          nn::Attributes(nn::HardSigmoid{0.3f, 0.4f, false}), nn::Attributes(nn::HardSigmoid{}),
+          nn::Attributes(nn::Softmax{}), nn::Attributes(nn::ArgMax{})}) {
       nn::Graph graph = input_graph(7, 11, channels);
       add_op(graph, {attributes, {0}, -1, Activation::kNone, -1});
       expect_device_agrees(graph, nn::op_name(graph.ops[0]));
@@ -119,8 +128,10 @@ TEST(Layers, OperatorsWithoutWeights) {
     nn::Graph graph = input_graph(3, 5, channels);
     const int y = add_op(graph, {nn::Logistic{}, {0}, -1, Activation::kNone, -1});
     const int z = add_op(graph, {nn::Add{}, {y, 0}, -1, Activation::kRelu, -1});
-    add_op(graph, {nn::Reshape{{1, 15 * channels}}, {z}, -1, Activation::kNone, -1});
-    expect_device_agrees(graph, "ADD and RESHAPE");
+    const int product = add_op(graph, {nn::Mul{}, {z, y}, -1, Activation::kRelu6, -1});
+    const int both = add_op(graph, {nn::Concat{}, {product, z, 0}, -1, Activation::kRelu, -1});
+    add_op(graph, {nn::Reshape{{1, 45 * channels}}, {both}, -1, Activation::kNone, -1});
+    expect_device_agrees(graph, "ADD, MUL, CONCATENATION and RESHAPE");
   }
 }
 

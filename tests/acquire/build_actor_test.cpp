@@ -15,6 +15,7 @@
 #include "image/image_io.h"
 #include "livecap/error.h"
 #include "support/data_dir.h"
+#include "support/onnx_writer.h"
 #include "support/test_device.h"
 #include "support/tolerances.h"
 #include "synth/synth.h"
@@ -140,6 +141,64 @@ TEST_F(BuildActor, WithoutMasksOrLabelsInCentimetres) {
   EXPECT_LT(c.built_to_truth_mm.median, test::kNetworkMaskMm);
   EXPECT_LT(c.joints_mean_mm, test::kBuiltJointsMm);
   EXPECT_GT(c.labels, test::kGuessedLabels);
+}
+
+// A network that knows the mean colours of background, top and trousers in ten of the pictures: 2 m.x - |m|^2 is
+// largest for the nearest mean m. (Hair and shoes have the colour of trousers in the shade.)
+std::string color_network(const std::filesystem::path& folder) {
+  const acquire::ParserOptions input;
+  double sums[20][3] = {}, counts[20] = {};
+  for (int i = 0; i < 10; ++i) {
+    const ImageRgb image = read_image_rgb(folder / "images" / format("%03d.png", i));
+    const ImageGray labels = read_image_gray(folder / "labels" / format("%03d.png", i));
+    for (size_t p = 0; p < labels.pixels.size(); ++p) {
+      for (int c = 0; c < 3; ++c)
+        sums[labels.pixels[p]][c] += (image.pixels[3 * p + c] / 255.0 - input.mean[c]) / input.deviation[c];
+      ++counts[labels.pixels[p]];
+    }
+  }
+  std::vector<float> weights(60, 0.0f), bias(20, -1e6f);
+  for (int k : {0, 5, 9}) {
+    bias[k] = 0;
+    for (int c = 0; c < 3; ++c) {
+      const double mean = sums[k][c] / counts[k];
+      weights[3 * k + c] = static_cast<float>(2 * mean);
+      bias[k] -= static_cast<float>(mean * mean);
+    }
+  }
+  test::OnnxWriter net;
+  net.floats("w", {20, 3, 1, 1}, weights);
+  net.floats("b", {20}, bias);
+  net.node("Conv", {"x", "w", "b"}, "scores");
+  return net.model({1, 3, 320, 200}, {"scores"});
+}
+
+TEST_F(BuildActor, LabelsFromAParsingNetwork) {
+  const Actor& truth = test::builtin_actor("trousers");
+  photograph(truth, 30);
+  BuildOptions build_options = options();
+  build_options.views.labels.clear();
+  build_options.parser.network = folder_ / "color.onnx";
+  write_file_atomically(build_options.parser.network, color_network(folder_));
+  const BuildResult result = build(build_options);
+  EXPECT_FALSE(noted(result, "guessed"));
+  // What the network knows, of the vertices that truly are top or trousers.
+  const Actor built = loaded(result);
+  int n = 0, right = 0;
+  for (int i = 0; i < built.n_vertices(); i += 3) {
+    int best = 0;
+    double best_d = 1e9;
+    for (int j = 0; j < truth.n_vertices(); ++j) {
+      double d = 0;
+      for (int k = 0; k < 3; ++k) d += std::pow(built.mesh.positions[3 * i + k] - truth.mesh.positions[3 * j + k], 2);
+      if (d < best_d) best_d = d, best = j;
+    }
+    if (truth.labels[best] != 5 && truth.labels[best] != 9) continue;
+    ++n;
+    right += built.labels[i] == truth.labels[best];
+  }
+  std::printf("labels by a network of colours: %.1f %% of %d right\n", 100.0 * right / n, n);
+  EXPECT_GT(right, test::kGuessedLabels * n);
 }
 
 TEST_F(BuildActor, FromTheRecordedActor) {

@@ -39,8 +39,10 @@ class PoseStage {
   // From the detections alone. kNoObservations when they do not tell a pose.
   PoseResult find(const PoseStageInput& input);
 
-  // The skinned template, as last rendered by render().
+  // Skins the template and renders it.
   void render(const Pose& pose);
+  // [3*n_vertices] mm, camera frame, of the last render.
+  const ocl::Buffer<float>& skinned() const { return skinned_; }
 
   // Forgets what it knew of the last frames.
   void reset() { exchanged_frames_ = 0; }

@@ -50,7 +50,9 @@ class PoseStage {
  private:
   struct Solution {
     PoseResult pose;
-    double coverage = 0;  // of the last round's matches
+    // The energy, and for what the last round did not match that of a match missed_px away: alone it would favour who
+    // matches less.
+    double cost = 0;
   };
   Solution solve_in_rounds(const PoseStageInput& input, const Detections& detections, const Pose& initial,
                            const Pose* previous);
@@ -60,6 +62,9 @@ class PoseStage {
   void try_exchanged_legs(const PoseStageInput& input, const Pose& predicted, const Pose& previous,
                           const std::vector<KeypointDetections>& alternatives, Solution& best);
   void try_turned(const PoseStageInput& input, const Pose& previous, Solution& best);
+  void try_detected_legs(const PoseStageInput& input, const Pose& previous, Solution& best);
+  static bool keep_better(Solution other, Solution& best);
+  void try_from(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best);
 
   const Actor& actor_;
   Camera camera_;

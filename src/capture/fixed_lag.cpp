@@ -1,17 +1,22 @@
 #include "capture/fixed_lag.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "base/text.h"
 #include "livecap/error.h"
 
 namespace livecap {
+namespace {
 
-Pose smooth_pose(const Pose* previous, const Pose& current, const Pose* next, double neighbor_share) {
+constexpr double kEvenSteps = 1.5;  // one time step by the other
+
+}  // namespace
+
+Pose smooth_pose(const Pose& previous, const Pose& current, const Pose& next, double neighbor_share) {
   Pose smoothed = current;
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
-  for (const Pose* neighbor : {previous, next}) {
-    if (!neighbor) continue;
+  for (const Pose* neighbor : {&previous, &next}) {
     smoothed.root_translation_mm += neighbor_share * (neighbor->root_translation_mm - current.root_translation_mm);
     smoothed.angles_rad += neighbor_share * (neighbor->angles_rad - current.angles_rad);
     turn += neighbor_share * vector_from_rotation(neighbor->root_rotation * current.root_rotation.transpose());
@@ -25,20 +30,23 @@ FixedLag::FixedLag(double neighbor_share) : neighbor_share_(neighbor_share) {
     throw ConfigError(format("fixed lag: neighbor_share is %g; it must be from 0 to 0.5", neighbor_share));
 }
 
-void FixedLag::smooth(const TrackResult* next) {
+// The waiting frame, which becomes the previous one.
+void FixedLag::smooth(const WorkItem* next) {
   if (!is_tracked(waiting_->report.status)) return;
-  const TrackResult* previous = previous_ ? &*previous_ : nullptr;
   TrackResult& current = waiting_->result;
-  const TrackResult captured = current;
-  current.pose =
-      smooth_pose(previous ? &previous->pose : nullptr, captured.pose, next ? &next->pose : nullptr, neighbor_share_);
-  const float share = float(neighbor_share_);
-  for (const TrackResult* neighbor : {previous, next}) {
-    if (!neighbor) continue;
-    for (size_t i = 0; i < current.vertices_mm.size(); ++i)
-      current.vertices_mm[i] += share * (neighbor->vertices_mm[i] - captured.vertices_mm[i]);
+  Neighbor captured{current, waiting_->report.pts_ms};
+  if (previous_ && next) {
+    const double before = captured.pts_ms - previous_->pts_ms, after = next->report.pts_ms - captured.pts_ms;
+    if (std::max(before, after) <= kEvenSteps * std::min(before, after)) {
+      const TrackResult& previous = previous_->result;
+      current.pose = smooth_pose(previous.pose, captured.result.pose, next->result.pose, neighbor_share_);
+      const float share = float(neighbor_share_);
+      for (size_t i = 0; i < current.vertices_mm.size(); ++i)
+        current.vertices_mm[i] +=
+            share * (previous.vertices_mm[i] + next->result.vertices_mm[i] - 2 * current.vertices_mm[i]);
+    }
   }
-  previous_ = captured;
+  previous_ = std::move(captured);
 }
 
 std::optional<WorkItem> FixedLag::push(WorkItem item) {
@@ -47,7 +55,7 @@ std::optional<WorkItem> FixedLag::push(WorkItem item) {
   const bool goes_on = waiting_ && is_tracked(waiting_->report.status) && item.report.status == TrackStatus::kOk &&
                        item.report.index == waiting_->report.index + 1;
   if (waiting_) {
-    smooth(goes_on ? &item.result : nullptr);
+    smooth(goes_on ? &item : nullptr);
     ready = std::move(waiting_);
   }
   if (!goes_on) previous_.reset();

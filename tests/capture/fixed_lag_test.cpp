@@ -11,6 +11,7 @@ namespace {
 WorkItem frame(int64_t index, float value, TrackStatus status = TrackStatus::kOk) {
   WorkItem item;
   item.report.index = index;
+  item.report.pts_ms = 40.0 * double(index);
   item.report.status = status;
   if (!is_tracked(status)) return item;
   item.result.vertices_mm = {value, -value, 1};
@@ -45,27 +46,40 @@ void expect(const std::vector<std::pair<float, double>>& got, const std::vector<
   }
 }
 
-TEST(FixedLag, AnImpulseSpreadsAndTheEndsStandForTheirNeighbours) {
-  expect(filtered(0.15, {frame(0, 0), frame(1, 0), frame(2, 1), frame(3, 0), frame(4, 2)}), {0, 0.15, 0.7, 0.45, 1.7});
+TEST(FixedLag, AnImpulseSpreadsAndTheEndsStay) {
+  expect(filtered(0.15, {frame(0, 0), frame(1, 0), frame(2, 1), frame(3, 0), frame(4, 2)}), {0, 0.15, 0.7, 0.45, 2});
   expect(filtered(0.25, {frame(0, 4)}), {4});
   expect(filtered(0, {frame(0, 1), frame(1, 5), frame(2, 2)}), {1, 5, 2});
   expect(filtered(0.25, {}), {});
 }
 
 TEST(FixedLag, LinearMotionStays) {
-  expect(filtered(0.25, {frame(3, 1), frame(4, 2), frame(5, 3), frame(6, 4)}), {1.25, 2, 3, 3.75});
+  expect(filtered(0.25, {frame(3, 1), frame(4, 2), frame(5, 3), frame(6, 4)}), {1, 2, 3, 4});
 }
 
 TEST(FixedLag, BreaksAreNotSmoothedOver) {
   using enum TrackStatus;
   // Nobody in between, a track that begins anew, and frames that live pacing dropped.
   expect(filtered(0.25, {frame(0, 0), frame(1, 4), frame(2, 0, kNobody), frame(3, 8, kInitialized), frame(4, 4)}),
-         {1, 3, -1, 7, 5});
-  expect(filtered(0.25, {frame(0, 0), frame(1, 4), frame(2, 8, kInitialized), frame(3, 8)}), {1, 3, 8, 8});
+         {0, 4, -1, 8, 4});
+  expect(filtered(0.25, {frame(0, 0), frame(1, 4), frame(2, 8, kInitialized), frame(3, 8), frame(4, 0)}),
+         {0, 4, 8, 6, 0});
   FixedLag lag(0.25);
   lag.push(frame(0, 0));
   EXPECT_EQ(lag.push(frame(5, 8))->result.vertices_mm[0], 0);
   EXPECT_EQ(lag.flush()->result.vertices_mm[0], 8);
+}
+
+// A video with a gap: frame 2 comes 100 ms late.
+TEST(FixedLag, AFrameBesideAGapInTimeIsNotMovedAlong) {
+  std::vector<WorkItem> items;
+  for (int i = 0; i < 6; ++i) {
+    items.push_back(frame(i, float(i < 2 ? i : i + 3)));
+    items.back().report.pts_ms = 33 * (i < 2 ? i : i + 3);
+  }
+  items[4].result.vertices_mm[0] = 11;  // not on the line: smoothed
+  items[4].result.pose.angles_rad[0] = 11;
+  expect(filtered(0.25, std::move(items)), {0, 1, 5, 7, 9, 8});
 }
 
 TEST(FixedLag, AnEvenTurnStaysAndAJerkIsHalved) {
@@ -80,11 +94,11 @@ TEST(FixedLag, AnEvenTurnStaysAndAJerkIsHalved) {
   Pose before = turned(0), now = turned(0), after = turned(0);
   before.root_rotation = about_y(-0.3) * now.root_rotation;
   after.root_rotation = about_y(0.3) * now.root_rotation;
-  EXPECT_LT((smooth_pose(&before, now, &after, 0.25).root_rotation - now.root_rotation).norm(), 1e-12);
+  EXPECT_LT((smooth_pose(before, now, after, 0.25).root_rotation - now.root_rotation).norm(), 1e-12);
   const Pose still = turned(0);
   Pose jerk = still;
   jerk.root_rotation = about_y(0.4) * still.root_rotation;
-  EXPECT_LT((smooth_pose(&still, jerk, &still, 0.25).root_rotation - about_y(0.2) * still.root_rotation).norm(), 1e-12);
+  EXPECT_LT((smooth_pose(still, jerk, still, 0.25).root_rotation - about_y(0.2) * still.root_rotation).norm(), 1e-12);
 }
 
 TEST(FixedLag, ASharePastHalfIsRefused) {

@@ -8,7 +8,6 @@
 #include "export/export_frame.h"
 #include "livecap/error.h"
 #include "raster/overlay.h"
-#include "surface/smooth_trajectory.h"
 
 namespace livecap {
 namespace {
@@ -105,36 +104,6 @@ FrameReport CaptureOutput::publish(WorkItem& item) {
   return item.report;
 }
 
-void CaptureOutput::smooth_vertices() {
-  const std::filesystem::path raw = in_folder("vertices.pc2");
-  const std::filesystem::path smoothed = in_folder("vertices.smooth.pc2");
-  {
-    Pc2Reader reader(raw);
-    Pc2Writer writer(smoothed, actor_.n_vertices());
-    const size_t size = held_vertices_m_.size();
-    std::vector<float> previous, current(size), next(size), out(size);
-    const int n = reader.n_samples();
-    if (n > 0) reader.read(0, current);
-    for (int i = 0; i < n; ++i) {
-      // A held frame has no motion of its own: neither filtered nor a neighbour.
-      const bool tracked = poses_[i].tracked;
-      const bool has_next = i + 1 < n && poses_[i + 1].tracked;
-      if (i + 1 < n) reader.read(i + 1, next);
-      if (tracked) {
-        const bool has_previous = i > 0 && poses_[i - 1].tracked;
-        smooth_frame(has_previous ? std::span<const float>(previous) : std::span<const float>(), current,
-                     has_next ? std::span<const float>(next) : std::span<const float>(), out);
-        writer.append(out);
-      } else {
-        writer.append(current);
-      }
-      previous = current;
-      current = next;
-    }
-  }
-  std::filesystem::rename(smoothed, raw);
-}
-
 CaptureReport CaptureOutput::finish(const ocl::DevicePair& devices, const RunEnd& end) {
   CaptureReport report;
   report.complete = !end.stopped_early;
@@ -166,7 +135,6 @@ CaptureReport CaptureOutput::finish(const ocl::DevicePair& devices, const RunEnd
     report.overlay = in_folder("overlay.mp4").string();
   }
   pc2_.reset();
-  if (options_.smooth) smooth_vertices();
   report.pc2 = in_folder("vertices.pc2").string();
   report.bvh = in_folder("motion.bvh").string();
   CaptureGlbReport glb;

@@ -40,13 +40,12 @@ class CaptureOutput {
   // Writes one frame, and before it those that live pacing dropped. Returns the finished report of the frame.
   FrameReport publish(WorkItem& item);
 
-  // Smooths if asked, writes capture.glb and report.json, closes the overlay.
+  // Writes capture.glb and report.json, closes the overlay.
   CaptureReport finish(const ocl::DevicePair& devices, const RunEnd& end);
 
  private:
   void write_result(const FrameReport& report, const TrackResult& result, const Detections& detections);
   void write_row(const FrameReport& report);  // the last file of a frame, since it holds the time the others took
-  void smooth_vertices();
   std::filesystem::path in_folder(const char* name) const { return folder_ / name; }
 
   CaptureOptions options_;

@@ -26,8 +26,8 @@ const std::vector<std::string>& component_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> list;
     for (const Term& term : term_table()) list.emplace_back(term.name);
-    for (const char* name :
-         {"face", "warping", "part_mask", "snapping", "confidence", kMaskGating.data(), "pose_solver"})
+    for (const char* name : {"face", "warping", "part_mask", "snapping", "confidence", kMaskGating.data(),
+                             kFixedLag.data(), "pose_solver"})
       list.emplace_back(name);
     return list;
   }();

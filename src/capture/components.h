@@ -11,8 +11,10 @@ namespace livecap {
 
 struct TrackerOptions;
 
-// The one component outside the tracker: without it the background is subtracted without the network's person mask.
+// Components outside the tracker. Without the first the background is subtracted without the network's person mask,
+// without the second results are published as they are captured, one frame earlier (capture/fixed_lag.h).
 inline constexpr std::string_view kMaskGating = "mask_gating";
+inline constexpr std::string_view kFixedLag = "fixed_lag";
 
 // All names in the order they are documented.
 const std::vector<std::string>& component_names();
@@ -20,7 +22,7 @@ const std::vector<std::string>& component_names();
 // Throws ConfigError listing the names when this is not one.
 void require_component(const std::string& name);
 
-// Switches the component off. kMaskGating changes nothing here.
+// Switches the component off. Those outside the tracker change nothing here.
 void switch_off(const std::string& name, TrackerOptions& options);
 
 }  // namespace livecap

@@ -38,12 +38,14 @@ void inherit_dropped(WorkItem& newer, WorkItem&& displaced) {
 void run_sequential(const PipelineStages& stages) {
   for (;;) {
     WorkItem item;
-    if (!stages.read(item)) return;
+    if (!stages.read(item)) break;
     stages.detect(item);
     stages.segment(item);
-    stages.solve(item);
-    if (!stages.publish(item)) return;
+    std::optional<WorkItem> solved = stages.solve(std::move(item));
+    if (solved && !stages.publish(*solved)) return;
   }
+  std::optional<WorkItem> last = stages.flush();
+  if (last) stages.publish(*last);
 }
 
 void run_pipelined(const PipelineStages& stages, bool newest_wins) {
@@ -90,7 +92,15 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins) {
   };
   std::thread detector = between(stages.detect, to_detect, to_segment);
   std::thread segmenter = between(stages.segment, to_segment, to_solve);
-  std::thread solver = between(stages.solve, to_solve, to_publish);
+  std::thread solver = guarded([&] {
+    while (auto item = to_solve.pop()) {
+      std::optional<WorkItem> solved = stages.solve(std::move(*item));
+      if (solved && !to_publish.push(std::move(*solved))) return;
+    }
+    std::optional<WorkItem> last = stages.flush();
+    if (last && !to_publish.push(std::move(*last))) return;
+    to_publish.close();
+  });
 
   try {
     while (auto item = to_publish.pop()) {

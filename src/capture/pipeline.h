@@ -5,6 +5,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "capture/work_item.h"
 
@@ -16,7 +17,9 @@ struct PipelineStages {
   std::function<bool(WorkItem&)> read;     // thread 1; false at the end of the input
   std::function<void(WorkItem&)> detect;   // thread 2, network context
   std::function<void(WorkItem&)> segment;  // thread 3
-  std::function<void(WorkItem&)> solve;    // thread 4, solver context
+  // Thread 4, solver context. May keep an item until the next one comes, or until there are no more.
+  std::function<std::optional<WorkItem>(WorkItem&&)> solve;
+  std::function<std::optional<WorkItem>()> flush;
   std::function<bool(WorkItem&)> publish;  // caller's thread, in input order; false to stop early
 };
 

@@ -4,6 +4,8 @@
 #include <optional>
 #include <utility>
 
+#include "pose/person_height.h"
+#include "pose/strayed_legs.h"
 #include "pose/turned_trunk.h"
 #include "surface/hanging_cloth.h"
 
@@ -83,7 +85,6 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
     Matches matches;
     if (round < n_levels) matches = find_matches(options_.match_levels[round]);
     const bool refining = n_levels > 0 && round >= n_levels - options_.refining_rounds;
-    solution.coverage = matches.coverage;
     solution.pose = solver_.solve(PoseInput{.detections = detections,
                                             .initial = from,
                                             .previous = previous,
@@ -92,6 +93,8 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
                                             .matches = matches.found,
                                             .arms_3d = refining ? options_.refined_arms_3d : 1,
                                             .n_steps = previous ? options_.pose.steps : options_.pose.first_steps});
+    solution.cost = solution.pose.energy.total() +
+                    options_.pose.weights.match * matches.missed_weight * options_.missed_px * options_.missed_px;
   }
   return solution;
 }
@@ -127,6 +130,7 @@ PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& pre
   Solution best = solve_in_rounds(input, input.detections, predicted, &previous);
   try_exchanged_legs(input, predicted, previous, alternatives, best);
   try_turned(input, previous, best);
+  try_detected_legs(input, previous, best);
   return best.pose;
 }
 
@@ -138,25 +142,36 @@ void PoseStage::try_exchanged_legs(const PoseStageInput& input, const Pose& pred
     detections.person = true;
     detections.keypoints = keypoints;
     Solution other = solve_in_rounds(input, detections, predicted, &previous);
-    if (other.pose.status != SolveStatus::kOk) continue;
-    if (best.pose.status == SolveStatus::kOk && other.pose.energy.total() >= best.pose.energy.total()) continue;
-    best = std::move(other);
-    exchanged = true;
+    exchanged |= keep_better(std::move(other), best);
   }
   if (exchanged) ++exchanged_frames_;
 }
 
-// A body one stripe further round fits its matches, but nothing else as well. Energies alone do not tell: who matches
-// less pays less.
+// A body one stripe further round fits its matches, but nothing else as well.
 void PoseStage::try_turned(const PoseStageInput& input, const Pose& previous, Solution& best) {
   if (!matches(input) || best.pose.status != SolveStatus::kOk) return;
   const std::optional<Pose> turned =
       turned_trunk(actor_, best.pose.pose, input.detections, options_.pose, options_.least_turn_rad);
-  if (!turned) return;
-  Solution other = solve_in_rounds(input, input.detections, *turned, &previous);
-  if (other.pose.status == SolveStatus::kOk && other.pose.energy.total() < best.pose.energy.total() &&
-      other.coverage >= best.coverage)
-    best = std::move(other);
+  if (turned) try_from(input, *turned, previous, best);
+}
+
+void PoseStage::try_detected_legs(const PoseStageInput& input, const Pose& previous, Solution& best) {
+  if (!matches(input) || best.pose.status != SolveStatus::kOk) return;
+  const double least_px = options_.strayed_share * keypoints_height_px(input.detections);
+  const std::optional<Pose> bent =
+      with_detected_legs(actor_, camera_, best.pose.pose, input.detections, options_.pose, least_px);
+  if (bent) try_from(input, *bent, previous, best);
+}
+
+void PoseStage::try_from(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best) {
+  keep_better(solve_in_rounds(input, input.detections, initial, &previous), best);
+}
+
+bool PoseStage::keep_better(Solution other, Solution& best) {
+  if (other.pose.status != SolveStatus::kOk) return false;
+  if (best.pose.status == SolveStatus::kOk && other.cost >= best.cost) return false;
+  best = std::move(other);
+  return true;
 }
 
 }  // namespace livecap

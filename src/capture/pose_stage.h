@@ -39,8 +39,10 @@ class PoseStage {
   // From the detections alone. kNoObservations when they do not tell a pose.
   PoseResult find(const PoseStageInput& input);
 
-  // The skinned template, as last rendered by render().
+  // Skins the template and renders it.
   void render(const Pose& pose);
+  // [3*n_vertices] mm, camera frame, of the last render.
+  const ocl::Buffer<float>& skinned() const { return skinned_; }
 
   // Forgets what it knew of the last frames.
   void reset() { exchanged_frames_ = 0; }
@@ -48,7 +50,9 @@ class PoseStage {
  private:
   struct Solution {
     PoseResult pose;
-    double coverage = 0;  // of the last round's matches
+    // The energy, and for what the last round did not match that of a match missed_px away: alone it would favour who
+    // matches less.
+    double cost = 0;
   };
   Solution solve_in_rounds(const PoseStageInput& input, const Detections& detections, const Pose& initial,
                            const Pose* previous);
@@ -58,6 +62,9 @@ class PoseStage {
   void try_exchanged_legs(const PoseStageInput& input, const Pose& predicted, const Pose& previous,
                           const std::vector<KeypointDetections>& alternatives, Solution& best);
   void try_turned(const PoseStageInput& input, const Pose& previous, Solution& best);
+  void try_detected_legs(const PoseStageInput& input, const Pose& previous, Solution& best);
+  static bool keep_better(Solution other, Solution& best);
+  void try_from(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best);
 
   const Actor& actor_;
   Camera camera_;

@@ -10,6 +10,7 @@
 #include "base/trace.h"
 #include "capture/capture_output.h"
 #include "capture/components.h"
+#include "capture/fixed_lag.h"
 #include "capture/frame_reader.h"
 #include "capture/pipeline.h"
 #include "capture/tracker.h"
@@ -29,8 +30,12 @@ namespace livecap {
 namespace {
 
 constexpr std::string_view kBuiltin = "builtin:";
-// Frames between the beginning of segmentation and the end of the solvers: one in either and one handed over.
-constexpr int kFramesUnderWay = 3;
+// Frames between the beginning of segmentation and the end of the solvers: one in segmentation, one handed over, and
+// two in the solvers.
+constexpr int kFramesUnderWay = 4;
+// Weight of either neighbour in a pose that the surface is fitted to, and in the paper's filter of finished videos.
+constexpr double kLagShare = 0.25;
+constexpr double kPaperShare = 0.15;
 
 // The actor's GLB as bytes: a file, or one of the built-in figures.
 std::string actor_bytes(const CaptureOptions& options) {
@@ -127,35 +132,44 @@ class Segmenter {
   int64_t missed_frames_ = std::numeric_limits<int32_t>::max();  // nobody yet
 };
 
-// Thread 4: both stages.
+// Thread 4: both stages. Between them each pose waits for its successor, so that the surface is fitted to a steady one.
 class Solver {
  public:
-  Solver(const CaptureOptions& options, ocl::DeviceContext& device, const Actor& actor, const Camera& camera)
-      : tracker_(device, actor, camera, tracker_options(options)) {
+  Solver(const CaptureOptions& options, ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
+         double lag_share)
+      : tracker_(device, actor, camera, tracker_options(options)), poses_(lag_share) {
     warm_up_tracker(tracker_, actor, camera);
   }
 
-  void solve(WorkItem& item) {
-    const double begin_us = tracing() ? trace_clock_us() : 0;
-    item.result = tracker_.track({item.image, item.detections, item.silhouette, item.mask, item.frame.get()});
-    item.frame.reset();
-    if (tracing()) trace_stages(item, begin_us);
-    auto& stage_ms = item.report.stage_ms;
-    stage_ms[static_cast<int>(CaptureStage::kPose)] = item.result.pose_ms;
-    stage_ms[static_cast<int>(CaptureStage::kSurface)] = item.result.surface_ms;
-    item.report.status = item.result.status;
-    item.report.iou = item.result.iou;
-    item.report.pose_energy = item.result.pose_energy;
-    item.report.surface_energy = item.result.surface_energy;
-    item.report.keypoint_error_px = item.result.keypoint_error_px;
+  std::optional<WorkItem> solve(WorkItem&& item) {
+    if (item.report.status != TrackStatus::kDamaged) {
+      const TraceSpan span("solve", "pose", item.report.index);
+      item.result = tracker_.solve_pose(input_of(item));
+      item.report.status = item.result.status;
+    }
+    return finished(poses_.push(std::move(item)));
   }
 
+  std::optional<WorkItem> flush() { return finished(poses_.flush()); }
+
  private:
-  // Both stages as the tracker timed them, one after the other.
-  static void trace_stages(const WorkItem& item, double begin_us) {
-    const double surface_us = begin_us + 1000 * item.result.pose_ms;
-    add_trace_span("solve", "pose", begin_us, surface_us, item.report.index);
-    add_trace_span("solve", "surface", surface_us, surface_us + 1000 * item.result.surface_ms, item.report.index);
+  static TrackInput input_of(const WorkItem& item) {
+    return {item.image, item.detections, item.silhouette, item.mask, item.frame.get()};
+  }
+
+  std::optional<WorkItem> finished(std::optional<WorkItem> item) {
+    if (!item || item->report.status == TrackStatus::kDamaged) return item;
+    const TraceSpan span("solve", "surface", item->report.index);
+    const TrackResult& result = item->result;
+    tracker_.solve_surface(input_of(*item), item->result);
+    item->frame.reset();
+    item->report.stage_ms[static_cast<int>(CaptureStage::kPose)] = result.pose_ms;
+    item->report.stage_ms[static_cast<int>(CaptureStage::kSurface)] = result.surface_ms;
+    item->report.iou = result.iou;
+    item->report.pose_energy = result.pose_energy;
+    item->report.surface_energy = result.surface_energy;
+    item->report.keypoint_error_px = result.keypoint_error_px;
+    return item;
   }
 
   static TrackerOptions tracker_options(const CaptureOptions& options) {
@@ -167,6 +181,7 @@ class Solver {
   }
 
   Tracker tracker_;
+  FixedLag poses_;
 };
 
 // The run itself. Its queues are closed when it returns.
@@ -181,16 +196,19 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   for (const ImageRgb& plate : reader.empty_plates()) background.train(plate);
   CaptureOutput output(options, actor, glb, reader.camera(), reader.info().fps);
 
+  const auto with = [&](std::string_view component) {
+    return std::count(options.without.begin(), options.without.end(), component) == 0;
+  };
+
   const ocl::DevicePair devices = ocl::select_device_pair(options.cnn_device, options.solver_device);
   ocl::DeviceContext cnn(devices.cnn, "network's device");
   ocl::DeviceContext solver_device(devices.solver, "solvers' device");
   DetectionSource detection(options, cnn);
   detection.warm_up(reader.camera());
-  Solver solver(options, solver_device, actor, reader.camera());
+  Solver solver(options, solver_device, actor, reader.camera(), with(kFixedLag) ? kLagShare : 0);
 
-  const bool gated = std::count(options.without.begin(), options.without.end(), kMaskGating) == 0;
   ocl::DeviceContext segmenter_device(solver_device, ocl::SharedMemory{}, "solvers' device, segmentation");
-  Segmenter segmenter(segmenter_device, background, reader.camera(), gated);
+  Segmenter segmenter(segmenter_device, background, reader.camera(), with(kMaskGating));
 
   PipelineStages stages;
   stages.read = [&](WorkItem& item) {
@@ -209,22 +227,28 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
     const TraceSpan span("segment", "segment", item.report.index);
     if (item.report.status != TrackStatus::kDamaged) segmenter.segment(item);
   };
-  stages.solve = [&](WorkItem& item) {
-    if (item.report.status != TrackStatus::kDamaged) solver.solve(item);
-  };
+  stages.solve = [&](WorkItem&& item) { return solver.solve(std::move(item)); };
+  stages.flush = [&] { return solver.flush(); };
   const int64_t buffers_before = ocl::BufferMemory::made;
   bool stopped_early = false;
-  stages.publish = [&](WorkItem& item) {
+  const auto publish = [&](WorkItem& item) {
     const TraceSpan span("output", "output", item.report.index);
     const FrameReport report = output.publish(item);
     stopped_early = progress && !progress(report, reader.n_frames());
     return !stopped_early;
+  };
+  FixedLag results(options.smooth ? kPaperShare : 0);
+  stages.publish = [&](WorkItem& item) {
+    std::optional<WorkItem> ready = results.push(std::move(item));
+    return !ready || publish(*ready);
   };
   if (options.sequential) {
     run_sequential(stages);
   } else {
     run_pipelined(stages, options.realtime);
   }
+  std::optional<WorkItem> last = results.flush();
+  if (last && !stopped_early) publish(*last);
   return output.finish(
       devices, {stopped_early, reader.input_complete(), ocl::BufferMemory::made - buffers_before, reader.warnings()});
 }

@@ -1,23 +1,19 @@
-// One frame of the method: stage I (pose), stage II (surface), snapping, and what is carried to the next frame.
-// Runs on one thread with the solver context.
+// One frame of the method: stage I (pose), stage II (surface), and whether the person is still the one that was
+// followed. Runs on one thread with the solver context.
 #pragma once
 
 #include <optional>
 #include <vector>
 
 #include "actor/actor.h"
-#include "actor/skinner.h"
 #include "capture/pose_stage.h"
+#include "capture/surface_stage.h"
 #include "capture/tracker_options.h"
 #include "image/device_frame.h"
 #include "livecap/camera.h"
 #include "livecap/capture.h"
 #include "raster/depth.h"
-#include "raster/part_mask.h"
 #include "raster/visibility.h"
-#include "surface/hanging_cloth.h"
-#include "surface/snap.h"
-#include "surface/surface_solver.h"
 
 namespace livecap {
 
@@ -48,7 +44,13 @@ class Tracker {
   // camera: undistorted. Builds every program and allocates every buffer. The actor must outlive the tracker.
   Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const TrackerOptions& options);
 
-  // Throws LogicError when there is a person or a silhouette and the mask is not of the camera's size.
+  // Stage I of the next frame: status, pose, and what concerns them. Throws LogicError when there is a person or a
+  // silhouette and the mask is not of the camera's size.
+  TrackResult solve_pose(const TrackInput& given);
+  // Stage II of a frame whose pose was solved, in the same order; poses of later frames may have been solved meanwhile
+  // if it has a frame on the device. Fills in the rest of the result: nothing for a frame that was not tracked.
+  void solve_surface(const TrackInput& given, TrackResult& result);
+  // One after the other.
   TrackResult track(const TrackInput& given);
 
   // Forgets the person: the next frame with detections is initialised.
@@ -60,39 +62,20 @@ class Tracker {
     bool accepted = false;
     bool initialized = false;
   };
-  Solved solve_pose(const PoseStageInput& input);
+  Solved solve_seen(const PoseStageInput& input);
   Solved solve_missed(const PoseStageInput& input);
   Pose predict() const;
   bool believable(const PoseResult& result, const Detections& detections) const;
-  void solve_surface(const Pose& pose, bool has_picture, TrackResult& result);
+  const DeviceFrame& frame_of(const TrackInput& given) const;
 
   const Actor& actor_;
   Camera camera_;
   TrackerOptions options_;
-  int n_vertices_;
-
-  Skinner skinner_;  // stage I
-  HangingCloth hanging_;
-  Skinner surface_skinner_;  // stage II
   DepthRasterizer rasterizer_;
   SurfaceVisibility visibility_;
-  PartMask part_mask_;
   PoseStage pose_stage_;
-  SurfaceSolver surface_solver_;
-  Snapper snapper_;
+  SurfaceStage surface_stage_;
   DeviceFrame frame_;  // where what comes from the host is uploaded to
-  const DeviceFrame* picture_ = &frame_;
-
-  ocl::Buffer<float> displacement_rest_;         // d-hat, rest frame; zero before the first surface
-  ocl::Buffer<float> before_displacement_rest_;  // the same of the frame before
-  ocl::Buffer<float> zero_;                      // [3n] always zero
-  ocl::Buffer<float> carried_share_;             // [n] share of each vertex's displacement that is carried on
-  ocl::Buffer<float> start_;                     // V^S + d^S
-  ocl::Buffer<float> skinned_;                   // V^S
-  ocl::Buffer<float> normals_;
-  ocl::Buffer<float> vertices_;  // the result
-  ocl::Buffer<float> before_;    // V^S + d^S of the frame before the last
-  int n_history_ = 0;            // of how many frames (at most two) there is a displacement
 
   int doubtful_frames_ = 0;  // on end until the last frame
   int missed_frames_ = 0;    // on end until the last frame, those in which the silhouette was followed included

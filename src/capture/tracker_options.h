@@ -30,8 +30,13 @@ struct TrackerOptions {
   // lengths in the picture tell better.
   int refining_rounds = 2;
   double refined_arms_3d = 0.1;
+  // Where several starts compete, what could not be matched costs like a match so far away.
+  double missed_px = 2;
   // A body that faces so much elsewhere than the detections is solved from there as well (pose/turned_trunk.h).
   double least_turn_rad = 0.21;
+  // So is one with an ankle so far from its detection, as a share of the person's height in the picture
+  // (pose/strayed_legs.h).
+  double strayed_share = 0.04;
   bool solve_pose = true;          // false: stage I ends with its initialisation from each frame's detections alone
   bool enable_surface = true;      // false: the result is the skinned template of stage I
   bool warp_displacements = true;  // carry the non-rigid displacement to the next frame
@@ -47,9 +52,9 @@ struct TrackerOptions {
   bool part_mask = true;  // b_i = 0 on another body part's region
   bool snapping = true;
   bool ignore_confidence = false;  // true: every keypoint the network knows counts fully
-  // Where the network seems to have exchanged the legs (pose/leg_exchange.h), stage I is solved both ways and the lower
-  // energy counts; but for no more than this many frames until both agree again, since in the long run the network is
-  // right. 0 = never.
+  // Where the network seems to have exchanged the legs (pose/leg_exchange.h), stage I is solved both ways and the
+  // better one counts; but for no more than this many frames until both agree again, since in the long run the network
+  // is right. 0 = never.
   int max_exchanged_frames = 9;
   // A pose whose mean keypoint error exceeds this fraction of the person's height in the picture is not believed: the
   // frame is solved again from the detections alone, and lost when that does not help.

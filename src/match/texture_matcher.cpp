@@ -212,7 +212,7 @@ Matches TextureMatcher::read() {
     matched += m[5];
     matches.found.push_back({i, m[0], m[1], m[2], m[3], m[4], m[5] / options_.weight_area_px});
   }
-  if (visible > 0) matches.coverage = matched / visible;
+  matches.missed_weight = (visible - matched) / options_.weight_area_px;
   return matches;
 }
 

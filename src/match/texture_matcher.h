@@ -37,7 +37,7 @@ struct MatchOptions {
 
 struct Matches {
   std::vector<VertexMatch> found;  // by vertex
-  double coverage = 0;             // of the visible wanted picture, how much was found, times its correlation: 0..1
+  double missed_weight = 0;        // what the visible vertices' weights fall short of that of perfect matches
 };
 
 class TextureMatcher {

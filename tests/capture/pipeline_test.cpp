@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <optional>
 #include <thread>
+#include <utility>
 
 #include "livecap/error.h"
 
@@ -26,7 +28,11 @@ struct Recorder {
     };
     s.detect = [](WorkItem& item) { item.detections.frame_index = item.report.index; };
     s.segment = [](WorkItem& item) { item.silhouette.area_px = static_cast<int>(item.detections.frame_index); };
-    s.solve = [](WorkItem& item) { item.report.score = static_cast<double>(item.silhouette.area_px); };
+    s.solve = [](WorkItem&& item) {
+      item.report.score = static_cast<double>(item.silhouette.area_px);
+      return std::optional<WorkItem>(std::move(item));
+    };
+    s.flush = [] { return std::nullopt; };
     s.publish = [this](WorkItem& item) {
       EXPECT_EQ(item.report.score, static_cast<double>(item.report.index));
       for (const auto& report : item.dropped_before) {
@@ -80,7 +86,12 @@ TEST(Pipeline, AnErrorInAnyStageEndsTheRunWithItsMessage) {
     }
     if (failing == 1) stages.detect = fail_at_ten;
     if (failing == 2) stages.segment = fail_at_ten;
-    if (failing == 3) stages.solve = fail_at_ten;
+    if (failing == 3) {
+      stages.solve = [&](WorkItem&& item) {
+        fail_at_ten(item);
+        return std::optional<WorkItem>(std::move(item));
+      };
+    }
     if (failing == 4) {
       stages.publish = [&](WorkItem& item) {
         fail_at_ten(item);
@@ -90,6 +101,21 @@ TEST(Pipeline, AnErrorInAnyStageEndsTheRunWithItsMessage) {
       stages.publish = [](WorkItem&) { return true; };
     }
     EXPECT_THROW(run_pipelined(stages, false), IoError) << failing;
+  }
+}
+
+TEST(Pipeline, ASolverMayKeepAFrameUntilTheNext) {
+  for (const bool pipelined : {false, true}) {
+    Recorder recorder{7};
+    PipelineStages stages = recorder.stages();
+    std::optional<WorkItem> kept;
+    stages.solve = [&](WorkItem&& item) {
+      item.report.score = static_cast<double>(item.report.index);
+      return std::exchange(kept, std::move(item));
+    };
+    stages.flush = [&] { return std::exchange(kept, std::nullopt); };
+    pipelined ? run_pipelined(stages, false) : run_sequential(stages);
+    EXPECT_EQ(recorder.published, (std::vector<int64_t>{0, 1, 2, 3, 4, 5, 6})) << pipelined;
   }
 }
 

@@ -87,7 +87,7 @@ void add_capture_command(CLI::App& app, Action& action) {
       ->delimiter(',');
   command->add_option("--rigidity", capture.rigidity, "material weight of the whole surface, instead of each label's")
       ->check(CLI::PositiveNumber);
-  command->add_flag("--smooth", capture.smooth, "filter the result with [0.15, 0.7, 0.15] over time");
+  command->add_flag("--smooth", capture.smooth, "filter the result with [0.15, 0.7, 0.15] over time once more");
 
   command->add_flag("--sequential", capture.sequential, "one thread; the result is the same");
   command->add_option("--pace", options->pace, "fast: every frame; realtime: as a camera would deliver them")

@@ -1,0 +1,85 @@
+#include "capture/surface_stage.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace livecap {
+
+SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
+                           const TrackerOptions& options, DepthRasterizer& rasterizer, SurfaceVisibility& visibility)
+    : actor_(actor),
+      camera_(camera),
+      options_(options),
+      hanging_(actor, options.hanging),
+      skinner_(device, actor, hanging_.weights(), actor.skeleton.n_bones() + 1),
+      rasterizer_(rasterizer),
+      visibility_(visibility),
+      part_mask_(device, actor.mesh, body_parts_of_vertices(actor.skeleton, actor.skin), camera.width, camera.height),
+      solver_(device, actor, camera, options.surface),
+      snapper_(device, actor, solver_.domain(), options.snap) {
+  for (ocl::Buffer<float>* buffer :
+       {&displacement_rest_, &before_displacement_rest_, &zero_, &start_, &skinned_, &normals_, &vertices_, &before_}) {
+    *buffer = ocl::Buffer<float>(device, size_t(3) * actor.n_vertices());
+    buffer->fill(0);
+  }
+  std::vector<float> share(actor.n_vertices());
+  for (int i = 0; i < actor.n_vertices(); ++i)
+    share[i] = actor.rigidity[i] <= options.max_carried_rigidity ? options.carried_share : 0.0f;
+  carried_share_ = ocl::Buffer<float>(device, share);
+}
+
+void SurfaceStage::reset() {
+  n_history_ = 0;
+  displacement_rest_.fill(0);
+  before_displacement_rest_.fill(0);
+}
+
+double SurfaceStage::solve(const Pose& pose, const DeviceFrame* picture) {
+  skinner_.set_pose(hanging_.dual_quats(forward_kinematics(actor_.skeleton, pose)));
+  skinner_.skin(zero_, skinned_);
+  if (!picture) {
+    vertices_.copy_from(skinned_);
+    return 0;
+  }
+  skinner_.skin(displacement_rest_, start_);
+  if (n_history_ >= 2) skinner_.skin(before_displacement_rest_, before_);
+  skinner_.normals(start_, normals_);
+  rasterizer_.render(start_, camera_);
+  visibility_.find_visible(start_, normals_, rasterizer_);
+  visibility_.find_contour(rasterizer_);
+  if (options_.part_mask) part_mask_.update(rasterizer_);
+  const ocl::Buffer<uint8_t>* part_image = options_.part_mask ? &part_mask_.part_image() : nullptr;
+  const ocl::Buffer<int32_t>* vertex_part = options_.part_mask ? &part_mask_.vertex_part() : nullptr;
+
+  const SurfaceResult surface = solver_.solve(SurfaceInput{.frame = *picture,
+                                                           .skinned = skinned_,
+                                                           .start = start_,
+                                                           .previous = n_history_ >= 1 ? &start_ : nullptr,
+                                                           .before_previous = n_history_ >= 2 ? &before_ : nullptr,
+                                                           .visible = visibility_.visible(),
+                                                           .contour_flag = visibility_.contour(),
+                                                           .normals = normals_,
+                                                           .part_image = part_image,
+                                                           .vertex_part = vertex_part});
+  vertices_.copy_from(*surface.vertices);
+  if (options_.snapping) {
+    skinner_.normals(vertices_, normals_);
+    rasterizer_.render(vertices_, camera_);
+    visibility_.find_contour(rasterizer_);
+    snapper_.snap(SnapInput{.frame = *picture,
+                            .contour_flag = visibility_.contour(),
+                            .normals = normals_,
+                            .part_image = part_image,
+                            .vertex_part = vertex_part},
+                  vertices_);
+  }
+  // The temporal terms compare displacements, not positions (docs/paper_map.md): `previous` is the warped start itself.
+  if (options_.warp_displacements) {
+    std::swap(before_displacement_rest_, displacement_rest_);
+    skinner_.unskin_displacement(vertices_, skinned_, carried_share_, displacement_rest_);
+  }
+  n_history_ = std::min(n_history_ + 1, 2);
+  return surface.energies.total();
+}
+
+}  // namespace livecap

@@ -1,0 +1,57 @@
+// Stage II of one frame: the warped displacement, the non-rigid solve, snapping, and what is carried to the next frame.
+#pragma once
+
+#include "actor/actor.h"
+#include "actor/skinner.h"
+#include "capture/tracker_options.h"
+#include "image/device_frame.h"
+#include "livecap/camera.h"
+#include "raster/depth.h"
+#include "raster/part_mask.h"
+#include "raster/visibility.h"
+#include "surface/hanging_cloth.h"
+#include "surface/snap.h"
+#include "surface/surface_solver.h"
+
+namespace livecap {
+
+class SurfaceStage {
+ public:
+  // Everything given must outlive it. rasterizer and visibility are left as the last solve used them.
+  SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const TrackerOptions& options,
+               DepthRasterizer& rasterizer, SurfaceVisibility& visibility);
+
+  // picture: nullptr where nothing is segmented: the skinned template then. Returns the energy.
+  double solve(const Pose& pose, const DeviceFrame* picture);
+
+  // [3*n_vertices] mm, camera frame, of the last solve.
+  const ocl::Buffer<float>& vertices() const { return vertices_; }
+
+  // Forgets the displacement.
+  void reset();
+
+ private:
+  const Actor& actor_;
+  Camera camera_;
+  TrackerOptions options_;
+  HangingCloth hanging_;
+  Skinner skinner_;
+  DepthRasterizer& rasterizer_;
+  SurfaceVisibility& visibility_;
+  PartMask part_mask_;
+  SurfaceSolver solver_;
+  Snapper snapper_;
+
+  ocl::Buffer<float> displacement_rest_;         // d-hat, rest frame; zero before the first surface
+  ocl::Buffer<float> before_displacement_rest_;  // the same of the frame before
+  ocl::Buffer<float> zero_;                      // [3n] always zero
+  ocl::Buffer<float> carried_share_;             // [n] share of each vertex's displacement that is carried on
+  ocl::Buffer<float> start_;                     // V^S + d^S
+  ocl::Buffer<float> skinned_;                   // V^S
+  ocl::Buffer<float> normals_;
+  ocl::Buffer<float> vertices_;  // the result
+  ocl::Buffer<float> before_;    // V^S + d^S of the frame before the last
+  int n_history_ = 0;            // of how many frames (at most two) there is a displacement
+};
+
+}  // namespace livecap

@@ -1,0 +1,82 @@
+// The poses that stage I also tries when a pattern, or the other shoe, may have led it astray.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pose/strayed_legs.h"
+#include "pose/turned_trunk.h"
+#include "support/pose_scene.h"
+#include "support/tolerances.h"
+
+namespace livecap {
+namespace {
+
+PoseOptions as_detected() {
+  PoseOptions options;
+  options.rebone = false;
+  return options;
+}
+
+double facing_rad(const Pose& from, const Pose& to) {
+  return vector_from_rotation(to.root_rotation * from.root_rotation.transpose()).norm();
+}
+
+TEST(OtherStarts, ATrunkIsTurnedToWhereTheDetectionsFace) {
+  const Actor actor = test::make_test_actor();
+  const Camera camera = test::portrait_camera();
+  for (const double facing : {-0.9, -0.3, 0.3, 2.9}) {
+    const Pose truth = test::standing_pose(actor, facing);
+    const Pose strayed = test::standing_pose(actor, facing + 0.35);
+    const Detections detections = test::exact_detections(actor, camera, truth);
+    const auto turned = turned_trunk(actor, strayed, detections, as_detected(), 0.21);
+    ASSERT_TRUE(turned.has_value()) << facing;
+    EXPECT_LT(facing_rad(*turned, truth), 0.03) << facing;
+    EXPECT_EQ(turned->root_translation_mm, strayed.root_translation_mm);
+    EXPECT_FALSE(turned_trunk(actor, strayed, detections, as_detected(), 0.5).has_value()) << facing;
+  }
+}
+
+// Network depth leans whole bodies; that is not what this is about.
+TEST(OtherStarts, ALeanIsLeftAlone) {
+  const Actor actor = test::make_test_actor();
+  const Pose upright = test::standing_pose(actor, 0.4);
+  Pose leaning = upright;
+  leaning.root_rotation = rotation_from_vector(Eigen::Vector3d(0.5, 0, 0)) * upright.root_rotation;
+  const Detections detections = test::exact_detections(actor, test::portrait_camera(), upright);
+  EXPECT_FALSE(turned_trunk(actor, leaning, detections, as_detected(), 0.21).has_value());
+  Detections nobody = detections;
+  nobody.person = false;
+  EXPECT_FALSE(turned_trunk(actor, test::standing_pose(actor, 1.4), nobody, as_detected(), 0.21).has_value());
+}
+
+TEST(OtherStarts, OnlyALegFarFromItsAnkleIsBentAnew) {
+  const Actor actor = test::make_test_actor();
+  const Camera camera = test::portrait_camera();
+  const Pose truth = test::standing_pose(actor, 0);
+  const Detections detections = test::exact_detections(actor, camera, truth);
+  Pose strayed = truth;
+  for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
+    const std::string& name = actor.skeleton.dofs[k].name;
+    if (name == "left_hip_z") strayed.angles_rad[k] += 0.4;
+    if (name == "right_knee_x" || name == "left_shoulder_z") strayed.angles_rad[k] += 0.05;
+  }
+  EXPECT_FALSE(with_detected_legs(actor, camera, truth, detections, as_detected(), 20).has_value());
+  const auto bent = with_detected_legs(actor, camera, strayed, detections, as_detected(), 20);
+  ASSERT_TRUE(bent.has_value());
+  const auto keypoints = [&](const Pose& pose) {
+    return keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
+  };
+  EXPECT_GT((keypoints(strayed)[kLeftAnkle] - keypoints(truth)[kLeftAnkle]).norm(), 100);
+  EXPECT_LT((keypoints(*bent)[kLeftAnkle] - keypoints(truth)[kLeftAnkle]).norm(), test::kInitializedMm);
+  for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
+    const std::string& name = actor.skeleton.dofs[k].name;
+    if (name.starts_with("left_hip") || name.starts_with("left_knee") || name.starts_with("left_ankle")) continue;
+    EXPECT_EQ(bent->angles_rad[k], strayed.angles_rad[k]) << name;
+  }
+  Detections unsure = detections;
+  unsure.keypoints[kLeftAnkle].confidence = 0.3f;
+  EXPECT_FALSE(with_detected_legs(actor, camera, strayed, unsure, as_detected(), 20).has_value());
+}
+
+}  // namespace
+}  // namespace livecap

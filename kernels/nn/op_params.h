@@ -28,10 +28,10 @@ typedef struct {
   int count;                              // work-items of this step
   int panels_innermost;                   // 1: work-items run over panels first (few weights), 0: over pixels first
   int align_corners, half_pixel_centers;  // RESIZE_BILINEAR, RESIZE_NEAREST
-  int mode;                               // RESIZE_NEAREST: rounding 0 down, 1 up, 2 to the nearest, halves down, 3 halves up.
-                                          // AVERAGE_POOL_2D: 1 counts the padding. HARD_SIGMOID: 1 multiplies with x
-  float slope, offset;                    // LEAKY_RELU, HARD_SIGMOID
-  float low, high;                        // the activation clamps to these
+  int mode;             // RESIZE_NEAREST: rounding 0 down, 1 up, 2 to the nearest, halves down, 3 halves up.
+                        // AVERAGE_POOL_2D: 1 counts the padding. HARD_SIGMOID: 1 multiplies with x
+  float slope, offset;  // LEAKY_RELU, HARD_SIGMOID
+  float low, high;      // the activation clamps to these
 } NnOp;
 
 #endif

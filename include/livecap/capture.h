@@ -73,9 +73,9 @@ struct FrameReport {
   int64_t index = 0;  // of the input
   double pts_ms = 0;
   TrackStatus status = TrackStatus::kNobody;
-  double score = 0;  // network's person probability
-  double iou = 0;    // rendered mesh against the segmented silhouette
-  double pose_energy = 0;
+  double score = 0;        // network's person probability
+  double iou = 0;          // rendered mesh against the segmented silhouette
+  double pose_energy = 0;  // of the pose as it was solved, as is keypoint_error_px; the others of the published result
   double surface_energy = 0;
   double keypoint_error_px = 0;  // mean over the detected keypoints
   std::array<double, kStageCount> stage_ms{};

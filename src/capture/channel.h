@@ -56,6 +56,11 @@ class Channel {
     changed_.notify_all();
   }
 
+  bool aborted() {
+    std::unique_lock lock(mutex_);
+    return aborted_;
+  }
+
  private:
   std::mutex mutex_;
   std::condition_variable changed_;

@@ -97,6 +97,7 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins) {
       std::optional<WorkItem> solved = stages.solve(std::move(*item));
       if (solved && !to_publish.push(std::move(*solved))) return;
     }
+    if (to_solve.aborted()) return;
     std::optional<WorkItem> last = stages.flush();
     if (last && !to_publish.push(std::move(*last))) return;
     to_publish.close();

@@ -131,20 +131,20 @@ PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& pre
   try_exchanged_legs(input, predicted, previous, alternatives, best);
   try_turned(input, previous, best);
   try_detected_legs(input, previous, best);
+  if (best.exchanged) ++exchanged_frames_;
   return best.pose;
 }
 
 void PoseStage::try_exchanged_legs(const PoseStageInput& input, const Pose& predicted, const Pose& previous,
                                    const std::vector<KeypointDetections>& alternatives, Solution& best) {
-  bool exchanged = false;
   for (const KeypointDetections& keypoints : alternatives) {
     Detections detections;
     detections.person = true;
     detections.keypoints = keypoints;
     Solution other = solve_in_rounds(input, detections, predicted, &previous);
-    exchanged |= keep_better(std::move(other), best);
+    other.exchanged = true;
+    keep_better(std::move(other), best);
   }
-  if (exchanged) ++exchanged_frames_;
 }
 
 // A body one stripe further round fits its matches, but nothing else as well.
@@ -158,6 +158,7 @@ void PoseStage::try_turned(const PoseStageInput& input, const Pose& previous, So
 void PoseStage::try_detected_legs(const PoseStageInput& input, const Pose& previous, Solution& best) {
   if (!matches(input) || best.pose.status != SolveStatus::kOk) return;
   const double least_px = options_.strayed_share * keypoints_height_px(input.detections);
+  if (!(least_px > 0)) return;
   const std::optional<Pose> bent =
       with_detected_legs(actor_, camera_, best.pose.pose, input.detections, options_.pose, least_px);
   if (bent) try_from(input, *bent, previous, best);
@@ -167,11 +168,10 @@ void PoseStage::try_from(const PoseStageInput& input, const Pose& initial, const
   keep_better(solve_in_rounds(input, input.detections, initial, &previous), best);
 }
 
-bool PoseStage::keep_better(Solution other, Solution& best) {
-  if (other.pose.status != SolveStatus::kOk) return false;
-  if (best.pose.status == SolveStatus::kOk && other.cost >= best.cost) return false;
+void PoseStage::keep_better(Solution other, Solution& best) {
+  if (other.pose.status != SolveStatus::kOk) return;
+  if (best.pose.status == SolveStatus::kOk && other.cost >= best.cost) return;
   best = std::move(other);
-  return true;
 }
 
 }  // namespace livecap

@@ -53,6 +53,7 @@ class PoseStage {
     // The energy, and for what the last round did not match that of a match missed_px away: alone it would favour who
     // matches less.
     double cost = 0;
+    bool exchanged = false;  // from detections with the legs exchanged
   };
   Solution solve_in_rounds(const PoseStageInput& input, const Detections& detections, const Pose& initial,
                            const Pose* previous);
@@ -63,7 +64,7 @@ class PoseStage {
                           const std::vector<KeypointDetections>& alternatives, Solution& best);
   void try_turned(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_detected_legs(const PoseStageInput& input, const Pose& previous, Solution& best);
-  static bool keep_better(Solution other, Solution& best);
+  static void keep_better(Solution other, Solution& best);
   void try_from(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best);
 
   const Actor& actor_;

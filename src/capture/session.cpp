@@ -203,11 +203,13 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   const ocl::DevicePair devices = ocl::select_device_pair(options.cnn_device, options.solver_device);
   ocl::DeviceContext cnn(devices.cnn, "network's device");
   ocl::DeviceContext solver_device(devices.solver, "solvers' device");
+  ocl::DeviceContext segmenter_device(
+      solver_device, ocl::SharedMemory{},
+      "solvers' device, segmentation");  // outlives the solver, which holds frames of it
   DetectionSource detection(options, cnn);
   detection.warm_up(reader.camera());
   Solver solver(options, solver_device, actor, reader.camera(), with(kFixedLag) ? kLagShare : 0);
 
-  ocl::DeviceContext segmenter_device(solver_device, ocl::SharedMemory{}, "solvers' device, segmentation");
   Segmenter segmenter(segmenter_device, background, reader.camera(), with(kMaskGating));
 
   PipelineStages stages;

@@ -52,6 +52,7 @@ Tracker::Solved Tracker::solve_seen(const PoseStageInput& input) {
   if (!options_.solve_pose) {
     const std::optional<Pose> found = initialize_pose(actor_, camera_, input.detections, options_.pose);
     solved.accepted = found.has_value();
+    solved.initialized = !last_pose_;
     if (found) solved.pose.pose = *found;
     return solved;
   }

@@ -8,9 +8,16 @@
 #include "pose/targets.h"
 
 namespace livecap {
+namespace {
+
+constexpr float kTrusted = 0.5f;  // confidence of detections that may overrule the picture
+
+}  // namespace
 
 std::optional<Pose> turned_trunk(const Actor& actor, const Pose& pose, const Detections& detections,
                                  const PoseOptions& options, double least_turn_rad) {
+  for (int k : {kLeftHip, kRightHip, kLeftShoulder, kRightShoulder})
+    if (!(detections.keypoints[k].confidence >= kTrusted)) return std::nullopt;
   const std::optional<Eigen::Matrix3d> detected = torso_rotation(actor, detections, options);
   if (!detected) return std::nullopt;
   const auto rest = keypoint_positions(actor, forward_kinematics(actor.skeleton, rest_pose(actor.skeleton)));

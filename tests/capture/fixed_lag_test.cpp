@@ -42,7 +42,7 @@ void expect(const std::vector<std::pair<float, double>>& got, const std::vector<
   ASSERT_EQ(got.size(), wanted.size());
   for (size_t i = 0; i < wanted.size(); ++i) {
     EXPECT_FLOAT_EQ(got[i].first, float(wanted[i])) << i;
-    EXPECT_NEAR(got[i].second, wanted[i], 1e-12) << i;
+    EXPECT_NEAR(got[i].second, wanted[i], test::kDoubleExact) << i;
   }
 }
 
@@ -94,11 +94,12 @@ TEST(FixedLag, AnEvenTurnStaysAndAJerkIsHalved) {
   Pose before = turned(0), now = turned(0), after = turned(0);
   before.root_rotation = about_y(-0.3) * now.root_rotation;
   after.root_rotation = about_y(0.3) * now.root_rotation;
-  EXPECT_LT((smooth_pose(before, now, after, 0.25).root_rotation - now.root_rotation).norm(), 1e-12);
+  EXPECT_LT((smooth_pose(before, now, after, 0.25).root_rotation - now.root_rotation).norm(), test::kDoubleExact);
   const Pose still = turned(0);
   Pose jerk = still;
   jerk.root_rotation = about_y(0.4) * still.root_rotation;
-  EXPECT_LT((smooth_pose(still, jerk, still, 0.25).root_rotation - about_y(0.2) * still.root_rotation).norm(), 1e-12);
+  EXPECT_LT((smooth_pose(still, jerk, still, 0.25).root_rotation - about_y(0.2) * still.root_rotation).norm(),
+            test::kDoubleExact);
 }
 
 TEST(FixedLag, ASharePastHalfIsRefused) {

@@ -9,6 +9,7 @@
 
 #include "livecap/error.h"
 #include "support/kernel_bodies.h"
+#include "support/tolerances.h"
 
 namespace livecap {
 namespace {
@@ -93,7 +94,7 @@ Drawing draw(const Camera& camera, const std::vector<double>& texture, double dx
   return d;
 }
 
-std::vector<VertexMatch> find(ocl::DeviceContext& device, const Actor& actor, const Drawing& drawing, int level) {
+Matches find_all(ocl::DeviceContext& device, const Actor& actor, const Drawing& drawing, int level) {
   const Camera camera = plane_camera();
   DeviceFrame frame(device, camera.width, camera.height);
   frame.upload(drawing.silhouette, drawing.picture);
@@ -108,7 +109,11 @@ std::vector<VertexMatch> find(ocl::DeviceContext& device, const Actor& actor, co
   raster.render(positions, camera);
   matcher.set_picture(frame, drawing.silhouette.box);
   matcher.match(raster, positions, normals, visible, share, level);
-  return matcher.read().found;
+  return matcher.read();
+}
+
+std::vector<VertexMatch> find(ocl::DeviceContext& device, const Actor& actor, const Drawing& drawing, int level) {
+  return find_all(device, actor, drawing, level).found;
 }
 
 bool well_inside(int vertex) {
@@ -155,6 +160,23 @@ TEST(TextureMatcher, FindsSmallMovesAtFullResolutionWhateverTheLight) {
       EXPECT_LT(quantile(e.u, 0.9), 0.5);
       EXPECT_LT(quantile(e.v, 0.9), 0.5);
     }
+  });
+}
+
+TEST(TextureMatcher, WhatIsNotMatchedIsCounted) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
+    const std::vector<double> texture = noise(1);
+    const Actor actor = plane_actor(texture);
+    const Matches same = find_all(device, actor, draw(plane_camera(), texture, 0, 0, 1, 1), 0);
+    double matched = 0;
+    for (const VertexMatch& match : same.found) matched += match.weight;
+    const Matches other = find_all(device, actor, draw(plane_camera(), noise(9), 0, 0, 1, 1), 0);
+    double by_chance = 0;
+    for (const VertexMatch& match : other.found) by_chance += match.weight;
+    EXPECT_LT(same.missed_weight, 0.3 * matched);
+    EXPECT_GT(other.missed_weight, 0.8 * (matched + same.missed_weight));
+    // Both see the same surface.
+    EXPECT_NEAR(by_chance + other.missed_weight, matched + same.missed_weight, test::kTermResidual * matched);
   });
 }
 

@@ -30,7 +30,7 @@ TEST(OtherStarts, ATrunkIsTurnedToWhereTheDetectionsFace) {
     const Detections detections = test::exact_detections(actor, camera, truth);
     const auto turned = turned_trunk(actor, strayed, detections, as_detected(), 0.21);
     ASSERT_TRUE(turned.has_value()) << facing;
-    EXPECT_LT(facing_rad(*turned, truth), 0.03) << facing;
+    EXPECT_LT(facing_rad(*turned, truth), test::kTurnedTrunkRad) << facing;
     EXPECT_EQ(turned->root_translation_mm, strayed.root_translation_mm);
     EXPECT_FALSE(turned_trunk(actor, strayed, detections, as_detected(), 0.5).has_value()) << facing;
   }

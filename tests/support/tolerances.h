@@ -87,6 +87,8 @@ inline constexpr double kPoseJacobian = 5e-5;
 inline constexpr double kGramFloat = 3e-6;
 // A solver that had its model and exact data: mm between its keypoints and the true ones.
 inline constexpr double kRecoveredMm = 1.0;
+// A torso that is turned about its axis alone onto detections of a standing figure, rad.
+inline constexpr double kTurnedTrunkRad = 0.03;
 // The initialisation alone: near enough for Gauss-Newton, mm.
 inline constexpr double kInitializedMm = 80;
 // Energy of the paper's few steps over that of a trusted solver run to convergence.

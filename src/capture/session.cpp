@@ -108,7 +108,7 @@ class Segmenter {
     Timer timer;
     const bool person = item.detections.person;
     missed_frames_ = person ? 0 : missed_frames_ + 1;
-    if (person || (foreground_.has_background() && missed_frames_ <= TrackerOptions{}.max_missed_frames)) {
+    if (person || (foreground_.has_background() && missed_frames_ <= kMaxMissedFrames)) {
       item.frame = frames_.take();
       const PersonMask& network_mask = gated_ ? item.detections.mask : no_mask_;
       const ForegroundResult found = foreground_.segment(item.image, network_mask, *item.frame, item.mask);

@@ -12,6 +12,9 @@
 
 namespace livecap {
 
+// The segmentation goes on for as long.
+inline constexpr int kMaxMissedFrames = 5;
+
 struct TrackerOptions {
   PoseOptions pose;
   SurfaceOptions surface;
@@ -65,7 +68,7 @@ struct TrackerOptions {
   // After a frame in which the network saw nobody, the person is taken up again where the motion would have led for so
   // many frames on end. What is not believed then is nobody: networks go on seeing something where a person just was.
   // In between the silhouette alone is followed, as long as the mesh has this IoU with it.
-  int max_missed_frames = 5;
+  int max_missed_frames = kMaxMissedFrames;
   double least_missed_iou = 0.75;
 };
 

@@ -4,9 +4,8 @@
 #include <optional>
 #include <utility>
 
+#include "pose/other_starts.h"
 #include "pose/person_height.h"
-#include "pose/strayed_legs.h"
-#include "pose/turned_trunk.h"
 #include "surface/hanging_cloth.h"
 
 namespace livecap {

@@ -35,10 +35,10 @@ struct TrackerOptions {
   double refined_arms_3d = 0.1;
   // Where several starts compete, what could not be matched costs like a match so far away.
   double missed_px = 2;
-  // A body that faces so much elsewhere than the detections is solved from there as well (pose/turned_trunk.h).
+  // A body that faces so much elsewhere than the detections is solved from there as well (pose/other_starts.h).
   double least_turn_rad = 0.21;
   // So is one with an ankle so far from its detection, as a share of the person's height in the picture
-  // (pose/strayed_legs.h).
+  // (pose/other_starts.h).
   double strayed_share = 0.04;
   bool solve_pose = true;          // false: stage I ends with its initialisation from each frame's detections alone
   bool enable_surface = true;      // false: the result is the skinned template of stage I

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/round_up.h"
 #include "base/text.h"
 #include "livecap/error.h"
 
@@ -14,10 +15,6 @@ constexpr int kBeyond = 32;        // px around the person in the picture
 constexpr int kMinTexture = 8;     // px
 constexpr int kMaxTexture = 1024;  // px; finer than a picture shows, and small enough for a cache
 constexpr size_t kLocal = 64;
-
-int round_up(int value, int step) {
-  return (value + step - 1) / step * step;
-}
 
 size_t pyramid_size(int width, int height) {
   size_t size = 0;
@@ -110,7 +107,7 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
   for (int32_t corner : actor.render.triangles)
     uvs.insert(uvs.end(), {actor.render.uvs[2 * corner], actor.render.uvs[2 * corner + 1]});
 
-  const int w = round_up(width_ + 2 * kBeyond, kWidthStep), h = round_up(height_ + 2 * kBeyond, 4);
+  const int w = int(round_up(width_ + 2 * kBeyond, kWidthStep)), h = int(round_up(height_ + 2 * kBeyond, 4));
   const size_t box = size_t(w) * h;
   texture_ = {device, texel_pairs(light)};
   uvs_ = {device, uvs};
@@ -166,8 +163,8 @@ void TextureMatcher::set_picture(const DeviceFrame& frame, const PixelBox& perso
   if (person.x0 < 0 || person.y0 < 0 || person.x1 > width_ || person.y1 > height_)
     throw LogicError(
         format("match: the person's box ends at %d, %d of %d x %d", person.x1, person.y1, width_, height_));
-  box_ = {person.x0 - kBeyond, person.y0 - kBeyond, round_up(person.width() + 2 * kBeyond, kWidthStep),
-          round_up(person.height() + 2 * kBeyond, 4)};
+  box_ = {person.x0 - kBeyond, person.y0 - kBeyond, int(round_up(person.width() + 2 * kBeyond, kWidthStep)),
+          int(round_up(person.height() + 2 * kBeyond, 4))};
   camera_picture_.launch(ocl::Range{size_t(box_.width / 16), size_t(box_.height), 1, 1}, box_, width_, height_,
                          frame.rgb, frame.signed_distance, light_, weight_);
   build_pyramid(LC_MATCH_LEVELS, camera_);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/round_up.h"
 #include "base/text.h"
 #include "geometry/mesh.h"
 #include "livecap/error.h"
@@ -20,10 +21,6 @@ constexpr int kMaxBones = 255;
 
 static_assert(LC_POSE_KEYPOINTS == kKeypointCount);
 static_assert(sizeof(PoseLayout) == 16 && sizeof(PoseContour) == 24);
-
-size_t round_up(size_t value, size_t step) {
-  return (value + step - 1) / step * step;
-}
 
 void require(bool ok, const std::string& message) {
   if (!ok) throw LogicError("pose: " + message);

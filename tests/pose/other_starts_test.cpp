@@ -1,10 +1,10 @@
 // The poses that stage I also tries when a pattern, or the other shoe, may have led it astray.
+#include "pose/other_starts.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "pose/strayed_legs.h"
-#include "pose/turned_trunk.h"
 #include "support/pose_scene.h"
 #include "support/tolerances.h"
 

@@ -1,0 +1,27 @@
+// Poses to start from as well where texture and silhouette may have led astray, as the detections have them: whole
+// bodies that were matched one stripe or check further round, where clothes with a pattern look nearly right, and legs
+// that hold on to the other one's shoe, which the robust E_2D lets them. (The same for arms made two of five sequences
+// worse: the network's elbows are bent too far.)
+#pragma once
+
+#include <optional>
+
+#include "actor/actor.h"
+#include "livecap/camera.h"
+#include "livecap/detections.h"
+#include "pose/pose_options.h"
+
+namespace livecap {
+
+// `pose` turned about the trunk's own axis (pelvis to neck) until it faces where the 3D detections face. nullopt when
+// that is less than least_turn_rad, or unknown (see torso_rotation), or
+// the network is not sure of hips and shoulders.
+std::optional<Pose> turned_trunk(const Actor& actor, const Pose& pose, const Detections& detections,
+                                 const PoseOptions& options, double least_turn_rad);
+
+// `pose` with every leg whose ankle lies at least least_px from its detection bent as initialize_pose would bend it.
+// nullopt when there is none or the detections do not tell.
+std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera, const Pose& pose,
+                                       const Detections& detections, const PoseOptions& options, double least_px);
+
+}  // namespace livecap

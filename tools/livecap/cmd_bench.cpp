@@ -121,16 +121,15 @@ int run(const BenchOptions& options) {
   catch_interrupt();
   Json json = machine_json();
   const ScratchFolder scratch;
-  fs::path sequence = options.sequence;
-  if (sequence.empty()) {
-    sequence = scratch.path() / "sequence";
+  const fs::path sequence = options.sequence.empty() ? scratch.path() / "sequence" : fs::path(options.sequence);
+  const CaptureOptions traced = traced_capture(options, sequence, scratch.path() / "trace");
+  traced.validate();
+  if (options.sequence.empty()) {
     SynthOptions synth;
     synth.n_frames = options.frames;
     synth.empty_frames = 0;
     make_bench_sequence(synth, sequence);
   }
-  const CaptureOptions traced = traced_capture(options, sequence, scratch.path() / "trace");
-  traced.validate();
   const BenchRun pipelined =
       bench_capture(bench_capture_options(options, sequence, scratch.path() / "pipelined"), "pipelined");
   CaptureOptions one_thread = bench_capture_options(options, sequence, scratch.path() / "sequential");

@@ -9,7 +9,20 @@
 namespace livecap {
 namespace {
 
-constexpr double kEvenSteps = 1.5;  // one time step by the other
+constexpr double kEvenSteps = 1.5;     // one time step by the other
+constexpr double kFastestMmPerMs = 8;  // of an ankle or an elbow
+
+// Whether a joint moves faster than people do: the tracker has thought better of it. Halfway between a wrong leg and
+// the right one there is none.
+bool jumps(const Skeleton& skeleton, const WorkItem& before, const WorkItem& after) {
+  const PosedSkeleton a = forward_kinematics(skeleton, before.result.pose);
+  const PosedSkeleton b = forward_kinematics(skeleton, after.result.pose);
+  double farthest_mm = 0;
+  for (int bone = 0; bone < skeleton.n_bones(); ++bone)
+    farthest_mm =
+        std::max(farthest_mm, (b.camera_from_bone[bone].translation() - a.camera_from_bone[bone].translation()).norm());
+  return farthest_mm > kFastestMmPerMs * (after.report.pts_ms - before.report.pts_ms);
+}
 
 }  // namespace
 
@@ -25,13 +38,8 @@ Pose smooth_pose(const Pose& previous, const Pose& current, const Pose& next, do
   return smoothed;
 }
 
-FixedLag::FixedLag(double neighbor_share) : neighbor_share_(neighbor_share) {
-  if (!(neighbor_share >= 0 && neighbor_share <= 0.5))
-    throw ConfigError(format("fixed lag: neighbor_share is %g; it must be from 0 to 0.5", neighbor_share));
-}
-
 // The waiting frame, which becomes the previous one.
-void FixedLag::smooth(const WorkItem* next) {
+void FixedLag::Pass::smooth(const WorkItem* next) {
   if (!is_tracked(waiting_->report.status)) return;
   TrackResult& current = waiting_->result;
   Neighbor captured{current, waiting_->report.pts_ms};
@@ -49,11 +57,10 @@ void FixedLag::smooth(const WorkItem* next) {
   previous_ = std::move(captured);
 }
 
-std::optional<WorkItem> FixedLag::push(WorkItem item) {
-  if (neighbor_share_ == 0) return item;
+std::optional<WorkItem> FixedLag::Pass::push(WorkItem item) {
   std::optional<WorkItem> ready;
   const bool goes_on = waiting_ && is_tracked(waiting_->report.status) && item.report.status == TrackStatus::kOk &&
-                       item.report.index == waiting_->report.index + 1;
+                       item.report.index == waiting_->report.index + 1 && !jumps(*skeleton_, *waiting_, item);
   if (waiting_) {
     smooth(goes_on ? &item : nullptr);
     ready = std::move(waiting_);
@@ -63,10 +70,36 @@ std::optional<WorkItem> FixedLag::push(WorkItem item) {
   return ready;
 }
 
-std::optional<WorkItem> FixedLag::flush() {
+std::optional<WorkItem> FixedLag::Pass::flush() {
   if (waiting_) smooth(nullptr);
   previous_.reset();
   return std::exchange(waiting_, std::nullopt);
+}
+
+FixedLag::FixedLag(const Skeleton& skeleton, double neighbor_share, int passes) {
+  if (!(neighbor_share >= 0 && neighbor_share <= 0.5))
+    throw ConfigError(format("fixed lag: neighbor_share is %g; it must be from 0 to 0.5", neighbor_share));
+  if (passes < 1) throw ConfigError(format("fixed lag: passes is %d; at least 1 is needed", passes));
+  if (neighbor_share > 0) passes_.assign(passes, Pass(skeleton, neighbor_share));
+}
+
+std::optional<WorkItem> FixedLag::push(WorkItem item) {
+  std::optional<WorkItem> ready = std::move(item);
+  for (Pass& pass : passes_) {
+    ready = pass.push(std::move(*ready));
+    if (!ready) break;
+  }
+  return ready;
+}
+
+// What leaves a pass at its end still goes through those behind it.
+std::optional<WorkItem> FixedLag::flush() {
+  std::optional<WorkItem> ready;
+  for (Pass& pass : passes_) {
+    if (ready) ready = pass.push(std::move(*ready));
+    if (!ready) ready = pass.flush();
+  }
+  return ready;
 }
 
 }  // namespace livecap

@@ -1,5 +1,6 @@
-// A filter of three frames over what was captured, [s, 1 - 2s, s]: each frame waits for its successor. What trembles
-// from frame to frame is network noise and matches that come and go; people do not move at half the frame rate.
+// A filter over what was captured, [s, 1 - 2s, s] once or several times over: each frame waits for as many successors.
+// What trembles from frame to frame is network noise and matches that come and go; people do not move at half the frame
+// rate. Twice with s = 0.25 is [1 4 6 4 1] / 16.
 #pragma once
 
 #include <optional>
@@ -16,26 +17,38 @@ Pose smooth_pose(const Pose& previous, const Pose& current, const Pose& next, do
 
 class FixedLag {
  public:
-  // neighbor_share: s, in [0, 0.5]. Throws ConfigError.
-  explicit FixedLag(double neighbor_share);
+  // skeleton: of all poses, outlives this. neighbor_share: s, in [0, 0.5]; passes: at least 1. Throws ConfigError.
+  FixedLag(const Skeleton& skeleton, double neighbor_share, int passes);
 
-  // Takes a frame and gives the one before it (with a share of 0 the frame itself): pose and vertices of a tracked
-  // frame smoothed with those of both its neighbours. It stays as captured where a neighbour was not tracked, belongs
-  // to another track, was dropped, or is much further away in time than the other: the filter would move it along.
+  // Takes a frame and gives the one that has waited for long enough (with a share of 0 the frame itself): in every pass
+  // pose and vertices of a tracked frame are smoothed with those of both its neighbours. They stay as they were where a
+  // neighbour was not tracked, belongs to another track, was dropped, is much further away in time than the other,
+  // which would move it along, or moved faster than people do.
   std::optional<WorkItem> push(WorkItem item);
-  // The last one.
+  // The next of those that still wait, if any.
   std::optional<WorkItem> flush();
 
  private:
-  struct Neighbor {
-    TrackResult result;
-    double pts_ms;
-  };
-  void smooth(const WorkItem* next);
+  class Pass {
+   public:
+    Pass(const Skeleton& skeleton, double neighbor_share) : skeleton_(&skeleton), neighbor_share_(neighbor_share) {}
+    std::optional<WorkItem> push(WorkItem item);
+    std::optional<WorkItem> flush();
 
-  double neighbor_share_;
-  std::optional<WorkItem> waiting_;
-  std::optional<Neighbor> previous_;  // as captured, when it is a neighbour of the waiting one
+   private:
+    struct Neighbor {
+      TrackResult result;
+      double pts_ms;
+    };
+    void smooth(const WorkItem* next);
+
+    const Skeleton* skeleton_;
+    double neighbor_share_;
+    std::optional<WorkItem> waiting_;
+    std::optional<Neighbor> previous_;  // as it came, when it is a neighbour of the waiting one
+  };
+
+  std::vector<Pass> passes_;  // none with a share of 0
 };
 
 }  // namespace livecap

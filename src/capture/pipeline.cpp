@@ -44,8 +44,9 @@ void run_sequential(const PipelineStages& stages) {
     std::optional<WorkItem> solved = stages.solve(std::move(item));
     if (solved && !stages.publish(*solved)) return;
   }
-  std::optional<WorkItem> last = stages.flush();
-  if (last) stages.publish(*last);
+  while (std::optional<WorkItem> waited = stages.flush()) {
+    if (!stages.publish(*waited)) return;
+  }
 }
 
 void run_pipelined(const PipelineStages& stages, bool newest_wins) {
@@ -98,8 +99,9 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins) {
       if (solved && !to_publish.push(std::move(*solved))) return;
     }
     if (to_solve.aborted()) return;
-    std::optional<WorkItem> last = stages.flush();
-    if (last && !to_publish.push(std::move(*last))) return;
+    while (std::optional<WorkItem> waited = stages.flush()) {
+      if (!to_publish.push(std::move(*waited))) return;
+    }
     to_publish.close();
   });
 

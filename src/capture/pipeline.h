@@ -17,7 +17,7 @@ struct PipelineStages {
   std::function<bool(WorkItem&)> read;     // thread 1; false at the end of the input
   std::function<void(WorkItem&)> detect;   // thread 2, network context
   std::function<void(WorkItem&)> segment;  // thread 3
-  // Thread 4, solver context. May keep an item until the next one comes, or until there are no more.
+  // Thread 4, solver context. May keep items until others come; flush gives one of those that are left, or none.
   std::function<std::optional<WorkItem>(WorkItem&&)> solve;
   std::function<std::optional<WorkItem>()> flush;
   std::function<bool(WorkItem&)> publish;  // caller's thread, in input order; false to stop early

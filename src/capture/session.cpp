@@ -31,8 +31,9 @@ namespace {
 
 constexpr std::string_view kBuiltin = "builtin:";
 // Frames between the beginning of segmentation and the end of the solvers: one in segmentation, one handed over, and
-// two in the solvers.
-constexpr int kFramesUnderWay = 4;
+// those in the solvers, of which as many wait as there are passes.
+constexpr int kLagPasses = 2;
+constexpr int kFramesUnderWay = 3 + kLagPasses;
 // Weight of either neighbour in a pose that the surface is fitted to, and in the paper's filter of finished videos.
 constexpr double kLagShare = 0.25;
 constexpr double kPaperShare = 0.15;
@@ -132,12 +133,12 @@ class Segmenter {
   int64_t missed_frames_ = std::numeric_limits<int32_t>::max();  // nobody yet
 };
 
-// Thread 4: both stages. Between them each pose waits for its successor, so that the surface is fitted to a steady one.
+// Thread 4: both stages. Between them each pose waits for the next two, so that the surface is fitted to a steady one.
 class Solver {
  public:
   Solver(const CaptureOptions& options, ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
          double lag_share)
-      : tracker_(device, actor, camera, tracker_options(options)), poses_(lag_share) {
+      : tracker_(device, actor, camera, tracker_options(options)), poses_(actor.skeleton, lag_share, kLagPasses) {
     warm_up_tracker(tracker_, actor, camera);
   }
 
@@ -239,7 +240,7 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
     stopped_early = progress && !progress(report, reader.n_frames());
     return !stopped_early;
   };
-  FixedLag results(options.smooth ? kPaperShare : 0);
+  FixedLag results(actor.skeleton, options.smooth ? kPaperShare : 0, 1);
   stages.publish = [&](WorkItem& item) {
     std::optional<WorkItem> ready = results.push(std::move(item));
     return !ready || publish(*ready);
@@ -249,8 +250,9 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   } else {
     run_pipelined(stages, options.realtime);
   }
-  std::optional<WorkItem> last = results.flush();
-  if (last && !stopped_early) publish(*last);
+  while (std::optional<WorkItem> last = results.flush()) {
+    if (!stopped_early) publish(*last);
+  }
   return output.finish(
       devices, {stopped_early, reader.input_complete(), ocl::BufferMemory::made - buffers_before, reader.warnings()});
 }

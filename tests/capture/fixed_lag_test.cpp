@@ -8,6 +8,17 @@
 namespace livecap {
 namespace {
 
+// A thigh and a shank of 400 mm.
+Skeleton leg() {
+  Skeleton skeleton;
+  skeleton.bones = {{"root", -1, {0, 0, 0}}, {"knee", 0, {0, -400, 0}}, {"ankle", 1, {0, -400, 0}}};
+  skeleton.dofs = {{"root_x", 0, {1, 0, 0}, -10, 10, 0}, {"knee_x", 1, {1, 0, 0}, -10, 10, 0}};
+  return skeleton;
+}
+
+const Skeleton kLeg = leg();
+constexpr double kRadPerUnit = 0.01;
+
 WorkItem frame(int64_t index, float value, TrackStatus status = TrackStatus::kOk) {
   WorkItem item;
   item.report.index = index;
@@ -15,26 +26,27 @@ WorkItem frame(int64_t index, float value, TrackStatus status = TrackStatus::kOk
   item.report.status = status;
   if (!is_tracked(status)) return item;
   item.result.vertices_mm = {value, -value, 1};
-  item.result.pose.angles_rad = Eigen::VectorXd::Constant(2, value);
+  item.result.pose.angles_rad = Eigen::VectorXd::Constant(2, kRadPerUnit * value);
   item.result.pose.root_translation_mm = Eigen::Vector3d(value, 0, 1000);
   return item;
 }
 
-// First vertex coordinate and first angle of every frame that comes out, in order.
-std::vector<std::pair<float, double>> filtered(double share, std::vector<WorkItem> items) {
-  FixedLag lag(share);
+// First vertex coordinate and first angle (in units) of every frame that comes out, in order.
+std::vector<std::pair<float, double>> filtered(double share, std::vector<WorkItem> items, int passes = 1) {
+  FixedLag lag(kLeg, share, passes);
   std::vector<std::pair<float, double>> out;
   int64_t index = items.empty() ? 0 : items.front().report.index;
   const auto take = [&](const WorkItem& item) {
     EXPECT_EQ(item.report.index, index);
     index = item.report.index + 1;
     const bool tracked = is_tracked(item.report.status);
-    out.emplace_back(tracked ? item.result.vertices_mm[0] : -1.0f, tracked ? item.result.pose.angles_rad[0] : -1.0);
+    out.emplace_back(tracked ? item.result.vertices_mm[0] : -1.0f,
+                     tracked ? item.result.pose.angles_rad[0] / kRadPerUnit : -1.0);
   };
   for (WorkItem& item : items)
     if (const auto ready = lag.push(std::move(item))) take(*ready);
-  if (const auto last = lag.flush()) take(*last);
-  EXPECT_FALSE(lag.flush().has_value());
+  EXPECT_LE(items.size() - out.size(), size_t(passes));
+  while (const auto last = lag.flush()) take(*last);
   return out;
 }
 
@@ -53,6 +65,23 @@ TEST(FixedLag, AnImpulseSpreadsAndTheEndsStay) {
   expect(filtered(0.25, {}), {});
 }
 
+TEST(FixedLag, TwoPassesAreFiveFramesWide) {
+  const auto sixteenths =
+      filtered(0.25, {frame(0, 0), frame(1, 0), frame(2, 0), frame(3, 16), frame(4, 0), frame(5, 0), frame(6, 0)}, 2);
+  expect(sixteenths, {0, 1, 4, 6, 4, 1, 0});
+  for (int n = 0; n < 4; ++n) {
+    std::vector<WorkItem> items;
+    for (int i = 0; i < n; ++i) items.push_back(frame(i, float(i)));
+    expect(filtered(0.25, std::move(items), 2), n == 0   ? std::vector<double>{}
+                                                : n == 1 ? std::vector<double>{0}
+                                                : n == 2 ? std::vector<double>{0, 1}
+                                                         : std::vector<double>{0, 1, 2});
+  }
+  using enum TrackStatus;
+  expect(filtered(0.25, {frame(0, 0), frame(1, 4), frame(2, 0, kNobody), frame(3, 8, kInitialized), frame(4, 4)}, 2),
+         {0, 4, -1, 8, 4});
+}
+
 TEST(FixedLag, LinearMotionStays) {
   expect(filtered(0.25, {frame(3, 1), frame(4, 2), frame(5, 3), frame(6, 4)}), {1, 2, 3, 4});
 }
@@ -64,7 +93,7 @@ TEST(FixedLag, BreaksAreNotSmoothedOver) {
          {0, 4, -1, 8, 4});
   expect(filtered(0.25, {frame(0, 0), frame(1, 4), frame(2, 8, kInitialized), frame(3, 8), frame(4, 0)}),
          {0, 4, 8, 6, 0});
-  FixedLag lag(0.25);
+  FixedLag lag(kLeg, 0.25, 1);
   lag.push(frame(0, 0));
   EXPECT_EQ(lag.push(frame(5, 8))->result.vertices_mm[0], 0);
   EXPECT_EQ(lag.flush()->result.vertices_mm[0], 8);
@@ -78,8 +107,29 @@ TEST(FixedLag, AFrameBesideAGapInTimeIsNotMovedAlong) {
     items.back().report.pts_ms = 33 * (i < 2 ? i : i + 3);
   }
   items[4].result.vertices_mm[0] = 11;  // not on the line: smoothed
-  items[4].result.pose.angles_rad[0] = 11;
+  items[4].result.pose.angles_rad[0] = 11 * kRadPerUnit;
   expect(filtered(0.25, std::move(items)), {0, 1, 5, 7, 9, 8});
+}
+
+// The knee bends by 1 rad: the ankle moves by 383 mm in 40 ms, faster than 8 m/s. By 0.7 rad it is 274 mm.
+TEST(FixedLag, AJumpIsNotSmoothedOver) {
+  const auto bent = [](int64_t index, double knee_rad) {
+    WorkItem item = frame(index, 0);
+    item.result.pose.angles_rad[1] = knee_rad;
+    return item;
+  };
+  for (const auto& [knee_rad, smoothed] : {std::pair{1.0, false}, {0.7, true}}) {
+    FixedLag lag(kLeg, 0.25, 1);
+    std::vector<double> knees;
+    const auto take = [&](std::optional<WorkItem> item) {
+      if (item) knees.push_back(item->result.pose.angles_rad[1]);
+    };
+    for (int i = 0; i < 5; ++i) take(lag.push(bent(i, i < 2 ? 0.0 : knee_rad)));
+    take(lag.flush());
+    ASSERT_EQ(knees.size(), 5u);
+    EXPECT_NEAR(knees[1], smoothed ? knee_rad / 4 : 0.0, test::kDoubleExact);
+    EXPECT_NEAR(knees[2], smoothed ? knee_rad * 3 / 4 : knee_rad, test::kDoubleExact);
+  }
 }
 
 TEST(FixedLag, AnEvenTurnStaysAndAJerkIsHalved) {
@@ -103,8 +153,9 @@ TEST(FixedLag, AnEvenTurnStaysAndAJerkIsHalved) {
 }
 
 TEST(FixedLag, ASharePastHalfIsRefused) {
-  EXPECT_THROW(FixedLag(0.6), ConfigError);
-  EXPECT_THROW(FixedLag(-0.1), ConfigError);
+  EXPECT_THROW(FixedLag(kLeg, 0.6, 1), ConfigError);
+  EXPECT_THROW(FixedLag(kLeg, -0.1, 1), ConfigError);
+  EXPECT_THROW(FixedLag(kLeg, 0.25, 0), ConfigError);
 }
 
 }  // namespace

@@ -72,26 +72,32 @@ Matches PoseStage::find_matches(int level) {
   return matcher_.read();
 }
 
-// Once per level of match_levels, or once when there is nothing to match.
+// Once per level of match_levels, less where the last round at the same level was settled; or once when there is
+// nothing to match.
 PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, const Detections& detections,
                                                const Pose& initial, const Pose* previous) {
   const int n_levels = matches(input) ? int(options_.match_levels.size()) : 0;
   Solution solution;
   solution.pose.pose = initial;
   for (int round = 0; round < std::max(1, n_levels) && solution.pose.status == SolveStatus::kOk; ++round) {
+    const int level = round < n_levels ? options_.match_levels[round] : 0;
+    const bool again = round > 0 && level == options_.match_levels[round - 1];
+    if (again && solution.pose.moved_px < options_.settled_round_px * (1 << level)) continue;
     const Pose from = solution.pose.pose;
     const std::vector<int32_t> contour = find_contour(input, from);
     Matches matches;
-    if (round < n_levels) matches = find_matches(options_.match_levels[round]);
+    if (n_levels > 0) matches = find_matches(level);
     const bool refining = n_levels > 0 && round >= n_levels - options_.refining_rounds;
-    solution.pose = solver_.solve(PoseInput{.detections = detections,
-                                            .initial = from,
-                                            .previous = previous,
-                                            .frame = input.silhouette.empty() ? nullptr : &input.frame,
-                                            .contour_vertices = contour,
-                                            .matches = matches.found,
-                                            .arms_3d = refining ? options_.refined_arms_3d : 1,
-                                            .n_steps = previous ? options_.pose.steps : options_.pose.first_steps});
+    solution.pose =
+        solver_.solve(PoseInput{.detections = detections,
+                                .initial = from,
+                                .previous = previous,
+                                .frame = input.silhouette.empty() ? nullptr : &input.frame,
+                                .contour_vertices = contour,
+                                .matches = matches.found,
+                                .arms_3d = refining ? options_.refined_arms_3d : 1,
+                                .n_steps = previous ? options_.pose.steps : options_.pose.first_steps,
+                                .settled_px = level == 0 ? options_.settled_last_step_px : options_.settled_step_px});
     solution.cost = solution.pose.energy.total() +
                     options_.pose.weights.match * matches.missed_weight * options_.missed_px * options_.missed_px;
   }

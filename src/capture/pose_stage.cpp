@@ -57,19 +57,22 @@ void PoseStage::render(const Pose& pose) {
 // The contour vertices of stage I: of the skinned template alone. The paper also adds the carried displacement. That
 // ties the pose to what the surface made of an earlier pose; without it the pose was as good or better on every
 // sequence with ground truth.
-std::vector<int32_t> PoseStage::find_contour(const PoseStageInput& input, const Pose& pose) {
-  if (input.silhouette.empty()) return {};
+void PoseStage::find_contour(const PoseStageInput& input, const Pose& pose) {
+  if (input.silhouette.empty()) return;
   render(pose);
   visibility_.find_contour(rasterizer_);
-  return visibility_.read_contour();
+}
+
+// Blocking.
+std::vector<int32_t> PoseStage::read_contour(const PoseStageInput& input) const {
+  return input.silhouette.empty() ? std::vector<int32_t>{} : visibility_.read_contour();
 }
 
 // Where the picture shows the skinned template; find_contour has rendered it.
-Matches PoseStage::find_matches(int level) {
+void PoseStage::find_matches(int level) {
   skinner_.normals(skinned_, normals_);
   visibility_.find_visible(skinned_, normals_, rasterizer_);
   matcher_.match(rasterizer_, skinned_, normals_, visibility_.visible(), matched_share_, level);
-  return matcher_.read();
 }
 
 // Once per level of match_levels, less where the last round at the same level was settled; or once when there is
@@ -84,9 +87,10 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
     const bool again = round > 0 && level == options_.match_levels[round - 1];
     if (again && solution.pose.moved_px < options_.settled_round_px * (1 << level)) continue;
     const Pose from = solution.pose.pose;
-    const std::vector<int32_t> contour = find_contour(input, from);
-    Matches matches;
-    if (n_levels > 0) matches = find_matches(level);
+    find_contour(input, from);
+    if (n_levels > 0) find_matches(level);
+    const std::vector<int32_t> contour = read_contour(input);
+    const Matches matches = n_levels > 0 ? matcher_.read() : Matches{};
     const bool refining = n_levels > 0 && round >= n_levels - options_.refining_rounds;
     solution.pose =
         solver_.solve(PoseInput{.detections = detections,
@@ -112,7 +116,8 @@ PoseResult PoseStage::find(const PoseStageInput& input) {
     nothing.status = SolveStatus::kNoObservations;
     return nothing;
   }
-  const std::vector<int32_t> contour = find_contour(input, *initial);
+  find_contour(input, *initial);
+  const std::vector<int32_t> contour = read_contour(input);
   const PoseResult rough = solver_.solve(PoseInput{.detections = input.detections,
                                                    .initial = *initial,
                                                    .frame = input.silhouette.empty() ? nullptr : &input.frame,

@@ -85,6 +85,7 @@ PoseResult PoseSolver::solve(const PoseInput& input) {
     limit_turn(solution.delta, options_.max_step_rad);
     state.pose = add_increment(state.pose, solution.delta.head(solution.delta.size() - 3));
     state.t_prime_mm += solution.delta.tail<3>();
+    if (!(input.settled_px > 0)) continue;
     const KeypointPositions before = std::exchange(current, keypoints(state.pose));
     if (moved_px(actor_, camera_, before, current) < input.settled_px) break;
   }
@@ -95,7 +96,7 @@ PoseResult PoseSolver::solve(const PoseInput& input) {
   }
   result.pose = state.pose;
   result.t_prime_mm = state.t_prime_mm;
-  result.moved_px = moved_px(actor_, camera_, initial, current);
+  result.moved_px = moved_px(actor_, camera_, initial, keypoints(state.pose));
   return result;
 }
 

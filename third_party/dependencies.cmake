@@ -13,7 +13,7 @@
 # FlatBuffers     libflatbuffers-dev, flatbuffers-compiler  2.0.8  Apache-2.0  verified reading of .tflite files
 # CLI11           libcli11-dev                           2.1      BSD-3-Clause   command line and TOML configuration
 # GoogleTest      libgtest-dev, libgmock-dev             1.12     BSD-3-Clause   tests
-# Google Benchmark  libbenchmark-dev                     1.7      Apache-2.0     optional: bench_pointwise
+# Google Benchmark  libbenchmark-dev                     1.7      Apache-2.0     optional: tests/bench
 # Ceres           libceres-dev                           2.1      BSD-3-Clause   tests only: a trusted solver to compare with
 find_package(OpenCL 1.2 REQUIRED)
 find_package(Threads REQUIRED)

@@ -2,8 +2,8 @@
 #ifndef LC_MATCH_LAYOUT_H
 #define LC_MATCH_LAYOUT_H
 
-// Work images are boxes of the picture whose width is a multiple of 32. Pixel (0, 0) lies at (x, y) of the picture; a
-// box may reach beyond it.
+// Work images are boxes of the picture. Pixel (0, 0) lies at (x, y) of the picture; a box may reach beyond it. At level
+// l a pixel stands for 2^l x 2^l of the picture, and width (a multiple of 16) and height are those of the level.
 typedef struct {
   int x, y;
   int width, height;
@@ -11,8 +11,10 @@ typedef struct {
 
 // Half a window of the local mean and contrast, px: 25 x 25 pixels.
 #define LC_MATCH_RADIUS 12
-// Columns at the left and right of a box that are left grey: a window must not leave its row.
+// Columns at the left and right of a box that are left grey: a window must not leave its row. Both halve per level.
 #define LC_MATCH_MARGIN 16
+// Between rows of column sums, for the windows that are looked at in vain.
+#define LC_MATCH_PAD 32
 // Rows in which a work-item carries a column's sums on.
 #define LC_MATCH_BAND(is_cpu) ((is_cpu) ? 64 : 16)
 // Half-resolution levels below the full picture.

@@ -108,9 +108,9 @@ static Structure align(const Level* level, int x, int y, float z, PatchOptions o
   return s;
 }
 
-// Over the vertices. pyramids: the levels one after the other, full resolution first. areas [n] mm^2 of the template
+// Over the vertices. box, actor, depth: of the level; camera likewise, from `at` on. areas [n] mm^2 of the template
 // around each vertex; share [n] its factor, 0 = never matched. Out: matches [LC_MATCH*n].
-kernel void match_patches(int n, MatchBox box, PatchOptions options, float focal_px,
+kernel void match_patches(int n, MatchBox box, PatchOptions options, int at, float focal_px,
                           global const float* restrict positions, global const float* restrict normals,
                           global const int* restrict visible, global const float* restrict projected,
                           global const float* restrict areas, global const float* restrict share,
@@ -130,9 +130,7 @@ kernel void match_patches(int n, MatchBox box, PatchOptions options, float focal
   const int x = convert_int_rte(q.x) - box.x, y = convert_int_rte(q.y) - box.y;
 
   const int l = options.level;
-  int offset = 0;
-  for (int k = 0; k < l; ++k) offset += (box.width >> k) * (box.height >> k);
-  const Level level = {box.width >> l, box.height >> l, actor + offset, depth + offset, camera + offset};
+  const Level level = {box.width, box.height, actor, depth, camera + at};
   float dx = 0.0f, dy = 0.0f, correlation = 0.0f;
   const Structure s = align(&level, x >> l, y >> l, q.w, options, &dx, &dy, &correlation);
   if (!(s.n > 0.0f) || !(correlation >= options.min_correlation)) return;

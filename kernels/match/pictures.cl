@@ -1,7 +1,7 @@
 // The two pictures that are matched: the actor as its texture would look, and the camera's; both as luminance in [0,1]
 // with a weight of 1 where the person is, 0 elsewhere.
 #include "match/layout.h"
-#include "match/wide.h"
+#include "shared/wide.h"
 
 static inline float luminance(float r, float g, float b) {
   return 0.299f * r + 0.587f * g + 0.114f * b;
@@ -86,38 +86,52 @@ static inline pix_t sample_wrapped(global const ushort* restrict texture, int tw
   return (top + fy * (bottom - top)) * (1.0f / 255.0f);
 }
 
-// ids, depth [width*height] of the rasteriser; projected [4*n_vertices] u, v, 1/z, z; triangles [3*n_triangles]; uvs
-// [6*n_triangles] of each corner. Out: light, weight, box_depth (INFINITY = nothing).
+// The pixel of the picture at whose triangle a pixel of a level is drawn: one of the middle ones, by its texture in the
+// very middle.
+static inline int drawn_at(int level) {
+  return (1 << level) / 2;
+}
+static inline float middle(int level) {
+  return 0.5f * (float)((1 << level) - 1);
+}
+
+// box: of the level. ids, depth [width*height] of the rasteriser; projected [4*n_vertices] u, v, 1/z, z; triangles
+// [3*n_triangles]; uvs [6*n_triangles] of each corner; texture from `texels` on, of the level too. Out: light, weight,
+// box_depth (INFINITY = nothing).
 #if LC_CPU
 
 // Sixteen depths of a row from column x of the box on; nothing outside the columns [first, end).
-static inline float16 box_depths(global const float* restrict depth, int x, int first, int end) {
-  if (x >= first && x + 16 <= end) return vload16(0, depth + x);
+static inline float16 box_depths(global const float* restrict depth, int level, int x, int first, int end) {
+  if (level == 0 && x >= first && x + 16 <= end) return vload16(0, depth + x);
   float lanes[16];
-  for (int k = 0; k < 16; ++k) lanes[k] = x + k >= first && x + k < end ? depth[x + k] : INFINITY;
+  for (int k = 0; k < 16; ++k) lanes[k] = x + k >= first && x + k < end ? depth[(x + k) << level] : INFINITY;
   return vload16(0, lanes);
 }
 
 // Over the rows of the box. First the texture coordinates, eight pixels of a triangle at a time, into light and weight;
 // then the texture, sixteen pixels at a time.
-kernel void textured_actor(MatchBox box, int width, int height, int tw, int th, global const int* restrict ids,
-                           global const float* restrict depth, global const float* restrict projected,
-                           global const int* restrict triangles, global const float* restrict uvs,
-                           global const ushort* restrict texture, global float* restrict light,
-                           global float* restrict weight, global float* restrict box_depth) {
+kernel void textured_actor(MatchBox box, int level, int width, int height, int texels, int tw, int th,
+                           global const int* restrict ids, global const float* restrict depth,
+                           global const float* restrict projected, global const int* restrict triangles,
+                           global const float* restrict uvs, global const ushort* restrict texture,
+                           global float* restrict light, global float* restrict weight,
+                           global float* restrict box_depth) {
   const int by = get_global_id(0);
   if (by >= box.height) return;
   light += by * box.width;
   weight += by * box.width;
   box_depth += by * box.width;
-  const int y = box.y + by;
-  const int first = max(-box.x, 0);
-  const int end = y >= 0 && y < height ? min(width - box.x, box.width) : 0;
-  ids += y * width + box.x;
-  depth += y * width + box.x;
+  texture += texels;
+  const int left = box.x + drawn_at(level), y = box.y + (by << level) + drawn_at(level);
+  const int first = max((-left + (1 << level) - 1) >> level, 0);
+  const int end = y >= 0 && y < height ? min(((width - left - 1) >> level) + 1, box.width) : 0;
+  const float px = (float)box.x + middle(level), py = (float)(box.y + (by << level)) + middle(level);
+  const float8 apart = (float)(1 << level) * (float8)(0, 1, 2, 3, 4, 5, 6, 7);
+  ids += y * width + left;
+  depth += y * width + left;
   int drawn_first = box.width, drawn_end = 0;  // in steps of 16
   for (int x = 0; x < box.width; x += 16) {
-    const float16 z = box_depths(depth, x, first, end);
+    const float16 z = box_depths(depth, level, x, first, end);
     store16(z, box_depth + x);
     store16((float16)0.0f, light + x);
     store16((float16)0.0f, weight + x);
@@ -127,17 +141,17 @@ kernel void textured_actor(MatchBox box, int width, int height, int tw, int th, 
   }
   const int last = min(drawn_end, end);
   for (int x = max(drawn_first, first); x < last;) {
-    const int t = ids[x];
+    const int t = ids[x << level];
     if (t < 0) {
       ++x;
       continue;
     }
     const Textured tri = textured_triangle(t, projected, triangles, uvs);
     const int begin = x;
-    while (x < last && ids[x] == t) ++x;
+    while (x < last && ids[x << level] == t) ++x;
     for (int at = begin; at < x; at += 8) {
       float8 u, v;
-      texture_coordinates(&tri, (float)(box.x + at) + (float8)(0, 1, 2, 3, 4, 5, 6, 7), (float)y, &u, &v);
+      texture_coordinates(&tri, px + (float)(at << level) + apart, py, &u, &v);
       if (at + 8 <= box.width) {
         // What is too much is overwritten by the next triangle or ignored below.
         store8(u, light + at);
@@ -165,15 +179,17 @@ kernel void textured_actor(MatchBox box, int width, int height, int tw, int th, 
 #else
 
 // Over (box.width, box.height).
-kernel void textured_actor(MatchBox box, int width, int height, int tw, int th, global const int* restrict ids,
-                           global const float* restrict depth, global const float* restrict projected,
-                           global const int* restrict triangles, global const float* restrict uvs,
-                           global const ushort* restrict texture, global float* restrict light,
-                           global float* restrict weight, global float* restrict box_depth) {
+kernel void textured_actor(MatchBox box, int level, int width, int height, int texels, int tw, int th,
+                           global const int* restrict ids, global const float* restrict depth,
+                           global const float* restrict projected, global const int* restrict triangles,
+                           global const float* restrict uvs, global const ushort* restrict texture,
+                           global float* restrict light, global float* restrict weight,
+                           global float* restrict box_depth) {
   const int bx = get_global_id(0), by = get_global_id(1);
   if (bx >= box.width || by >= box.height) return;
   const int at = by * box.width + bx;
-  const int x = box.x + bx, y = box.y + by;
+  const int left = box.x + (bx << level), top = box.y + (by << level);
+  const int x = left + drawn_at(level), y = top + drawn_at(level);
   const int t = x < 0 || y < 0 || x >= width || y >= height ? -1 : ids[y * width + x];
   if (t < 0) {
     light[at] = 0.0f;
@@ -183,8 +199,8 @@ kernel void textured_actor(MatchBox box, int width, int height, int tw, int th, 
   }
   const Textured tri = textured_triangle(t, projected, triangles, uvs);
   float u, v;
-  texture_coordinates(&tri, (float)x, (float)y, &u, &v);
-  light[at] = sample_wrapped(texture, tw, th, u, v);
+  texture_coordinates(&tri, (float)left + middle(level), (float)top + middle(level), &u, &v);
+  light[at] = sample_wrapped(texture + texels, tw, th, u, v);
   weight[at] = 1.0f;
   box_depth[at] = depth[y * width + x];
 }
@@ -209,4 +225,19 @@ kernel void camera_picture(MatchBox box, int width, int height, global const uch
     light[at + k] = luminance(rgb[3 * p], rgb[3 * p + 1], rgb[3 * p + 2]) * (1.0f / 255.0f);
     weight[at + k] = 1.0f;
   }
+}
+
+// Over (half_width / 8, half_height) of a level, eight pixels each. It lies at `to`, the level above at `from`: means
+// of those of 2 x 2 pixels that are the person's, nobody where these are fewer than two.
+kernel void halve_picture(int width, int half_width, int half_height, int from, int to, global float* restrict light,
+                          global float* restrict weight) {
+  const int x = 8 * (int)get_global_id(0), y = get_global_id(1);
+  if (x >= half_width || y >= half_height) return;
+  const int above = from + 2 * y * width + 2 * x, at = to + y * half_width + x;
+  const float16 lights = vload16(0, light + above) + vload16(0, light + above + width);
+  const float16 weights = vload16(0, weight + above) + vload16(0, weight + above + width);
+  const float8 sum = lights.even + lights.odd, n = weights.even + weights.odd;
+  const int8 counts = n >= 2.0f;
+  store8(select((float8)0.0f, sum / n, counts), light + at);
+  store8(select((float8)0.0f, (float8)1.0f, counts), weight + at);
 }

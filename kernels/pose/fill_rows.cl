@@ -2,19 +2,20 @@
 // axis . torque + moment . force; the residual goes to column n_unknowns. A work-item makes LC_POSE_FILL_COLUMNS
 // columns of LC_POSE_FILL_ROWS rows: launch over (n_columns, n_rows) divided by these.
 #include "pose/layout.h"
+#include "shared/wide.h"
 
 #define ROWS LC_POSE_FILL_ROWS(LC_CPU)
 #if LC_CPU
 typedef float16 columns_t;
 typedef int16 column_ids_t;
 #define LOAD_COLUMNS vload16
-#define STORE_COLUMNS vstore16
+#define STORE_COLUMNS store16
 #define FIRST_IDS (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
 #else
 typedef float8 columns_t;
 typedef int8 column_ids_t;
 #define LOAD_COLUMNS vload8
-#define STORE_COLUMNS vstore8
+#define STORE_COLUMNS store8
 #define FIRST_IDS (int8)(0, 1, 2, 3, 4, 5, 6, 7)
 #endif
 
@@ -43,7 +44,7 @@ kernel void pose_fill_point_rows(PoseLayout layout, int n_rows, global const flo
     value += select((columns_t)(0.0f), (columns_t)(record[LC_POSE_RECORD_EXTRA]), extra == 0);
     value += select((columns_t)(0.0f), (columns_t)(record[LC_POSE_RECORD_EXTRA + 1]), extra == 1);
     value += select((columns_t)(0.0f), (columns_t)(record[LC_POSE_RECORD_EXTRA + 2]), extra == 2);
-    STORE_COLUMNS(select(value, (columns_t)(residuals[row]), columns == layout.n_unknowns), 0,
+    STORE_COLUMNS(select(value, (columns_t)(residuals[row]), columns == layout.n_unknowns),
                   J + row * n_columns + column);
   }
 }
@@ -70,7 +71,7 @@ kernel void pose_fill_skinned_rows(PoseLayout layout, int n_rows, int per_vertex
       value += LOAD_COLUMNS(0, moves + bone * n_columns + column) *
                turned(record + 6 * j * LC_POSE_SLICE, LC_POSE_SLICE, step + column, n_columns);
     }
-    STORE_COLUMNS(select(value, (columns_t)(residuals[row]), columns == layout.n_unknowns), 0,
+    STORE_COLUMNS(select(value, (columns_t)(residuals[row]), columns == layout.n_unknowns),
                   J + (first_row + row) * n_columns + column);
   }
 }

@@ -1,6 +1,7 @@
 // Depth buffer and triangle-id buffer of a mesh. Nearest triangle wins, at equal depth the lower id.
 #include "raster/triangle.h"
 #include "shared/camera.h"
+#include "shared/wide.h"
 
 #ifdef LC_DEVICE
 
@@ -37,8 +38,8 @@ kernel void raster_bands(int n_triangles, int width, int height, int n_bands, in
     int p = y * width + old_box.x;
     const int end = y * width + old_box.y + 1;
     for (; p + 16 <= end; p += 16) {
-      vstore16((float16)INFINITY, 0, depth + p);
-      vstore16((int16)(-1), 0, ids + p);
+      store16((float16)INFINITY, depth + p);
+      store_int16((int16)(-1), ids + p);
     }
     for (; p < end; ++p) {
       depth[p] = INFINITY;
@@ -61,8 +62,8 @@ kernel void raster_bands(int n_triangles, int width, int height, int n_bands, in
           const float8 z = raster_depth(&tri, (float)min(x, width - 8) + lane, (float)y);
           const float8 old = vload8(0, depth + at);
           const int8 closer = z < old;  // storing without looking is faster than a branch
-          vstore8(select(old, z, closer), 0, depth + at);
-          vstore8(select(vload8(0, ids + at), (int8)t, closer), 0, ids + at);
+          store8(select(old, z, closer), depth + at);
+          store_int8(select(vload8(0, ids + at), (int8)t, closer), ids + at);
         } else {
           float z[8];
           vstore8(raster_depth(&tri, lane, (float)y), 0, z);

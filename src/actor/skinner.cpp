@@ -31,7 +31,7 @@ Skinner::Skinner(ocl::DeviceContext& device, const Actor& actor, const SkinWeigh
 }
 
 void Skinner::set_pose(std::span<const float> dual_quats) {
-  dual_quats_.write(dual_quats);
+  dual_quats_.write_later(dual_quats);
 }
 
 void Skinner::skin(const ocl::Buffer<float>& displacement_rest, ocl::Buffer<float>& out_camera) {

@@ -57,41 +57,51 @@ void PoseStage::render(const Pose& pose) {
 // The contour vertices of stage I: of the skinned template alone. The paper also adds the carried displacement. That
 // ties the pose to what the surface made of an earlier pose; without it the pose was as good or better on every
 // sequence with ground truth.
-std::vector<int32_t> PoseStage::find_contour(const PoseStageInput& input, const Pose& pose) {
-  if (input.silhouette.empty()) return {};
+void PoseStage::find_contour(const PoseStageInput& input, const Pose& pose) {
+  if (input.silhouette.empty()) return;
   render(pose);
   visibility_.find_contour(rasterizer_);
-  return visibility_.read_contour();
+}
+
+// Blocking.
+std::vector<int32_t> PoseStage::read_contour(const PoseStageInput& input) const {
+  return input.silhouette.empty() ? std::vector<int32_t>{} : visibility_.read_contour();
 }
 
 // Where the picture shows the skinned template; find_contour has rendered it.
-Matches PoseStage::find_matches(int level) {
+void PoseStage::find_matches(int level) {
   skinner_.normals(skinned_, normals_);
   visibility_.find_visible(skinned_, normals_, rasterizer_);
   matcher_.match(rasterizer_, skinned_, normals_, visibility_.visible(), matched_share_, level);
-  return matcher_.read();
 }
 
-// Once per level of match_levels, or once when there is nothing to match.
+// Once per level of match_levels, less where the last round at the same level was settled; or once when there is
+// nothing to match.
 PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, const Detections& detections,
                                                const Pose& initial, const Pose* previous) {
   const int n_levels = matches(input) ? int(options_.match_levels.size()) : 0;
   Solution solution;
   solution.pose.pose = initial;
   for (int round = 0; round < std::max(1, n_levels) && solution.pose.status == SolveStatus::kOk; ++round) {
+    const int level = round < n_levels ? options_.match_levels[round] : 0;
+    const bool again = round > 0 && level == options_.match_levels[round - 1];
+    if (again && solution.pose.moved_px < options_.settled_round_px * (1 << level)) continue;
     const Pose from = solution.pose.pose;
-    const std::vector<int32_t> contour = find_contour(input, from);
-    Matches matches;
-    if (round < n_levels) matches = find_matches(options_.match_levels[round]);
+    find_contour(input, from);
+    if (n_levels > 0) find_matches(level);
+    const std::vector<int32_t> contour = read_contour(input);
+    const Matches matches = n_levels > 0 ? matcher_.read() : Matches{};
     const bool refining = n_levels > 0 && round >= n_levels - options_.refining_rounds;
-    solution.pose = solver_.solve(PoseInput{.detections = detections,
-                                            .initial = from,
-                                            .previous = previous,
-                                            .frame = input.silhouette.empty() ? nullptr : &input.frame,
-                                            .contour_vertices = contour,
-                                            .matches = matches.found,
-                                            .arms_3d = refining ? options_.refined_arms_3d : 1,
-                                            .n_steps = previous ? options_.pose.steps : options_.pose.first_steps});
+    solution.pose =
+        solver_.solve(PoseInput{.detections = detections,
+                                .initial = from,
+                                .previous = previous,
+                                .frame = input.silhouette.empty() ? nullptr : &input.frame,
+                                .contour_vertices = contour,
+                                .matches = matches.found,
+                                .arms_3d = refining ? options_.refined_arms_3d : 1,
+                                .n_steps = previous ? options_.pose.steps : options_.pose.first_steps,
+                                .settled_px = level == 0 ? options_.settled_last_step_px : options_.settled_step_px});
     solution.cost = solution.pose.energy.total() +
                     options_.pose.weights.match * matches.missed_weight * options_.missed_px * options_.missed_px;
   }
@@ -106,7 +116,8 @@ PoseResult PoseStage::find(const PoseStageInput& input) {
     nothing.status = SolveStatus::kNoObservations;
     return nothing;
   }
-  const std::vector<int32_t> contour = find_contour(input, *initial);
+  find_contour(input, *initial);
+  const std::vector<int32_t> contour = read_contour(input);
   const PoseResult rough = solver_.solve(PoseInput{.detections = input.detections,
                                                    .initial = *initial,
                                                    .frame = input.silhouette.empty() ? nullptr : &input.frame,

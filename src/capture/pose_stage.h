@@ -57,9 +57,10 @@ class PoseStage {
   };
   Solution solve_in_rounds(const PoseStageInput& input, const Detections& detections, const Pose& initial,
                            const Pose* previous);
-  std::vector<int32_t> find_contour(const PoseStageInput& input, const Pose& pose);
+  void find_contour(const PoseStageInput& input, const Pose& pose);
+  std::vector<int32_t> read_contour(const PoseStageInput& input) const;
   bool matches(const PoseStageInput& input) const;
-  Matches find_matches(int level);
+  void find_matches(int level);
   void try_exchanged_legs(const PoseStageInput& input, const Pose& predicted, const Pose& previous,
                           const std::vector<KeypointDetections>& alternatives, Solution& best);
   void try_turned(const PoseStageInput& input, const Pose& previous, Solution& best);

@@ -1,5 +1,6 @@
 // run_capture: opens everything, warms up, runs the pipeline, closes the outputs.
 #include <algorithm>
+#include <future>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -207,11 +208,15 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   ocl::DeviceContext segmenter_device(
       solver_device, ocl::SharedMemory{},
       "solvers' device, segmentation");  // outlives the solver, which holds frames of it
-  DetectionSource detection(options, cnn);
-  detection.warm_up(reader.camera());
+  // The network's kernels are compiled or loaded beside the solvers': the contexts share nothing.
+  std::optional<DetectionSource> detection;
+  std::future<void> network_ready = std::async(std::launch::async, [&] {
+    detection.emplace(options, cnn);
+    detection->warm_up(reader.camera());
+  });
   Solver solver(options, solver_device, actor, reader.camera(), with(kFixedLag) ? kLagShare : 0);
-
   Segmenter segmenter(segmenter_device, background, reader.camera(), with(kMaskGating));
+  network_ready.get();
 
   PipelineStages stages;
   stages.read = [&](WorkItem& item) {
@@ -222,7 +227,7 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
     if (item.report.status == TrackStatus::kDamaged) return;
     const TraceSpan span("network", "network", item.report.index);
     Timer timer;
-    item.detections = detection.detect(item.image, reader.camera(), item.report.index, item.report.pts_ms / 1000);
+    item.detections = detection->detect(item.image, reader.camera(), item.report.index, item.report.pts_ms / 1000);
     item.report.score = item.detections.score;
     item.report.stage_ms[static_cast<int>(CaptureStage::kNetwork)] = timer.elapsed_ms();
   };

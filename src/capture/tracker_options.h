@@ -25,6 +25,13 @@ struct TrackerOptions {
   // level) where the last one ended. Coarse ones first: patches are only right within a few px, and stripes match one
   // stripe further as well.
   std::vector<int> match_levels = {2, 2, 1, 0, 0};
+  // A second round at one resolution is left out when the first moved no keypoint as far as this, px of that
+  // resolution.
+  double settled_round_px = 2;
+  // A round ends after a step that moved no keypoint as far as this, px of the picture: matches are a picture's noise
+  // away from the truth, and fitting them more closely only follows it. The rounds at full resolution decide.
+  double settled_step_px = 1;
+  double settled_last_step_px = 0.3;
   // Softer cloth is matched only near where it is fastened, where its weights on the legs sum to less than this:
   // further down it hangs where skinning does not know.
   float min_matched_rigidity = 1.5f;

@@ -10,10 +10,10 @@
 namespace livecap {
 namespace {
 
-constexpr int kWidthStep = 32;     // of a box: work-groups divide every level's rows
-constexpr int kBeyond = 32;        // px around the person in the picture
-constexpr int kMinTexture = 8;     // px
-constexpr int kMaxTexture = 1024;  // px; finer than a picture shows, and small enough for a cache
+constexpr int kWidthStep = 16 << LC_MATCH_LEVELS;  // of a box: sixteen pixels divide every level's rows
+constexpr int kBeyond = 32;                        // px around the person in the picture
+constexpr int kMinTexture = 8;                     // px
+constexpr int kMaxTexture = 1024;                  // px; finer than a picture shows, and small enough for a cache
 constexpr size_t kLocal = 64;
 
 size_t pyramid_size(int width, int height) {
@@ -101,7 +101,13 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
   }
   while (std::max(light.width, light.height) > kMaxTexture) light = halved(light);
   texture_width_ = light.width;
-  texture_height_ = light.height;
+  std::vector<uint16_t> texels;
+  for (Texture& texture : textures_) {
+    texture = {int(texels.size()), light.width, light.height};
+    const std::vector<uint16_t> pairs = texel_pairs(light);
+    texels.insert(texels.end(), pairs.begin(), pairs.end());
+    light = halved(light);
+  }
   std::vector<float> uvs;
   uvs.reserve(2 * actor.render.triangles.size());
   for (int32_t corner : actor.render.triangles)
@@ -109,14 +115,14 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
 
   const int w = int(round_up(width_ + 2 * kBeyond, kWidthStep)), h = int(round_up(height_ + 2 * kBeyond, 4));
   const size_t box = size_t(w) * h;
-  texture_ = {device, texel_pairs(light)};
+  texture_ = {device, texels};
   uvs_ = {device, uvs};
   areas_ = {device, vertex_areas(actor.mesh)};
-  light_ = {device, box};
-  weight_ = {device, box};
+  light_ = {device, pyramid_size(w, h)};
+  weight_ = {device, pyramid_size(w, h)};
   sums_ = {device, 3 * box};
-  actor_ = {device, pyramid_size(w, h)};
-  depth_ = {device, pyramid_size(w, h)};
+  actor_ = {device, box};
+  depth_ = {device, box};
   camera_ = {device, pyramid_size(w, h)};
   textured_actor_ = {device, "match/pictures.cl", "textured_actor"};
   camera_picture_ = {device, "match/pictures.cl", "camera_picture"};
@@ -126,31 +132,32 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
     column_sums_ = {device, "match/normalise.cl", "column_sums"};
     normalise_rows_ = {device, "match/normalise.cl", "normalise_rows"};
   }
-  halve_ = {device, "match/normalise.cl", "halve"};
-  halve_depth_ = {device, "match/normalise.cl", "halve_depth"};
+  halve_picture_ = {device, "match/pictures.cl", "halve_picture"};
   match_patches_ = {device, "match/patch_match.cl", "match_patches"};
 }
 
-// light_ and weight_ to a normalised pyramid, down to `level`.
-void TextureMatcher::build_pyramid(int level, ocl::Buffer<float>& pyramid) {
-  const size_t bands = (box_.height + LC_MATCH_BAND(is_cpu_) - 1) / LC_MATCH_BAND(is_cpu_);
-  if (is_cpu_) {
-    normalise_.launch(bands, 1, box_, options_.variance_floor, light_, weight_, sums_, pyramid);
-  } else {
-    const size_t width = box_.width;
-    column_sums_.launch(ocl::Range{width, bands, 32, 1}, box_, light_, weight_, sums_);
-    normalise_rows_.launch(ocl::Range{width, size_t(box_.height), 32, 1}, box_, options_.variance_floor, light_,
-                           weight_, sums_, pyramid);
-  }
-  halve_levels(halve_, level, pyramid);
+MatchBox TextureMatcher::level_box(int level) const {
+  return {box_.x, box_.y, box_.width >> level, box_.height >> level};
 }
 
-void TextureMatcher::halve_levels(ocl::Kernel& halve, int level, ocl::Buffer<float>& pyramid) {
-  int from = 0;
-  for (int l = 0; l < level; ++l) {
-    const int w = box_.width >> l, h = box_.height >> l;
-    halve.launch(ocl::Range{size_t(w / 16), size_t(h / 2), 1, 1}, w, w / 2, h / 2, from, from + w * h, pyramid);
-    from += w * h;
+// Where the level begins in a pyramid.
+int TextureMatcher::level_offset(int level) const {
+  int offset = 0;
+  for (int l = 0; l < level; ++l) offset += (box_.width >> l) * (box_.height >> l);
+  return offset;
+}
+
+// light_ and weight_ of a level, all from `offset` on.
+void TextureMatcher::normalise(int level, int offset, ocl::Buffer<float>& normal) {
+  const MatchBox box = level_box(level);
+  const size_t bands = (box.height + LC_MATCH_BAND(is_cpu_) - 1) / LC_MATCH_BAND(is_cpu_);
+  if (is_cpu_) {
+    normalise_.launch(bands, 1, box, level, offset, options_.variance_floor, light_, weight_, sums_, normal);
+  } else {
+    const size_t width = box.width;
+    column_sums_.launch(ocl::Range{width, bands, 16, 1}, box, level, offset, light_, weight_, sums_);
+    normalise_rows_.launch(ocl::Range{width, size_t(box.height), 16, 1}, box, level, offset, options_.variance_floor,
+                           light_, weight_, sums_, normal);
   }
 }
 
@@ -167,7 +174,14 @@ void TextureMatcher::set_picture(const DeviceFrame& frame, const PixelBox& perso
           int(round_up(person.height() + 2 * kBeyond, 4))};
   camera_picture_.launch(ocl::Range{size_t(box_.width / 16), size_t(box_.height), 1, 1}, box_, width_, height_,
                          frame.rgb, frame.signed_distance, light_, weight_);
-  build_pyramid(LC_MATCH_LEVELS, camera_);
+  for (int level = 0; level <= LC_MATCH_LEVELS; ++level) {
+    const MatchBox box = level_box(level);
+    const int offset = level_offset(level);
+    normalise(level, offset, camera_);
+    if (level == LC_MATCH_LEVELS) break;
+    halve_picture_.launch(ocl::Range{size_t(box.width / 16), size_t(box.height / 2), 1, 1}, box.width, box.width / 2,
+                          box.height / 2, offset, offset + box.width * box.height, light_, weight_);
+  }
 }
 
 void TextureMatcher::match(const DepthRasterizer& raster, const ocl::Buffer<float>& positions,
@@ -180,20 +194,21 @@ void TextureMatcher::match(const DepthRasterizer& raster, const ocl::Buffer<floa
     matches_.fill(0);
     return;
   }
-  const ocl::Range pixels{size_t(box_.width), size_t(box_.height), 16, 1}, rows{size_t(box_.height), 1, 1, 1};
-  textured_actor_.launch(is_cpu_ ? rows : pixels, box_, width_, height_, texture_width_, texture_height_,
-                         raster.triangle_ids(), raster.depth(), raster.projected(), raster.triangles(), uvs_, texture_,
-                         light_, weight_, depth_);
-  build_pyramid(level, actor_);
-  halve_levels(halve_depth_, level, depth_);
+  const MatchBox box = level_box(level);
+  const Texture& texture = textures_[level];
+  const ocl::Range pixels{size_t(box.width), size_t(box.height), 16, 1}, rows{size_t(box.height), 1, 1, 1};
+  textured_actor_.launch(is_cpu_ ? rows : pixels, box, level, width_, height_, texture.texels, texture.width,
+                         texture.height, raster.triangle_ids(), raster.depth(), raster.projected(), raster.triangles(),
+                         uvs_, texture_, light_, weight_, depth_);
+  normalise(level, 0, actor_);
   const PatchOptions patch{level,
                            options_.iterations,
                            options_.softness,
                            options_.max_move_px,
                            options_.min_correlation,
                            options_.depth_range_mm};
-  match_patches_.launch(n_vertices_, kLocal, n_vertices_, box_, patch, focal_px_, positions, normals, visible,
-                        raster.projected(), areas_, share, actor_, depth_, camera_, matches_);
+  match_patches_.launch(n_vertices_, kLocal, n_vertices_, box, patch, level_offset(level), focal_px_, positions,
+                        normals, visible, raster.projected(), areas_, share, actor_, depth_, camera_, matches_);
 }
 
 Matches TextureMatcher::read() {

@@ -9,6 +9,7 @@
 //   Matches matches = matcher.read();
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -53,7 +54,7 @@ class TextureMatcher {
 
   // raster: rendered the positions. positions, normals [3*n_vertices] mm and unit, camera frame; visible [n_vertices];
   // share [n_vertices]: factor of each vertex's weight, 0 = not wanted. level: pictures of 2^-level of the resolution,
-  // 0..LC_MATCH_LEVELS; coarse ones find what is further away. Enqueued.
+  // 0..LC_MATCH_LEVELS; coarse ones find what is further away and take less time. Enqueued.
   void match(const DepthRasterizer& raster, const ocl::Buffer<float>& positions, const ocl::Buffer<float>& normals,
              const ocl::Buffer<int32_t>& visible, const ocl::Buffer<float>& share, int level);
 
@@ -61,8 +62,9 @@ class TextureMatcher {
   Matches read();
 
  private:
-  void build_pyramid(int level, ocl::Buffer<float>& pyramid);
-  void halve_levels(ocl::Kernel& halve, int level, ocl::Buffer<float>& pyramid);
+  MatchBox level_box(int level) const;
+  int level_offset(int level) const;
+  void normalise(int level, int offset, ocl::Buffer<float>& normal);
 
   MatchOptions options_;
   int width_, height_;
@@ -70,27 +72,29 @@ class TextureMatcher {
   int n_vertices_;
   bool is_cpu_;
   int texture_width_ = 0;
-  int texture_height_ = 0;
+  struct Texture {
+    int texels, width, height;  // of texture_, from `texels` on
+  };
+  std::array<Texture, LC_MATCH_LEVELS + 1> textures_{};  // by level
   MatchBox box_{0, 0, 0, 0};
   std::vector<float> host_;
 
   ocl::Buffer<uint16_t> texture_;  // luminance, see texel_pairs
   ocl::Buffer<float> uvs_;         // [6*n_triangles]
   ocl::Buffer<float> areas_;       // [n_vertices] mm^2
-  ocl::Buffer<float> light_;       // box
-  ocl::Buffer<float> weight_;      // box
+  ocl::Buffer<float> light_;       // of the camera's pyramid, then of the actor
+  ocl::Buffer<float> weight_;      // likewise
   ocl::Buffer<float> sums_;        // 3 boxes
-  ocl::Buffer<float> actor_;       // pyramids
-  ocl::Buffer<float> depth_;
-  ocl::Buffer<float> camera_;
-  ocl::Buffer<float> matches_;  // [LC_MATCH*n_vertices], see match/layout.h
+  ocl::Buffer<float> actor_;       // box of the level
+  ocl::Buffer<float> depth_;       // likewise
+  ocl::Buffer<float> camera_;      // pyramid, full resolution first
+  ocl::Buffer<float> matches_;     // [LC_MATCH*n_vertices], see match/layout.h
   ocl::Kernel textured_actor_;
   ocl::Kernel camera_picture_;
   ocl::Kernel normalise_;    // CPUs
   ocl::Kernel column_sums_;  // GPUs, with normalise_rows_
   ocl::Kernel normalise_rows_;
-  ocl::Kernel halve_;
-  ocl::Kernel halve_depth_;
+  ocl::Kernel halve_picture_;
   ocl::Kernel match_patches_;
 };
 

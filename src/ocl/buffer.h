@@ -1,4 +1,5 @@
-// Device memory with element counts. Host transfers are blocking: one read per stage, no hidden finish elsewhere.
+// Device memory with element counts. Host transfers are blocking unless their name says otherwise: one read per stage,
+// no hidden finish elsewhere.
 #pragma once
 
 #include <CL/cl.h>
@@ -54,6 +55,8 @@ class Buffer {
       memory_ = std::exchange(other.memory_, nullptr);
       queue_ = std::exchange(other.queue_, nullptr);
       count_ = std::exchange(other.count_, 0);
+      staged_ = std::move(other.staged_);
+      staged_event_ = std::exchange(other.staged_event_, nullptr);
     }
     return *this;
   }
@@ -74,14 +77,26 @@ class Buffer {
           "clEnqueueWriteBuffer");
   }
   void write(const std::vector<T>& values, size_t offset = 0) { write(std::span<const T>(values), offset); }
-  void read(std::span<T> values, size_t offset = 0) const {
+  void read(std::span<T> values, size_t offset = 0) const { read(values, offset, CL_TRUE); }
+  // Copies the values and returns; they are written in order. For small inputs of the kernels that follow: a blocking
+  // write would wait for everything before it.
+  void write_later(std::span<const T> values) {
     if (values.empty()) return;
-    require(values.size() + offset <= count_);
-    QueueSpan span(queue_, "read");
-    check(clEnqueueReadBuffer(queue_, memory_, CL_TRUE, offset * sizeof(T), values.size_bytes(), values.data(), 0,
-                              nullptr, span.event()),
-          "clEnqueueReadBuffer");
+    require(values.size() <= count_);
+    wait_for_staged();
+    staged_.assign(values.begin(), values.end());
+    QueueSpan span(queue_, "write");
+    cl_event* traced = span.event();
+    check(clEnqueueWriteBuffer(queue_, memory_, CL_FALSE, 0, values.size_bytes(), staged_.data(), 0, nullptr,
+                               traced ? traced : &staged_event_),
+          "clEnqueueWriteBuffer");
+    if (!traced) return;
+    clRetainEvent(*traced);
+    staged_event_ = *traced;
   }
+  // Returns at once; the values are there after the next blocking read through the same queue, and must live until
+  // then.
+  void read_later(std::span<T> values) const { read(values, 0, CL_FALSE); }
   std::vector<T> read_all() const {
     std::vector<T> values(count_);
     read(std::span<T>(values));
@@ -103,11 +118,26 @@ class Buffer {
   }
 
  private:
+  void read(std::span<T> values, size_t offset, cl_bool blocking) const {
+    if (values.empty()) return;
+    require(values.size() + offset <= count_);
+    QueueSpan span(queue_, "read");
+    check(clEnqueueReadBuffer(queue_, memory_, blocking, offset * sizeof(T), values.size_bytes(), values.data(), 0,
+                              nullptr, span.event()),
+          "clEnqueueReadBuffer");
+  }
+  void wait_for_staged() {
+    if (!staged_event_) return;
+    clWaitForEvents(1, &staged_event_);
+    clReleaseEvent(staged_event_);
+    staged_event_ = nullptr;
+  }
   static void require(bool fits) {
     if (!fits) throw LogicError("ocl::Buffer: transfer outside the buffer");
   }
   void release() {
     if (!memory_) return;
+    wait_for_staged();
     clReleaseMemObject(memory_);
     BufferMemory::now -= count_ * sizeof(T);
     memory_ = nullptr;
@@ -116,6 +146,8 @@ class Buffer {
   cl_mem memory_ = nullptr;
   cl_command_queue queue_ = nullptr;
   size_t count_ = 0;
+  std::vector<T> staged_;  // of a write_later that may still be under way
+  cl_event staged_event_ = nullptr;
 };
 
 }  // namespace livecap::ocl

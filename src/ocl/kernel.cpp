@@ -1,5 +1,7 @@
 #include "ocl/kernel.h"
 
+#include <cstring>
+
 #include "ocl/queue_trace.h"
 #include "ocl/status.h"
 
@@ -22,12 +24,24 @@ Kernel& Kernel::operator=(Kernel&& other) noexcept {
     kernel_ = std::exchange(other.kernel_, nullptr);
     queue_ = std::exchange(other.queue_, nullptr);
     name_ = std::move(other.name_);
+    arguments_ = std::move(other.arguments_);
+    buffers_made_ = other.buffers_made_;
   }
   return *this;
 }
 
 void Kernel::set_raw(cl_uint index, size_t size, const void* value) {
-  check(clSetKernelArg(kernel_, index, size, value), "clSetKernelArg", name_ + " argument " + std::to_string(index));
+  if (const int64_t made = BufferMemory::made; made != buffers_made_) {
+    arguments_.clear();
+    buffers_made_ = made;
+  }
+  if (index >= arguments_.size()) arguments_.resize(index + 1);
+  std::vector<unsigned char>& last = arguments_[index];
+  if (value && last.size() == size && std::memcmp(last.data(), value, size) == 0) return;
+  const cl_int status = clSetKernelArg(kernel_, index, size, value);
+  if (status != CL_SUCCESS) check(status, "clSetKernelArg", name_ + " argument " + std::to_string(index));
+  const auto* bytes = static_cast<const unsigned char*>(value);
+  last.assign(bytes, bytes ? bytes + size : bytes);
 }
 
 void Kernel::enqueue(const Range& range) {

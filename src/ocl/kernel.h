@@ -8,6 +8,7 @@
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "ocl/buffer.h"
 #include "ocl/context.h"
@@ -75,6 +76,10 @@ class Kernel {
   cl_kernel kernel_ = nullptr;
   cl_command_queue queue_ = nullptr;
   std::string name_;
+  // What each argument was set to last, byte for byte: drivers take long to set them. Good as long as no buffer is
+  // made, which might get the handle of one that is gone.
+  std::vector<std::vector<unsigned char>> arguments_;
+  int64_t buffers_made_ = 0;
 };
 
 }  // namespace livecap::ocl

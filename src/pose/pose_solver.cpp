@@ -1,10 +1,14 @@
 #include "pose/pose_solver.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 namespace livecap {
 namespace {
+
+using KeypointPositions = std::array<Eigen::Vector3d, kKeypointCount>;
 
 // See PoseOptions::damping_own: radians and millimetres have their own largest entry each.
 Eigen::VectorXd damping_of(const Eigen::MatrixXd& JtJ, const PoseOptions& options) {
@@ -30,6 +34,17 @@ void limit_turn(Eigen::VectorXd& delta, double max_step_rad) {
   if (largest > max_step_rad) delta *= max_step_rad / largest;
 }
 
+// Furthest that a keypoint of the actor moves in the picture; infinite for one that is not before the camera.
+double moved_px(const Actor& actor, const Camera& camera, const KeypointPositions& from, const KeypointPositions& to) {
+  double most = 0;
+  for (int k = 0; k < kKeypointCount; ++k) {
+    if (actor.keypoints[k].bone < 0) continue;
+    if (!(from[k].z() > 0 && to[k].z() > 0)) return INFINITY;
+    most = std::max(most, (project_px(camera, to[k]) - project_px(camera, from[k])).norm());
+  }
+  return most;
+}
+
 bool has_observation(const KeypointTargets& targets) {
   return std::any_of(targets.begin(), targets.end(),
                      [](const KeypointTarget& t) { return t.weight_2d > 0 || t.weight_3d > 0; });
@@ -52,9 +67,12 @@ PoseResult PoseSolver::solve(const PoseInput& input) {
     return result;
   }
 
-  PoseState state{
-      input.initial,
-      best_t_prime(targets, keypoint_positions(actor_, forward_kinematics(actor_.skeleton, input.initial)))};
+  const auto keypoints = [&](const Pose& pose) {
+    return keypoint_positions(actor_, forward_kinematics(actor_.skeleton, pose));
+  };
+  const KeypointPositions initial = keypoints(input.initial);
+  PoseState state{input.initial, best_t_prime(targets, initial)};
+  KeypointPositions current = initial;
   const int n_steps = input.n_steps > 0 ? input.n_steps : options_.steps;
   for (int step = 0; step < n_steps; ++step) {
     const PoseNormalEquations equations = system_.assemble(state);
@@ -67,6 +85,9 @@ PoseResult PoseSolver::solve(const PoseInput& input) {
     limit_turn(solution.delta, options_.max_step_rad);
     state.pose = add_increment(state.pose, solution.delta.head(solution.delta.size() - 3));
     state.t_prime_mm += solution.delta.tail<3>();
+    if (!(input.settled_px > 0)) continue;
+    const KeypointPositions before = std::exchange(current, keypoints(state.pose));
+    if (moved_px(actor_, camera_, before, current) < input.settled_px) break;
   }
   measure(state, targets, result);
   if (!std::isfinite(result.energy.total())) {
@@ -75,6 +96,7 @@ PoseResult PoseSolver::solve(const PoseInput& input) {
   }
   result.pose = state.pose;
   result.t_prime_mm = state.t_prime_mm;
+  result.moved_px = moved_px(actor_, camera_, initial, keypoints(state.pose));
   return result;
 }
 

@@ -25,9 +25,10 @@ struct PoseInput {
   std::span<const int32_t> contour_vertices = {};  // B of the frame, template vertex indices
   std::span<const VertexMatch> matches = {};       // where the picture shows vertices of the skinned template
   const ocl::Buffer<float>* displacement_rest =
-      nullptr;         // [3n] mm added to the rest pose before skinning; may be nullptr
-  double arms_3d = 1;  // factor of lambda_i of E_3D of elbows, wrists and hands
-  int n_steps = 0;     // 0: PoseOptions::steps
+      nullptr;            // [3n] mm added to the rest pose before skinning; may be nullptr
+  double arms_3d = 1;     // factor of lambda_i of E_3D of elbows, wrists and hands
+  int n_steps = 0;        // 0: PoseOptions::steps
+  double settled_px = 0;  // no further step after one that moves no keypoint so far in the picture
 };
 
 // Weighted, as in the paper's E_pose.
@@ -48,6 +49,7 @@ struct PoseResult {
   Eigen::Vector3d t_prime_mm = Eigen::Vector3d::Zero();  // camera_from_root of the 3D detections
   std::vector<double> step_energy;                       // total before each step
   double keypoint_error_px = 0;                          // mean 2D error, weighted as in E_2D; 0 without detections
+  double moved_px = 0;                                   // furthest that a keypoint went in the picture
   double silhouette_error_px = 0;                        // mean |distance| of the contour vertices in the picture
   int n_contour_visible = 0;
 };

@@ -26,6 +26,12 @@ void require(bool ok, const std::string& message) {
   if (!ok) throw LogicError("pose: " + message);
 }
 
+// The message of a check that is made for every vertex of every round is only written when it fails.
+void require_vertex(int vertex, int n_vertices, const char* what) {
+  if (vertex < 0 || vertex >= n_vertices)
+    throw LogicError(format("pose: %s vertex %d of %d", what, vertex, n_vertices));
+}
+
 void check_actor(const Actor& actor) {
   actor.skeleton.validate();
   const size_t n = actor.n_vertices();
@@ -126,7 +132,7 @@ void PoseSystem::set_frame(const KeypointTargets& targets, const DeviceFrame* fr
           t.previous_position_mm.y(), t.previous_position_mm.z(), 0.0})
       values.push_back(float(value));
   }
-  targets_.write(values);
+  targets_.write_later(values);
 
   set_matches(matches);
   frame_ = frame;
@@ -134,18 +140,18 @@ void PoseSystem::set_frame(const KeypointTargets& targets, const DeviceFrame* fr
   n_contour_ = 0;
   contour_weight_ = 0;
   if (!frame || contour_vertices.empty() || options_.weights.silhouette == 0) return;
-  require(frame->width == width_ && frame->height == height_,
-          format("frame is %d x %d, the camera %d x %d", frame->width, frame->height, width_, height_));
-  require(!displacement_rest || displacement_rest->size() == size_t(3) * n_vertices_,
-          format("displacement has %zu values for %d vertices", displacement_rest ? displacement_rest->size() : 0,
-                 n_vertices_));
-  for (int32_t vertex : contour_vertices)
-    require(vertex >= 0 && vertex < n_vertices_, format("contour vertex %d of %d", vertex, n_vertices_));
+  if (frame->width != width_ || frame->height != height_)
+    throw LogicError(
+        format("pose: frame is %d x %d, the camera %d x %d", frame->width, frame->height, width_, height_));
+  if (displacement_rest && displacement_rest->size() != size_t(3) * n_vertices_)
+    throw LogicError(
+        format("pose: displacement has %zu values for %d vertices", displacement_rest->size(), n_vertices_));
+  for (int32_t vertex : contour_vertices) require_vertex(vertex, n_vertices_, "contour");
   // Thinned evenly; the kept vertices stand for all of them.
   const size_t n = std::min(contour_vertices.size(), size_t(options_.max_contour_vertices));
   std::vector<int32_t> used(n);
   for (size_t i = 0; i < n; ++i) used[i] = contour_vertices[i * contour_vertices.size() / n];
-  contour_vertices_.write(used);
+  contour_vertices_.write_later(used);
   n_contour_ = int(n);
   contour_weight_ = options_.weights.silhouette * double(contour_vertices.size()) / double(n);
 }
@@ -175,14 +181,13 @@ void PoseSystem::set_matches(std::span<const VertexMatch> matches) {
   std::vector<int32_t> vertices;
   std::vector<float> targets;
   for (const VertexMatch& match : used) {
-    require(match.vertex >= 0 && match.vertex < n_vertices_,
-            format("matched vertex %d of %d", match.vertex, n_vertices_));
+    require_vertex(match.vertex, n_vertices_, "matched");
     const float root = float(std::sqrt(options_.weights.match * match.weight));
     vertices.push_back(match.vertex);
     targets.insert(targets.end(), {match.u_px, match.v_px, root * match.a, root * match.b, root * match.c});
   }
-  match_vertices_.write(vertices);
-  match_targets_.write(targets);
+  match_vertices_.write_later(vertices);
+  match_targets_.write_later(targets);
   n_matches_ = int(used.size());
 }
 
@@ -217,7 +222,7 @@ void PoseSystem::upload(const PoseState& state) {
   for (int k = 0; k < layout_.n_dofs; ++k) out[LC_POSE_STEP_ANGLES(layout_) + k] = float(state.pose.angles_rad[k]);
   const std::vector<float> dual_quats = bone_dual_quats(posed);
   std::copy(dual_quats.begin(), dual_quats.end(), out + LC_POSE_STEP_DUAL_QUATS(layout_));
-  step_.write(step_host_);
+  step_.write_later(step_host_);
 }
 
 void PoseSystem::launch_records() {
@@ -291,10 +296,10 @@ PoseResiduals PoseSystem::residuals(const PoseState& state) {
   PoseResiduals result;
   result.rows.resize(n_rows());
   result.distances_px.resize(n_contour_);
+  contour_residuals_.read_later(std::span(result.rows).subspan(n_point_rows_, n_contour_));
+  match_residuals_.read_later(std::span(result.rows).subspan(n_point_rows_ + n_contour_));
+  distances_px_.read_later(result.distances_px);
   point_residuals_.read(std::span(result.rows).first(n_point_rows_));
-  contour_residuals_.read(std::span(result.rows).subspan(n_point_rows_, n_contour_));
-  match_residuals_.read(std::span(result.rows).subspan(n_point_rows_ + n_contour_));
-  distances_px_.read(result.distances_px);
   return result;
 }
 

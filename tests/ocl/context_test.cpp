@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+
 #include "livecap/error.h"
 #include "ocl/buffer.h"
+#include "ocl/kernel.h"
 #include "ocl/kernel_source.h"
 #include "support/test_device.h"
 
@@ -33,6 +36,51 @@ TEST(Context, TransfersOutsideABufferAreRefused) {
   test::on_every_device([](ocl::DeviceContext& device) {
     ocl::Buffer<float> buffer(device, 4);
     EXPECT_THROW(buffer.write(std::vector<float>(5)), LogicError);
+  });
+}
+
+TEST(Context, LaterTransfersKeepTheirOrder) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    constexpr int kCount = 1000;
+    ocl::Buffer<int32_t> source(device, kCount), copy(device, kCount);
+    std::vector<std::vector<int32_t>> seen(3, std::vector<int32_t>(kCount));
+    for (int round = 0; round < 3; ++round) {
+      std::vector<int32_t> values(kCount, round + 1);
+      source.write_later(values);
+      std::fill(values.begin(), values.end(), -1);  // they were copied
+      copy.copy_from(source);
+      copy.read_later(seen[round]);
+    }
+    source.write_later(std::vector<int32_t>(2, 9));
+    ocl::Buffer<int32_t> moved = std::move(source);
+    EXPECT_EQ(moved.read_all()[1], 9);
+    EXPECT_EQ(moved.read_all()[2], 3);
+    for (int round = 0; round < 3; ++round) EXPECT_EQ(seen[round], std::vector<int32_t>(kCount, round + 1));
+    EXPECT_THROW(copy.write_later(std::vector<int32_t>(kCount + 1)), LogicError);
+  });
+}
+
+// Arguments that stay the same are not set again; those of a kernel whose buffers were made anew are.
+TEST(Context, KernelsSeeTheArgumentsOfEachLaunch) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    constexpr int kWidth = 20;
+    ocl::Kernel overlaps(device, "raster/depth.cl", "row_overlaps");
+    const ocl::Buffer<int32_t> ids(device, std::vector<int32_t>(kWidth, 0));
+    const auto first = std::make_unique<ocl::Buffer<uint8_t>>(device, std::vector<uint8_t>(kWidth, 255));
+    auto second = std::make_unique<ocl::Buffer<uint8_t>>(device, std::vector<uint8_t>(kWidth, 0));
+    ocl::Buffer<int32_t> overlap(device, 2);
+    const auto both = [&](int width, const ocl::Buffer<uint8_t>& mask) {
+      overlaps.launch(ocl::Range{1, 1, 1, 1}, width, 1, ids, mask, overlap);
+      return overlap.read_all()[0];
+    };
+    EXPECT_EQ(both(kWidth, *first), kWidth);
+    EXPECT_EQ(both(kWidth, *first), kWidth);
+    EXPECT_EQ(both(kWidth, *second), 0);
+    EXPECT_EQ(both(kWidth - 3, *first), kWidth - 3);
+    EXPECT_EQ(both(kWidth, *second), 0);
+    second.reset();
+    second = std::make_unique<ocl::Buffer<uint8_t>>(device, std::vector<uint8_t>(kWidth, 200));
+    EXPECT_EQ(both(kWidth, *second), kWidth);
   });
 }
 

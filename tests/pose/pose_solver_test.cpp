@@ -210,6 +210,46 @@ TEST(PoseSolver, SilhouettePullsTheBodyToTheContour) {
   });
 }
 
+TEST(PoseSolver, EndsWhenAStepMovesLittleInThePicture) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const Actor actor = test::make_test_actor(0.7);
+    const Camera camera = test::portrait_camera();
+    PoseOptions options;
+    options.rebone = false;
+    PoseSolver solver(device, actor, camera, options);
+    std::mt19937 rng(12);
+    const Pose truth = test::random_true_pose(actor, rng, 0.5);
+    const Detections detections = exact_detections(actor, camera, truth);
+    const Pose start = disturbed(truth, rng, 0.1, 30);
+    const auto solve = [&](int n_steps, double settled_px) {
+      return solver.solve({.detections = detections, .initial = start, .n_steps = n_steps, .settled_px = settled_px});
+    };
+    // Furthest way of a keypoint from one pose to the other.
+    const auto distance_px = [&](const Pose& a, const Pose& b) {
+      const Detections from = exact_detections(actor, camera, a), to = exact_detections(actor, camera, b);
+      double most = 0;
+      for (int k = 0; k < kKeypointCount; ++k)
+        most = std::max(most, std::hypot(double(to.keypoints[k].x_px) - from.keypoints[k].x_px,
+                                         double(to.keypoints[k].y_px) - from.keypoints[k].y_px));
+      return most;
+    };
+    constexpr int kSteps = 8;
+    std::vector<Pose> poses = {start};  // after each step
+    for (int n = 1; n <= kSteps; ++n) poses.push_back(solve(n, 0).pose);
+    for (double settled_px : {3.0, 0.1}) {
+      size_t expected = 1;
+      while (distance_px(poses[expected - 1], poses[expected]) >= settled_px) ++expected;
+      ASSERT_GT(expected, 1u);
+      ASSERT_LT(expected, size_t(kSteps));
+      const PoseResult result = solve(kSteps, settled_px);
+      EXPECT_EQ(result.step_energy.size(), expected);
+      EXPECT_LT(keypoint_distance_mm(actor, result.pose, poses[expected]), 1e-9);
+      EXPECT_NEAR(result.moved_px, distance_px(start, result.pose), 1e-3);
+    }
+    EXPECT_EQ(solve(kSteps, 1e9).step_energy.size(), 1u);
+  });
+}
+
 TEST(PoseSolver, RepeatsBitForBit) {
   test::on_every_device([](ocl::DeviceContext& device) {
     const Actor actor = test::make_test_actor(0.7);

@@ -1,0 +1,26 @@
+// Sixteen or eight values of a row at once, as the bodies for CPUs work. PoCL 3.1 makes four stores of one vstore16.
+#ifndef LC_SHARED_WIDE_H
+#define LC_SHARED_WIDE_H
+
+typedef float16 __attribute__((aligned(4))) UnalignedFloat16;
+typedef float8 __attribute__((aligned(4))) UnalignedFloat8;
+typedef int16 __attribute__((aligned(4))) UnalignedInt16;
+typedef int8 __attribute__((aligned(4))) UnalignedInt8;
+
+static inline void store16(float16 value, global float* to) {
+  *(global UnalignedFloat16*)to = value;
+}
+
+static inline void store8(float8 value, global float* to) {
+  *(global UnalignedFloat8*)to = value;
+}
+
+static inline void store_int16(int16 value, global int* to) {
+  *(global UnalignedInt16*)to = value;
+}
+
+static inline void store_int8(int8 value, global int* to) {
+  *(global UnalignedInt8*)to = value;
+}
+
+#endif

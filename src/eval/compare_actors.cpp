@@ -7,6 +7,7 @@
 
 #include "actor/labels.h"
 #include "base/text.h"
+#include "eval/other_mesh.h"
 #include "meshing/nearest_surface.h"
 #include "meshing/surface_parts.h"
 #include "synth/random.h"
@@ -18,31 +19,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kCellMm = 40;
-
-// The rigid motion that lays `points` onto the surface: nearest points and least squares, in turns.
-Eigen::Isometry3d align(const std::vector<Vector3d>& points, const meshing::NearestSurface& surface) {
-  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-  const int stride = std::max<int>(1, static_cast<int>(points.size() / 2000));
-  for (int round = 0; round < 15; ++round) {
-    std::vector<std::pair<double, std::pair<Vector3d, Vector3d>>> pairs;
-    for (size_t i = 0; i < points.size(); i += stride) {
-      const Vector3d p = motion * points[i];
-      const auto on = surface.find(p);
-      pairs.push_back({on.distance, {p, on.position}});
-    }
-    // The worst tenth does not count: parts that one of the two does not have.
-    std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    pairs.resize(pairs.size() * 9 / 10);
-    Eigen::Matrix3Xd from(3, pairs.size()), to(3, pairs.size());
-    for (size_t i = 0; i < pairs.size(); ++i) {
-      from.col(i) = pairs[i].second.first;
-      to.col(i) = pairs[i].second.second;
-    }
-    const Eigen::Matrix4d step = Eigen::umeyama(from, to, false);
-    motion = Eigen::Isometry3d(step) * motion;
-  }
-  return motion;
-}
 
 using DualQuaternion = std::array<Eigen::Quaterniond, 2>;
 
@@ -103,16 +79,15 @@ ActorComparison compare_actors(const Actor& built, const Actor& truth, int n_pos
   ActorComparison result;
   meshing::Surface built_surface = meshing::surface_of(built.mesh);
   const meshing::Surface true_surface = meshing::surface_of(truth.mesh);
-  const meshing::NearestSurface near_truth(true_surface, kCellMm);
-  const Eigen::Isometry3d motion = align(built_surface.vertices, near_truth);
+  const RestOverlay overlay = overlay_rest(built, truth);
+  const Eigen::Isometry3d& motion = overlay.truth_from_actor;
+  const std::vector<meshing::SurfacePoint>& on = overlay.nearest;
   for (Vector3d& p : built_surface.vertices) p = motion * p;
   const meshing::NearestSurface near_built(built_surface, kCellMm);
 
-  std::vector<meshing::SurfacePoint> on(built_surface.vertices.size());
   std::vector<double> distances;
   size_t same_label = 0, same_class = 0;
   for (size_t i = 0; i < on.size(); ++i) {
-    on[i] = near_truth.find(built_surface.vertices[i]);
     distances.push_back(on[i].distance);
     const int corner =
         static_cast<int>(std::max_element(on[i].weights.begin(), on[i].weights.end()) - on[i].weights.begin());

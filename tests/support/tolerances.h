@@ -119,6 +119,8 @@ inline constexpr double kTwistedGirth = 0.8;
 // follows them: shares.
 inline constexpr double kHangingShare = 0.75;
 inline constexpr double kClingingShare = 0.9;
+// An actor thinned to 1400 against one thinned to 1500 vertices: chords of a trunk with edges of 45 mm.
+inline constexpr double kOtherMeshMm = 3;
 // Weights are divided by their sum in double.
 inline constexpr double kWeightSum = 1e-12;
 // Heat on a capsule with edges of 13 mm: piecewise linear over a profile that falls to 1/e in 25 mm, and influences

@@ -75,7 +75,7 @@ std::vector<Vector3d> pose_actor(const Actor& actor, const Skeleton& skeleton, c
   return result;
 }
 
-ActorComparison compare_actors(const Actor& built, const Actor& truth, int n_poses) {
+ActorComparison compare_actors(const Actor& built, const Actor& truth, int n_poses, const std::vector<char>& seen) {
   ActorComparison result;
   meshing::Surface built_surface = meshing::surface_of(built.mesh);
   const meshing::Surface true_surface = meshing::surface_of(truth.mesh);
@@ -86,16 +86,27 @@ ActorComparison compare_actors(const Actor& built, const Actor& truth, int n_pos
   const meshing::NearestSurface near_built(built_surface, kCellMm);
 
   std::vector<double> distances;
-  size_t same_label = 0, same_class = 0;
+  std::vector<double> seen_distances;
+  size_t same_label = 0, same_class = 0, same_seen_label = 0;
   for (size_t i = 0; i < on.size(); ++i) {
     distances.push_back(on[i].distance);
     const int corner =
         static_cast<int>(std::max_element(on[i].weights.begin(), on[i].weights.end()) - on[i].weights.begin());
     const int vertex = true_surface.triangles[on[i].triangle][corner];
     same_label += built.labels[i] == truth.labels[vertex];
+    if (!seen.empty()) {
+      const auto& corners = true_surface.triangles[on[i].triangle];
+      const bool hidden = !seen[corners[0]] && !seen[corners[1]] && !seen[corners[2]];
+      result.hidden.push_back(hidden);
+      if (!hidden) seen_distances.push_back(on[i].distance);
+      same_seen_label += !hidden && built.labels[i] == truth.labels[vertex];
+    }
     same_class += built.rigidity[i] == truth.rigidity[vertex];
   }
   result.rest_mm = summarize(distances).mean;
+  if (!seen_distances.empty())
+    result.seen_labels = static_cast<double>(same_seen_label) / static_cast<double>(seen_distances.size());
+  result.seen_built_to_truth_mm = summarize(std::move(seen_distances));
   for (int label = 0; label < kLabelCount; ++label) {
     double total = 0;
     int n = 0;
@@ -156,12 +167,19 @@ std::string comparison_report(const ActorComparison& c) {
   };
   std::string text =
       line("surface, built to true", c.built_to_truth_mm) + line("surface, true to built", c.truth_to_built_mm);
+  if (!c.hidden.empty()) {
+    const auto n = std::count(c.hidden.begin(), c.hidden.end(), 1);
+    text += line("  without concavities", c.seen_built_to_truth_mm) +
+            format("  concavities and unseen       %.1f %% of the vertices\n",
+                   100.0 * static_cast<double>(n) / static_cast<double>(c.hidden.size()));
+  }
   for (const auto& [name, error] : c.surface_by_label_mm) text += format("  %-26s      %6.1f\n", name.c_str(), error);
   if (c.posed_mm.n > 0) text += line("posed", c.posed_mm) + format("%-28s mean %6.1f\n", "the same at rest", c.rest_mm);
   text += format("%-28s mean %6.1f mm\n", "joints", c.joints_mean_mm);
   for (const auto& [name, error] : c.joints_mm) text += format("  %-26s      %6.1f\n", name.c_str(), error);
   text += format("labels %.1f %%, rigidity classes %.1f %% of the vertices as in the truth\n", 100 * c.labels,
                  100 * c.rigidity);
+  if (!c.hidden.empty()) text += format("  labels without concavities and unseen %.1f %%\n", 100 * c.seen_labels);
   return text;
 }
 

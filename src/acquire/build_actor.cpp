@@ -27,6 +27,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kScanViews = 32;
+constexpr double kSearchGridMm = 30;
 constexpr double kScanGridMm = 7;
 constexpr double kAssumedHeightMm = 1700;
 constexpr double kLowestMm = 800, kTallestMm = 2500;  // of a person
@@ -199,12 +200,22 @@ class Builder {
     }
     low -= Vector3d(250, 200, 420);
     high += Vector3d(250, 400, 420);
-    volume_ = make_volume(low, high, options_.grid_mm);
     HullOptions hull;
-    hull.step_mm = options_.grid_mm;
     hull.n_ignored = n_network_masks_ > 0 ? 2 : 0;
+    // Coarsely first: where the body is. A node farther than half a cell's diagonal from the hull has none of it in its
+    // cell.
+    hull.step_mm = kSearchGridMm;
+    volume_ = make_volume(low, high, hull.step_mm);
     carve_hull(device_, views_, hull, volume_);
-    blur(volume_, 0.8 * options_.grid_mm);
+    if (const auto [near_low, near_high] = bounds_within(volume_, hull.step_mm);
+        (near_low.array() < near_high.array()).all()) {
+      low = near_low;
+      high = near_high;
+    }
+    hull.step_mm = options_.grid_mm;
+    volume_ = make_volume(low, high, hull.step_mm);
+    carve_hull(device_, views_, hull, volume_);
+    blur(volume_, 0.8 * options_.grid_mm, 0.35 * options_.grid_mm);
     if (const int dropped = keep_largest_solid(volume_); dropped > 0)
       note(format("%d other solids in the pictures' common view were dropped", dropped));
   }
@@ -232,7 +243,7 @@ class Builder {
     const double density = std::sqrt(5000.0 / options_.target_vertices);
     const meshing::DistanceField field = [&](const Vector3d& p) { return volume_.at(p); };
     surface() = meshing::decimate_surface(fine_, options_.target_vertices, 48 * density,
-                                          as_is_ ? meshing::DistanceField{} : field);
+                                          as_is_ ? meshing::DistanceField{} : field, 3 * density);
     fine_ = {};
     if (surface().vertices.size() < 200 || !is_closed_manifold(surface()))
       throw ConfigError(

@@ -29,7 +29,7 @@ struct BuildOptions {
   std::string unit = "auto";   // of the cameras' or the scan's world: m, cm, mm, inch
   double height_mm = 0;        // > 0: the person is this tall
   int target_vertices = 5000;
-  double grid_mm = 9;       // of the hull
+  double grid_mm = 7;       // of the hull
   int texture_size = 1024;  // px
   bool refine = true;       // move the hull to where the pictures agree in colour
 

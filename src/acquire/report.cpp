@@ -1,5 +1,6 @@
 #include "acquire/report.h"
 
+#include <algorithm>
 #include <map>
 
 #include "acquire/turnaround_strip.h"
@@ -79,6 +80,26 @@ std::vector<Eigen::VectorXd> check_poses(const Skeleton& skeleton) {
     angles.push_back(a);
   }
   return angles;
+}
+
+std::string comparison_html(const Actor& actor, const std::string& text, const std::vector<double>& distances_mm,
+                            const std::vector<char>& hidden) {
+  constexpr double kFullMm = 20;
+  std::vector<float> colors;
+  for (size_t i = 0; i < distances_mm.size(); ++i) {
+    const float left = 1 - static_cast<float>(std::min(1.0, distances_mm[i] / kFullMm));
+    if (!hidden.empty() && hidden[i])
+      colors.insert(colors.end(), {0.4f, 0.5f, 1.0f});
+    else
+      colors.insert(colors.end(), {1.0f, left, left});
+  }
+  return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>actor compare</title>\n<style>body{"
+         "font-family:sans-serif;margin:2em}img{max-width:100%}pre{background:#f4f4f4;padding:1em}</style></head>"
+         "<body>\n" +
+         picture(
+             painted_strip(actor, colors),
+             "Distance to the true surface: white 0, red 20 mm and more, blue concavities and what no camera sees") +
+         "<pre>" + html_escaped(text) + "</pre>\n</body></html>\n";
 }
 
 std::string actor_report_html(const Actor& actor, const ReportText& text) {

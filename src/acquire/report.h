@@ -17,6 +17,11 @@ struct ReportText {
 
 std::string actor_report_html(const Actor& actor, const ReportText& text);
 
+// What `livecap actor compare` prints, with the distance to the true surface painted on the actor: white 0, red 20 mm
+// and more; blue where hidden. distances_mm: [n_vertices]; hidden: [n_vertices], or empty.
+std::string comparison_html(const Actor& actor, const std::string& text, const std::vector<double>& distances_mm,
+                            const std::vector<char>& hidden);
+
 // Poses that show what skinning does: arms down, arms up, a step, a squat, a twist of the head, a hug.
 std::vector<Eigen::VectorXd> check_poses(const Skeleton& skeleton);
 

@@ -59,6 +59,41 @@ bool sees(const Volume& volume, const Vector3d& vertex, const Vector3d& normal, 
   return true;
 }
 
+// The point of a leg at this height, on the line hip - knee - ankle.
+Vector3d leg_at(const BodyJoints& joints, int thigh, double y) {
+  const bool above_knee = y > joints[thigh + 1].y();
+  const Vector3d &top = joints[above_knee ? thigh : thigh + 1], &bottom = joints[above_knee ? thigh + 1 : thigh + 2];
+  const double share = (top.y() - y) / std::max(1.0, top.y() - bottom.y());
+  return top + std::clamp(share, 0.0, 1.0) * (bottom - top);
+}
+
+// True where one closed ring of cloth (a skirt, a dress) or of flesh goes around both legs: what is between them there
+// is inside.
+bool around_both_legs(const BodyJoints& joints, const Volume& volume, double y) {
+  const Vector3d left = leg_at(joints, kLeftUpLegBone, y), right = leg_at(joints, kRightUpLegBone, y);
+  constexpr int kSteps = 8;
+  for (int i = 0; i <= kSteps; ++i)
+    if (volume.at(left + (static_cast<double>(i) / kSteps) * (right - left)) > 0.5 * volume.step) return false;
+  return true;
+}
+
+// How much of a leg's motion a ring around both legs takes over at p; the rest of the way it hangs from the hips. Cloth
+// that hangs off the leg by a gap is moved only once the swinging leg has closed the gap, so of a swing of s it takes
+// (s - gap) / s. Lengths in those of the thigh: a thigh's girth is 1.3 at the top and 0.92 at the knee.
+double followed_share(const BodyJoints& joints, int thigh, const Vector3d& p) {
+  constexpr double kTopRadius = 0.208, kKneeRadius = 0.147;
+  constexpr double kSwing = 1.43;  // tan 55 degrees: between a step (30) and a squat (90)
+  const Vector3d &hip = joints[thigh], &knee = joints[thigh + 1], &ankle = joints[thigh + 2];
+  const double length = (knee - hip).norm();
+  const double along = std::clamp((p - hip).dot(knee - hip) / std::max(length * length, 1e-9), 0.0, 1.0);
+  const double off_thigh = (p - hip - along * (knee - hip)).norm() - length * std::lerp(kTopRadius, kKneeRadius, along);
+  const double off_shank = (p - nearest_on({thigh + 1, knee, ankle}, p)).norm() - length * kKneeRadius;
+  const double gap = std::min(off_thigh, off_shank);
+  const double swing = kSwing * (hip.y() - p.y());
+  if (gap <= 0) return 1;
+  return swing > gap ? 1 - gap / swing : 0;
+}
+
 // Cotangent Laplacian (positive semidefinite) and lumped vertex areas.
 Sparse cotangent_laplacian(const meshing::Surface& surface, Eigen::VectorXd& areas) {
   const int n = static_cast<int>(surface.vertices.size());
@@ -124,7 +159,12 @@ std::vector<meshing::Influences> heat_weights(const meshing::Surface& surface, c
     const double distance = std::max(contact.first, 1.0);
     const double strength = options.heat / (distance * distance) * areas[i];
     system.coeffRef(i, i) += strength;
-    source(i, segments[contact.second].bone) = strength;
+    const int bone = segments[contact.second].bone;
+    const int thigh = bone >= kRightUpLegBone ? kRightUpLegBone : kLeftUpLegBone;
+    const bool on_leg = bone == thigh || bone == thigh + 1;
+    const double share = on_leg && around_both_legs(joints, volume, p.y()) ? followed_share(joints, thigh, p) : 1;
+    source(i, kHipsBone) = (1 - share) * strength;
+    source(i, bone) += share * strength;
   }
   const Eigen::SimplicialLDLT<Sparse> factor(system);
   if (factor.info() != Eigen::Success) throw LogicError("skin weights: the heat system cannot be factored");

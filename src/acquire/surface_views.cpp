@@ -1,8 +1,15 @@
 #include "acquire/surface_views.h"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 
+#include "acquire/camera_files.h"
+#include "base/text.h"
+#include "image/image_io.h"
+#include "image/silhouette.h"
+#include "livecap/error.h"
 #include "raster/depth.h"
 #include "raster/visibility.h"
 
@@ -49,6 +56,40 @@ std::vector<ViewCoverage> cover_surface(ocl::DeviceContext& device, const Mesh& 
     coverage.push_back(std::move(seen));
   }
   return coverage;
+}
+
+std::vector<char> visible_hull_vertices(ocl::DeviceContext& device, const Mesh& mesh,
+                                        const std::filesystem::path& cameras, const std::filesystem::path& masks,
+                                        double unit_mm) {
+  const int n = mesh.n_vertices();
+  std::vector<View> views;
+  std::vector<double> depth(n, 1e9);  // mm inside of the nearest silhouette's outline
+  for (const ViewPose& pose : read_view_poses(cameras)) {
+    View view;
+    view.camera = pose.camera;
+    view.camera_from_world = pose.camera_from_world;
+    view.camera_from_world.translation() *= unit_mm;
+    const std::filesystem::path file = masks / std::filesystem::path(pose.picture).replace_extension(".png");
+    const Silhouette silhouette = make_silhouette(read_image_gray(file));
+    if (silhouette.width != view.camera.width || silhouette.height != view.camera.height)
+      throw IoError(file.string() + format(": is %dx%d, its camera %dx%d", silhouette.width, silhouette.height,
+                                           view.camera.width, view.camera.height));
+    for (int i = 0; i < n; ++i) {
+      const Eigen::Vector3d p = Eigen::Map<const Eigen::Vector3f>(&mesh.positions[3 * i]).cast<double>();
+      Eigen::Vector2d pixel;
+      if (!view.project(p, pixel)) continue;
+      const int x = static_cast<int>(std::lround(pixel.x())), y = static_cast<int>(std::lround(pixel.y()));
+      if (x < 0 || y < 0 || x >= silhouette.width || y >= silhouette.height) continue;
+      const double px = -silhouette.signed_distance[static_cast<size_t>(y) * silhouette.width + x];
+      depth[i] = std::min(depth[i], px * (view.camera_from_world * p).z() / view.camera.fx);
+    }
+    views.push_back(view);
+  }
+  constexpr float kEdgeOn = 0.1f;  // cosine; the same limit as for a vote about materials
+  std::vector<char> seen(n, 0);
+  for (const ViewCoverage& view : cover_surface(device, mesh, views))
+    for (int i = 0; i < n; ++i) seen[i] |= view.facing[i] > kEdgeOn && depth[i] <= kConcavityMm;
+  return seen;
 }
 
 }  // namespace livecap::acquire

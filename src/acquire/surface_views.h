@@ -1,6 +1,7 @@
 // Which vertices of the finished surface each view sees, and how well.
 #pragma once
 
+#include <filesystem>
 #include <vector>
 
 #include "acquire/view.h"
@@ -21,5 +22,14 @@ struct ViewCoverage {
 
 // views: in the mesh's frame, mm. One entry per view.
 std::vector<ViewCoverage> cover_surface(ocl::DeviceContext& device, const Mesh& mesh, const std::vector<View>& views);
+
+// What pictures can tell of a surface, given where their cameras stood (read_view_poses; the world is the mesh's frame
+// in units of unit_mm) and its own silhouettes (masks/<stem>.png). [n_vertices] 1: some camera sees the vertex, not
+// quite edge-on, and it is no concavity: in some picture it lies within kConcavityMm of the outline. 0: hidden, or
+// deeper inside of every silhouette's cone, where the visual hull is not the surface. Throws IoError, ConfigError.
+inline constexpr double kConcavityMm = 5;
+std::vector<char> visible_hull_vertices(ocl::DeviceContext& device, const Mesh& mesh,
+                                        const std::filesystem::path& cameras, const std::filesystem::path& masks,
+                                        double unit_mm);
 
 }  // namespace livecap::acquire

@@ -158,6 +158,27 @@ ImageRgb turnaround_strip(const Actor& actor, StripColor color, int n_views, boo
   return side_by_side(images);
 }
 
+ImageRgb painted_strip(const Actor& actor, const std::vector<float>& colors) {
+  constexpr int kViews = 6;
+  Actor shown = actor;
+  shown.texture = {};
+  shown.colors = colors;
+  std::vector<ImageRgb> images;
+  Stage stage;
+  for (int i = 0; i < kViews; ++i) {
+    stage = make_stage(actor, 2 * M_PI * i / kViews);
+    images.push_back(draw(shown, actor.mesh.positions, stage, true));
+  }
+  // From below, where hanging cloth is open: the person turned by a quarter, head away.
+  stage = make_stage(actor, 0);
+  const double distance = stage.camera_from_rest.translation().z();
+  stage.camera_from_rest.linear() << 1, 0, 0, 0, 0, 1, 0, 1, 0;
+  stage.camera_from_rest.linear().row(0) *= -1;
+  stage.camera_from_rest.translation() = Vector3d(0, 0, distance);
+  images.push_back(draw(shown, actor.mesh.positions, stage, true));
+  return side_by_side(images);
+}
+
 ImageRgb pose_strip(const Actor& actor, const std::vector<Eigen::VectorXd>& poses) {
   std::vector<ImageRgb> images;
   for (const Eigen::VectorXd& angles : poses)

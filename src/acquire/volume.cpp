@@ -80,7 +80,20 @@ Volume make_volume(const Vector3d& low, const Vector3d& high, double step) {
   return volume;
 }
 
-void blur(Volume& volume, double sigma_mm) {
+std::pair<Vector3d, Vector3d> bounds_within(const Volume& volume, double reach) {
+  Vector3d low = Vector3d::Constant(1e9), high = -low;
+  for (int z = 0; z < volume.nz; ++z)
+    for (int y = 0; y < volume.ny; ++y)
+      for (int x = 0; x < volume.nx; ++x) {
+        if (volume.distance[volume.index(x, y, z)] >= reach) continue;
+        const Vector3d p = volume.low + volume.step * Vector3d(x, y, z);
+        low = low.cwiseMin(p);
+        high = high.cwiseMax(p);
+      }
+  return {low - Vector3d::Constant(reach), high + Vector3d::Constant(reach)};
+}
+
+void blur(Volume& volume, double sigma_mm, double keep_mm) {
   const double sigma = sigma_mm / volume.step;
   const int radius = static_cast<int>(std::ceil(2.5 * sigma));
   if (radius < 1) return;
@@ -92,6 +105,7 @@ void blur(Volume& volume, double sigma_mm) {
   const int counts[3] = {volume.nx, volume.ny, volume.nz};
   const size_t strides[3] = {1, static_cast<size_t>(volume.nx), static_cast<size_t>(volume.nx) * volume.ny};
   std::vector<float> line;
+  const std::vector<float> sharp = volume.distance;
   for (int axis = 0; axis < 3; ++axis) {
     const int n = counts[axis], m1 = counts[(axis + 1) % 3], m2 = counts[(axis + 2) % 3];
     const size_t stride = strides[axis], s1 = strides[(axis + 1) % 3], s2 = strides[(axis + 2) % 3];
@@ -107,6 +121,8 @@ void blur(Volume& volume, double sigma_mm) {
         }
       }
   }
+  const float keep = static_cast<float>(keep_mm);
+  for (size_t i = 0; i < sharp.size(); ++i) volume.distance[i] = std::min(volume.distance[i], sharp[i] + keep);
 }
 
 int keep_largest_solid(Volume& volume) {

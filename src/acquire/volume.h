@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <utility>
 #include <vector>
 
 #include "meshing/isosurface.h"
@@ -27,8 +28,12 @@ struct Volume {
 // Nodes that cover low..high.
 Volume make_volume(const Eigen::Vector3d& low, const Eigen::Vector3d& high, double step);
 
-// Gaussian with this standard deviation, in mm.
-void blur(Volume& volume, double sigma_mm);
+// The box of the nodes whose distance is below `reach`, and as much around it; low > high when there is none.
+std::pair<Eigen::Vector3d, Eigen::Vector3d> bounds_within(const Volume& volume, double reach);
+
+// Gaussian with this standard deviation, in mm. What lies deeper than `keep_mm` stays inside, so that thin parts
+// (hands, toes) are not blurred away.
+void blur(Volume& volume, double sigma_mm, double keep_mm = 1e9);
 
 // Keeps the largest solid, fills its cavities, makes the grid's border outside. Returns how many other solids of more
 // than one litre were dropped.

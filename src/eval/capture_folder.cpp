@@ -19,13 +19,6 @@ namespace fs = std::filesystem;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kAssumedFps = 30;
 
-Actor load_actor_named(const std::string& name, double height_mm) {
-  const std::string prefix = "builtin:";
-  if (name.rfind(prefix, 0) != 0) return load_actor(name, height_mm);
-  return load_actor_bytes(
-      make_builtin_actor_glb(name.substr(prefix.size()), height_mm > 0 ? height_mm : kBuiltinHeightMm), name);
-}
-
 // Field `name` of a JSON object; `fallback` when it is missing, null or of another type.
 template <typename T>
 T field(const nlohmann::json& object, const char* name, T fallback) {
@@ -90,6 +83,13 @@ void require_points(const Pc2Reader& vertices, const fs::path& file, const std::
 }
 
 }  // namespace
+
+Actor load_actor_named(const std::string& name, double height_mm) {
+  const std::string prefix = "builtin:";
+  if (name.rfind(prefix, 0) != 0) return load_actor(name, height_mm);
+  return load_actor_bytes(
+      make_builtin_actor_glb(name.substr(prefix.size()), height_mm > 0 ? height_mm : kBuiltinHeightMm), name);
+}
 
 CaptureFolder open_capture(const fs::path& folder, const std::string& actor, const std::string& camera,
                            const fs::path& masks) {

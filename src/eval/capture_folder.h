@@ -34,6 +34,9 @@ struct CaptureFolder {
   std::optional<Pc2Reader> vertices;  // none: a skeleton only
 };
 
+// An actor file or builtin:NAME; height_mm > 0 scales it.
+Actor load_actor_named(const std::string& name, double height_mm);
+
 // actor, camera: empty = what report.json names; without a camera file the masks in `masks` give the size for a field
 // of view. Throws IoError naming the file when the folder does not hold what is needed or sizes do not fit together.
 CaptureFolder open_capture(const std::filesystem::path& folder, const std::string& actor, const std::string& camera,

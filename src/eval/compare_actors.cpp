@@ -7,6 +7,7 @@
 
 #include "actor/labels.h"
 #include "base/text.h"
+#include "eval/other_mesh.h"
 #include "meshing/nearest_surface.h"
 #include "meshing/surface_parts.h"
 #include "synth/random.h"
@@ -18,31 +19,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kCellMm = 40;
-
-// The rigid motion that lays `points` onto the surface: nearest points and least squares, in turns.
-Eigen::Isometry3d align(const std::vector<Vector3d>& points, const meshing::NearestSurface& surface) {
-  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-  const int stride = std::max<int>(1, static_cast<int>(points.size() / 2000));
-  for (int round = 0; round < 15; ++round) {
-    std::vector<std::pair<double, std::pair<Vector3d, Vector3d>>> pairs;
-    for (size_t i = 0; i < points.size(); i += stride) {
-      const Vector3d p = motion * points[i];
-      const auto on = surface.find(p);
-      pairs.push_back({on.distance, {p, on.position}});
-    }
-    // The worst tenth does not count: parts that one of the two does not have.
-    std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    pairs.resize(pairs.size() * 9 / 10);
-    Eigen::Matrix3Xd from(3, pairs.size()), to(3, pairs.size());
-    for (size_t i = 0; i < pairs.size(); ++i) {
-      from.col(i) = pairs[i].second.first;
-      to.col(i) = pairs[i].second.second;
-    }
-    const Eigen::Matrix4d step = Eigen::umeyama(from, to, false);
-    motion = Eigen::Isometry3d(step) * motion;
-  }
-  return motion;
-}
 
 using DualQuaternion = std::array<Eigen::Quaterniond, 2>;
 
@@ -99,28 +75,38 @@ std::vector<Vector3d> pose_actor(const Actor& actor, const Skeleton& skeleton, c
   return result;
 }
 
-ActorComparison compare_actors(const Actor& built, const Actor& truth, int n_poses) {
+ActorComparison compare_actors(const Actor& built, const Actor& truth, int n_poses, const std::vector<char>& seen) {
   ActorComparison result;
   meshing::Surface built_surface = meshing::surface_of(built.mesh);
   const meshing::Surface true_surface = meshing::surface_of(truth.mesh);
-  const meshing::NearestSurface near_truth(true_surface, kCellMm);
-  const Eigen::Isometry3d motion = align(built_surface.vertices, near_truth);
+  const RestOverlay overlay = overlay_rest(built, truth);
+  const Eigen::Isometry3d& motion = overlay.truth_from_actor;
+  const std::vector<meshing::SurfacePoint>& on = overlay.nearest;
   for (Vector3d& p : built_surface.vertices) p = motion * p;
   const meshing::NearestSurface near_built(built_surface, kCellMm);
 
-  std::vector<meshing::SurfacePoint> on(built_surface.vertices.size());
   std::vector<double> distances;
-  size_t same_label = 0, same_class = 0;
+  std::vector<double> seen_distances;
+  size_t same_label = 0, same_class = 0, same_seen_label = 0;
   for (size_t i = 0; i < on.size(); ++i) {
-    on[i] = near_truth.find(built_surface.vertices[i]);
     distances.push_back(on[i].distance);
     const int corner =
         static_cast<int>(std::max_element(on[i].weights.begin(), on[i].weights.end()) - on[i].weights.begin());
     const int vertex = true_surface.triangles[on[i].triangle][corner];
     same_label += built.labels[i] == truth.labels[vertex];
+    if (!seen.empty()) {
+      const auto& corners = true_surface.triangles[on[i].triangle];
+      const bool hidden = !seen[corners[0]] && !seen[corners[1]] && !seen[corners[2]];
+      result.hidden.push_back(hidden);
+      if (!hidden) seen_distances.push_back(on[i].distance);
+      same_seen_label += !hidden && built.labels[i] == truth.labels[vertex];
+    }
     same_class += built.rigidity[i] == truth.rigidity[vertex];
   }
   result.rest_mm = summarize(distances).mean;
+  if (!seen_distances.empty())
+    result.seen_labels = static_cast<double>(same_seen_label) / static_cast<double>(seen_distances.size());
+  result.seen_built_to_truth_mm = summarize(std::move(seen_distances));
   for (int label = 0; label < kLabelCount; ++label) {
     double total = 0;
     int n = 0;
@@ -181,12 +167,19 @@ std::string comparison_report(const ActorComparison& c) {
   };
   std::string text =
       line("surface, built to true", c.built_to_truth_mm) + line("surface, true to built", c.truth_to_built_mm);
+  if (!c.hidden.empty()) {
+    const auto n = std::count(c.hidden.begin(), c.hidden.end(), 1);
+    text += line("  without concavities", c.seen_built_to_truth_mm) +
+            format("  concavities and unseen       %.1f %% of the vertices\n",
+                   100.0 * static_cast<double>(n) / static_cast<double>(c.hidden.size()));
+  }
   for (const auto& [name, error] : c.surface_by_label_mm) text += format("  %-26s      %6.1f\n", name.c_str(), error);
   if (c.posed_mm.n > 0) text += line("posed", c.posed_mm) + format("%-28s mean %6.1f\n", "the same at rest", c.rest_mm);
   text += format("%-28s mean %6.1f mm\n", "joints", c.joints_mean_mm);
   for (const auto& [name, error] : c.joints_mm) text += format("  %-26s      %6.1f\n", name.c_str(), error);
   text += format("labels %.1f %%, rigidity classes %.1f %% of the vertices as in the truth\n", 100 * c.labels,
                  100 * c.rigidity);
+  if (!c.hidden.empty()) text += format("  labels without concavities and unseen %.1f %%\n", 100 * c.seen_labels);
   return text;
 }
 

@@ -21,6 +21,11 @@ struct ActorComparison {
   double rest_mm = 0;         // the same at rest, mean: what of it is shape
   double labels = 0;          // share of the built vertices with the label of the nearest true vertex
   double rigidity = 0;        // the same for the seven rigidity classes
+  // The same without what pictures cannot tell (concavities, hidden places): vertices whose nearest true triangle has
+  // no corner they tell of. Empty and zero when it is not known.
+  std::vector<char> hidden;  // [n_vertices of the built actor]
+  Summary seen_built_to_truth_mm;
+  double seen_labels = 0;
 };
 
 // Joint angles of the test poses, [n_poses][n_dofs]: random within three quarters of the limits, at most 80 degrees,
@@ -32,7 +37,9 @@ std::vector<Eigen::VectorXd> test_poses(const Skeleton& skeleton, int n_poses);
 std::vector<Eigen::Vector3d> pose_actor(const Actor& actor, const Skeleton& skeleton, const SkinWeights& skin,
                                         const Eigen::VectorXd& angles_rad);
 
-ActorComparison compare_actors(const Actor& built, const Actor& truth, int n_poses = 20);
+// seen: [n_vertices of the truth] 1 where pictures can tell the true surface (acquire/surface_views.h); empty: unknown.
+ActorComparison compare_actors(const Actor& built, const Actor& truth, int n_poses = 20,
+                               const std::vector<char>& seen = {});
 
 // Lines of text.
 std::string comparison_report(const ActorComparison& comparison);

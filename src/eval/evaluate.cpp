@@ -4,11 +4,13 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "base/log.h"
 #include "base/text.h"
 #include "eval/joint_judge.h"
 #include "eval/mask_raster.h"
+#include "eval/other_mesh.h"
 #include "eval/pose_metrics.h"
 #include "eval/truth_folder.h"
 #include "livecap/error.h"
@@ -46,6 +48,23 @@ void judge_limits(const CaptureFolder& capture, EvalReport& report) {
   if (n_all > 0) report.at_limit = static_cast<double>(n_at_limit) / static_cast<double>(n_all);
 }
 
+// The actor whose mesh the true vertices are of; nothing when it is not known. Throws IoError when it has another
+// number of vertices than they.
+std::optional<Actor> true_actor(const EvalOptions& options) {
+  const std::filesystem::path points = options.truth / "vertices.pc2",
+                              beside = std::filesystem::absolute(options.truth / "..") / "actor.glb";
+  if (!std::filesystem::exists(points)) return {};
+  if (options.truth_actor.empty() && !std::filesystem::exists(beside)) return {};
+  const std::string name = options.truth_actor.empty() ? beside.lexically_normal().string() : options.truth_actor;
+  Actor actor = load_actor_named(name, 0);
+  if (const int n = Pc2Reader(points).n_points(); actor.n_vertices() != n) {
+    throw IoError(name + format(": has %d vertices, %s has %d; the actor the truth was made with is needed "
+                                "(--truth-actor)",
+                                actor.n_vertices(), points.string().c_str(), n));
+  }
+  return actor;
+}
+
 double view_iou(const std::vector<float>& vertices_mm, const CaptureFolder& capture, const Camera& camera,
                 const ImageGray& mask) {
   if (vertices_mm.empty()) return 0;
@@ -56,7 +75,10 @@ double view_iou(const std::vector<float>& vertices_mm, const CaptureFolder& capt
 
 EvalReport evaluate(const EvalOptions& options) {
   CaptureFolder capture = open_capture(options.capture, options.actor, options.camera, options.truth / "masks");
-  TruthFolder truth = open_truth(options.truth, capture.vertices ? capture.actor.n_vertices() : 0);
+  const std::optional<Actor> truth_actor = true_actor(options);
+  const bool other_mesh = truth_actor && !same_mesh(capture.actor, *truth_actor);
+  TruthFolder truth = open_truth(options.truth, capture.vertices && !other_mesh ? capture.actor.n_vertices() : 0);
+  const RestOverlay overlay = other_mesh ? overlay_rest(capture.actor, *truth_actor) : RestOverlay{};
   const std::vector<JointPair> pairs = match_joints(capture.joints.names, truth.joints.names);
   if (!truth.joints.empty() && pairs.size() < kFewestJoints) {
     log_warning(
@@ -68,6 +90,7 @@ EvalReport evaluate(const EvalOptions& options) {
     throw IoError(options.capture.string() + ": has no vertices.pc2, which further views need");
   EvalReport report;
   report.run = capture.run;
+  report.other_mesh = other_mesh;
   report.speed = capture.speed;
   report.video_fps = capture.fps;
   report.n_frames = static_cast<int64_t>(capture.rows.size());
@@ -78,7 +101,7 @@ EvalReport evaluate(const EvalOptions& options) {
   const std::vector<uint8_t>& labels = capture.actor.labels;
   const auto is_loose = [&](int vertex) { return is_loose_garment(labels[vertex]); };
   std::vector<std::vector<double>> view_ious(options.views.size());
-  std::vector<double> ious;
+  std::vector<double> ious, surface;
   std::vector<bool> person, tracked;
 
   for (int64_t row = 0; row < report.n_frames; ++row) {
@@ -91,7 +114,7 @@ EvalReport evaluate(const EvalOptions& options) {
                           &frame.joint_mm, &frame.joint_aligned_mm, &frame.network_aligned_mm}) {
       *value = kNaN;
     }
-    const TruthFrame expected = truth_frame(truth, frame.index, capture.camera);
+    TruthFrame expected = truth_frame(truth, frame.index, capture.camera);
     if (row > 0 && capture.rows[row].pts_ms - capture.rows[row - 1].pts_ms > 1500 / capture.fps) {
       vertex_jitter.add({}, {});  // frames are missing in the video: no motion is known across the gap
       vertex_jitter_centred.add({}, {});
@@ -107,6 +130,12 @@ EvalReport evaluate(const EvalOptions& options) {
       continue;
     }
     const std::vector<float> vertices = captured_vertices(capture, row);
+    if (truth_actor && !vertices.empty() && !expected.vertices_mm.empty()) {
+      const auto distances = surface_distances(vertices, expected.vertices_mm, truth_actor->mesh.triangles);
+      surface.insert(surface.end(), distances.begin(), distances.end());
+    }
+    if (other_mesh && !expected.vertices_mm.empty())
+      expected.vertices_mm = resample(overlay, truth_actor->mesh.triangles, expected.vertices_mm);
     report.n_person += 1;
     report.n_tracked += frame.tracked;
     report.n_without_result += vertices.empty();
@@ -152,6 +181,7 @@ EvalReport evaluate(const EvalOptions& options) {
   report.n_lost = report.n_person - report.n_tracked;
   report.losses = count_losses(person, tracked);
   report.iou = summarize(std::move(ious));
+  report.surface_mm = summarize(std::move(surface));
   for (size_t v = 0; v < options.views.size(); ++v) {
     if (view_ious[v].empty()) {
       throw IoError(options.views[v].masks.string() + ": holds no mask of a captured frame, expected 000000.png ...");

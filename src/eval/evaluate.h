@@ -24,6 +24,7 @@ struct EvalOptions {
   std::string actor;              // empty: what report.json names
   std::string camera;             // empty: what report.json names
   std::vector<ExtraView> views;   // further cameras with masks
+  std::string truth_actor;  // the mesh of vertices.pc2; empty: actor.glb beside the truth folder, when it is there
 };
 
 // Values are NaN where the frame has no such truth or no result.
@@ -69,7 +70,10 @@ struct EvalReport {
 
   Summary vertex_mm;  // over all vertices of all frames
   Summary vertex_aligned_mm;
-  Summary loose_mm;  // of loose garments (is_loose_garment); n = 0 when the actor wears none
+  bool other_mesh = false;  // the capture's mesh is not the truth's: true vertices are the points of the true surface
+                            // that the actor's vertices lie on at rest (other_mesh.h)
+  Summary surface_mm;  // captured vertices to the true surface after translation; n = 0: the true mesh is not known
+  Summary loose_mm;    // of loose garments (is_loose_garment); n = 0 when the actor wears none
   Summary loose_aligned_mm;
   std::vector<LabelError> labels;
   std::vector<float> vertex_mean_mm;  // [n_vertices] translation-aligned, mean over frames; empty without true vertices

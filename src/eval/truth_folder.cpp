@@ -20,8 +20,8 @@ TruthFolder open_truth(const fs::path& folder, int n_vertices) {
   if (const fs::path file = folder / "vertices.pc2"; fs::exists(file)) {
     truth.vertices.emplace(file);
     if (n_vertices > 0 && truth.vertices->n_points() != n_vertices) {
-      throw IoError(file.string() +
-                    format(": has %d points, the capture has %d", truth.vertices->n_points(), n_vertices));
+      throw IoError(file.string() + format(": has %d points, the capture has %d; of another mesh give --truth-actor",
+                                           truth.vertices->n_points(), n_vertices));
     }
   }
   if (fs::exists(folder / "joints.json")) truth.joints = read_joints_json(folder / "joints.json");

@@ -23,6 +23,9 @@ Surface extract_surface(const DistanceField& distance, const Eigen::Vector3d& lo
 // Quadric decimation to about target_vertices with edges no longer than max_edge, then edge flips and tangential
 // relaxation that even the triangles out, each vertex put back on the zero of `distance`; without `distance` vertices
 // stay where they are. Where the vertices do not suffice for max_edge it gives way. Keeps the surface closed.
-Surface decimate_surface(const Surface& fine, int target_vertices, double max_edge, const DistanceField& distance);
+// deepest_cut: vertices that stick out farther than this from the surface without them (fingertips, toes) stay; 0:
+// none.
+Surface decimate_surface(const Surface& fine, int target_vertices, double max_edge, const DistanceField& distance,
+                         double deepest_cut = 0);
 
 }  // namespace livecap::meshing

@@ -127,7 +127,8 @@ void OnnxImporter::read_node(const OnnxNode& node, size_t index) {
   if (fold(reader)) return;
   if (!read_layer(reader) && !read_elementwise(reader) && !read_shape_change(reader))
     reader.fail(
-        "operator is not supported (supported: Conv, Gemm, MatMul, BatchNormalization, Relu, LeakyRelu, Clip, Sigmoid, "
+        "operator is not supported (supported: Conv, ConvTranspose, Gemm, MatMul, BatchNormalization, Relu, LeakyRelu, "
+        "Clip, Sigmoid, "
         "HardSigmoid, HardSwish, Add, Sub, Mul, Div, Sum, Concat, MaxPool, AveragePool, GlobalAveragePool, "
         "GlobalMaxPool, ReduceMean, Resize, Upsample, Pad, Softmax, ArgMax, and where they only rename: Identity, "
         "Dropout, Cast, Transpose, Reshape, Flatten, Squeeze, Unsqueeze)");

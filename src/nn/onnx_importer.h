@@ -70,6 +70,9 @@ class OnnxImporter {
   bool read_elementwise(NodeReader& node);
   bool read_shape_change(NodeReader& node);
   void convolution(NodeReader& node);
+  void transposed_convolution(NodeReader& node);
+  // Tensor [1,H*stride_h,W*stride_w,C]: zeros behind each pixel of x.
+  int spread(NodeReader& node, int x, int stride_h, int stride_w);
   void matrix_product(NodeReader& node);
   void normalization(NodeReader& node);
   void affine(NodeReader& node, size_t i, const std::vector<double>& factors, const std::vector<double>& offsets);

@@ -31,6 +31,8 @@ bool OnnxImporter::read_layer(NodeReader& node) {
   const std::string_view type = node.type();
   if (type == "Conv") {
     convolution(node);
+  } else if (type == "ConvTranspose") {
+    transposed_convolution(node);
   } else if (type == "Gemm" || type == "MatMul") {
     matrix_product(node);
   } else if (type == "BatchNormalization") {

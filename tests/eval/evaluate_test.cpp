@@ -149,6 +149,42 @@ TEST_F(Evaluate, RefusesAnotherActor) {
   }
 }
 
+// The same actor with its vertices in another order is another mesh of as many vertices: compared vertex by vertex it
+// would be off by half a metre, by surface points it is right.
+TEST_F(Evaluate, AnotherMeshIsComparedBySurface) {
+  compare({0, 0.1f, 0.1f, 0.1f}, {"nobody", "ok", "ok", "ok"});
+  const fs::path out = folder_ / "capture";
+  write_file_atomically(folder_ / "other.glb", make_builtin_actor_glb("trousers", kBuiltinHeightMm, 1400));
+  const Actor other = load_actor(folder_ / "other.glb");
+  Pc2Writer pc2(out / "vertices.pc2", other.n_vertices());
+  for (int k = 0; k < kFrames; ++k) {
+    std::vector<float> vertices;
+    for (int i = 0; i < other.n_vertices(); ++i) {
+      const float* rest = &other.mesh.positions[3 * i];
+      vertices.insert(vertices.end(), {rest[0] / 1000 + 0.1f, rest[1] / 1000 - 0.9f, rest[2] / 1000 - 3});
+    }
+    pc2.append(vertices);
+  }
+  const EvalOptions options{out, folder_ / "truth", (folder_ / "other.glb").string(), "", {}};
+  const EvalReport report = evaluate(options);
+  EXPECT_TRUE(report.other_mesh);
+  EXPECT_EQ(report.vertex_mm.n, 3 * other.n_vertices());
+  EXPECT_NEAR(report.vertex_mm.mean, 100, test::kOtherMeshMm);
+  EXPECT_LT(report.vertex_aligned_mm.mean, test::kOtherMeshMm);
+  EXPECT_LT(report.surface_mm.mean, test::kOtherMeshMm);
+  EXPECT_NE(eval_report_text(report).find("another mesh"), std::string::npos);
+  EvalOptions wrong = options;
+  wrong.truth_actor = "builtin:skirt";
+  EXPECT_THROW(evaluate(wrong), IoError);
+}
+
+TEST_F(Evaluate, TheSurfaceDistanceLeavesOutTranslation) {
+  const EvalReport report = compare({0, 0.1f, 0.1f, 0.1f}, {"nobody", "ok", "ok", "ok"});
+  EXPECT_FALSE(report.other_mesh);
+  EXPECT_GT(report.surface_mm.n, 0);
+  EXPECT_LT(report.surface_mm.max, test::kOtherMeshMm);  // translation is aligned away
+}
+
 TEST_F(Evaluate, MotionSpeedAndLimits) {
   // 25 fps. Frames 1..3 have a person; the capture moves by 0, 80, 0 mm: second difference 160 mm, 100 m/s^2.
   const EvalReport report = compare({0, 0, 0.08f, 0}, {"nobody", "ok", "ok", "ok"});

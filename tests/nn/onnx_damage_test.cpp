@@ -117,6 +117,8 @@ TEST(OnnxDamage, UnsupportedIsNamed) {
   expect_named(failure(one_node("Conv", {onnx_ints("dilations", {9, 9})}, true)), {"19 does not fit into 8"});
   expect_named(failure(one_node("Conv", {onnx_text("auto_pad", "SOME")}, true)), {"\"auto_pad\"", "SOME", "VALID"});
   expect_named(failure(one_node("Conv", {})), {"Conv", "input 1 is missing"});
+  expect_named(failure(one_node("ConvTranspose", {})), {"ConvTranspose", "input 1 is missing"});
+  expect_named(failure(one_node("ConvTranspose", {onnx_int("group", 3)}, true)), {"ConvTranspose"});
   expect_named(failure(one_node("MaxPool", {})), {"MaxPool", "\"kernel_shape\"", "missing"});
   expect_named(failure(one_node("Clip", {onnx_float("min", -1)})), {"Clip", "-1", "0..6"});
   expect_named(failure(one_node("Transpose", {onnx_ints("perm", {0, 1, 3, 2})})), {"Transpose", "\"perm\""});

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <opencv2/dnn.hpp>
 
+#include "livecap/error.h"
 #include "nn/executor.h"
 #include "nn/onnx_nets.h"
 #include "nn/reference.h"
@@ -159,6 +160,56 @@ TEST(OnnxImport, ConvolutionPaddingAndGroups) {
                        "group " + std::to_string(group) + " case " + std::to_string(i), i != 1);
     }
   }
+}
+
+TEST(OnnxImport, TransposedConvolution) {
+  struct Case {
+    std::vector<int64_t> kernel, strides, pads, more;
+  };
+  for (const Case& c : {Case{{2, 2}, {2, 2}, {0, 0, 0, 0}, {0, 0}}, Case{{4, 4}, {2, 2}, {1, 1, 1, 1}, {0, 0}},
+                        Case{{3, 3}, {2, 2}, {1, 1, 1, 1}, {1, 1}}, Case{{3, 3}, {1, 1}, {0, 0, 0, 0}, {0, 0}},
+                        Case{{5, 3}, {3, 1}, {2, 0, 2, 0}, {1, 0}}, Case{{3, 4}, {1, 2}, {1, 1, 1, 1}, {0, 0}}}) {
+    Net net(9);
+    net.op("ConvTranspose", {"x", net.random({5, 7, c.kernel[0], c.kernel[1]}), net.random({7})},
+           {onnx_ints("kernel_shape", c.kernel), onnx_ints("strides", c.strides), onnx_ints("pads", c.pads),
+            onnx_ints("output_padding", c.more)});
+    expect_agreement(net.model({1, 5, 6, 9}, {net.last}), {1, 5, 6, 9},
+                     "kernel " + std::to_string(c.kernel[0]) + " stride " + std::to_string(c.strides[0]));
+  }
+}
+
+TEST(OnnxImport, TransposedConvolutionRefusesWhatItCannot) {
+  const auto failure = [](const std::vector<std::string>& attributes) -> std::string {
+    Net net(9);
+    net.op("ConvTranspose", {"x", net.random({6, 4, 2, 2})}, attributes);
+    try {
+      nn::parse_onnx(net.model({1, 6, 5, 5}, {net.last}), "net.onnx");
+    } catch (const IoError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  for (const auto& [attribute, name] : {std::pair{onnx_int("group", 2), "group"},
+                                        {onnx_ints("dilations", {2, 2}), "dilations"},
+                                        {onnx_ints("strides", {3, 3}), "strides"},
+                                        {onnx_ints("output_padding", {1, 0}), "output_padding"},
+                                        {onnx_ints("pads", {2, 0, 0, 0}), "pads"},
+                                        {onnx_ints("output_shape", {9, 9}), "output_shape"},
+                                        {onnx_text("auto_pad", "SAME_UPPER"), "auto_pad"}}) {
+    const std::string said = failure({attribute});
+    EXPECT_NE(said.find("ConvTranspose"), std::string::npos) << said;
+    EXPECT_NE(said.find(std::string("\"") + name + "\""), std::string::npos) << said;
+  }
+}
+
+// By hand: every pixel scatters the kernel, two pixels on; the pads are cut off, the output padding is not.
+TEST(OnnxImport, TransposedConvolutionScatters) {
+  Net net(9);
+  net.op("ConvTranspose", {"x", net.numbers({1, 1, 3, 1}, {1, 10, 100})},
+         {onnx_ints("strides", {2, 1}), onnx_ints("pads", {1, 0, 0, 0}), onnx_ints("output_padding", {1, 0})});
+  const nn::Graph graph = nn::parse_onnx(net.model({1, 1, 2, 1}, {net.last}), "net.onnx");
+  // 1, 10, 100 + 2, 20, 200, 0 without the first.
+  EXPECT_EQ(nn::reference_run(graph, {1, 2})[graph.outputs[0]], (std::vector<float>{10, 102, 20, 200, 0}));
 }
 
 // With SAME_LOWER the odd pixel of padding comes first: output y sees rows 2 y - 1 .. 2 y + 1 of 4 at stride 2.

@@ -108,13 +108,19 @@ inline constexpr double kGlbReportMm = 5e-3;
 // 64 shapes for 150 frames of dancing with a skirt on a rigid body (nearly all motion is residual), in mm.
 inline constexpr double kClothMeanMm = 0.7;
 
-// Heat weights posed against the author's rig over 20 test poses, mean mm: the project's bar; a skirt that its author
-// lets follow the legs by half only, see docs/actor_build.md; and without the skirt.
+// Heat weights posed against the author's rig over 20 test poses, mean mm: the project's bar; and without the skirt.
 inline constexpr double kPosedMm = 12;
-inline constexpr double kPosedSkirtMm = 20;
 inline constexpr double kPosedBodyMm = 8;
 // The longest posed edge against the true rig's longest: a torn vertex would be ten times that.
 inline constexpr double kStretchRatio = 2;
+// Twisted about its own axis by up to 120 degrees a limb keeps its girth; linear blending halves it (cos 60).
+inline constexpr double kTwistedGirth = 0.8;
+// A tube too wide for the legs to reach hangs from the hips but for what spreads from below; one that lies on the legs
+// follows them: shares.
+inline constexpr double kHangingShare = 0.75;
+inline constexpr double kClingingShare = 0.9;
+// An actor thinned to 1400 against one thinned to 1500 vertices: chords of a trunk with edges of 45 mm.
+inline constexpr double kOtherMeshMm = 3;
 // Weights are divided by their sum in double.
 inline constexpr double kWeightSum = 1e-12;
 // Heat on a capsule with edges of 13 mm: piecewise linear over a profile that falls to 1/e in 25 mm, and influences

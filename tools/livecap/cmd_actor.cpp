@@ -5,9 +5,14 @@
 #include <memory>
 #include <string>
 
+#include "acquire/person_frame.h"
+#include "acquire/report.h"
+#include "acquire/surface_views.h"
 #include "actor/actor.h"
 #include "actor/inspect.h"
+#include "base/text.h"
 #include "eval/compare_actors.h"
+#include "ocl/context.h"
 
 namespace livecap::tools {
 namespace {
@@ -15,12 +20,27 @@ namespace {
 struct Options {
   std::string file;
   std::string truth;
+  std::string views;  // cameras of the pictures
+  std::string unit = "m";
+  std::string html;
   double height_m = 0;
 };
 
 int compare(const Options& options) {
   const Actor built = load_actor(options.file, options.height_m * 1000), truth = load_actor(options.truth);
-  std::fputs(comparison_report(compare_actors(built, truth)).c_str(), stdout);
+  std::vector<char> seen;
+  if (!options.views.empty()) {
+    ocl::DeviceContext device(ocl::select_device_pair({}, {}).solver);
+    seen = acquire::visible_hull_vertices(device, truth.mesh, options.views,
+                                          std::filesystem::path(options.views) / "masks",
+                                          acquire::unit_in_mm(options.unit));
+  }
+  const ActorComparison comparison = compare_actors(built, truth, 20, seen);
+  const std::string text = comparison_report(comparison);
+  if (!options.html.empty())
+    write_file_atomically(options.html,
+                          acquire::comparison_html(built, text, comparison.distances_mm, comparison.hidden));
+  std::fputs(text.c_str(), stdout);
   return kExitOk;
 }
 
@@ -48,6 +68,11 @@ void add_actor_command(CLI::App& app, Action& action) {
   compare_command->fallthrough();
   compare_command->add_option("file", options->file, "actor.glb")->required();
   compare_command->add_option("truth", options->truth, "the true actor.glb")->required();
+  compare_command->add_option("--views", options->views,
+                              "the folder of `actor views` with cameras and masks of the truth: also print the figures "
+                              "without concavities and what no camera sees");
+  compare_command->add_option("--unit", options->unit, "of the cameras' world: m, cm, mm, inch")->capture_default_str();
+  compare_command->add_option("--html", options->html, "also write a report with a heat map to this file");
   compare_command->callback([options, &action] { action = [options] { return compare(*options); }; });
   add_actor_build_command(*command, action);
   add_actor_views_command(*command, action);

@@ -131,6 +131,8 @@ void add_eval_command(CLI::App& app, Action& action) {
   command->add_option("--truth", options->eval.truth, "folder with vertices.pc2, joints.json, masks/")->required();
   command->add_option("--actor", options->eval.actor, "actor of the capture, when its report.json names none");
   command->add_option("--camera", options->eval.camera, "camera of the capture, when its report.json names none");
+  command->add_option("--truth-actor", options->eval.truth_actor,
+                      "actor whose mesh the true vertices are of; else actor.glb beside the truth folder, if any");
   command->add_option("--view", options->views, "CAMERA.json MASKS_DIR of a further camera; repeatable");
   command->add_option("--pose-only", options->pose_only,
                       "capture of the same video with --no-surface: what the surface stage is compared with");

@@ -1,0 +1,33 @@
+// Truth of another mesh than the capture's: an actor made by `actor build` or `actor fit` against the person's own.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "actor/actor.h"
+#include "meshing/nearest_surface.h"
+
+namespace livecap {
+
+// True when the vertices of the one are those of the other, whatever their size.
+bool same_mesh(const Actor& a, const Actor& b);
+
+// The rigid motion that lays the actor's rest surface on the truth's, and the point of the true surface each moved
+// vertex is nearest to.
+struct RestOverlay {
+  Eigen::Isometry3d truth_from_actor;
+  std::vector<meshing::SurfacePoint> nearest;  // [n_vertices of the actor]
+};
+RestOverlay overlay_rest(const Actor& actor, const Actor& truth);
+
+// Where the points of the true surface that the actor's vertices lie on at rest are, given the true vertices [3*n].
+// triangles: of the truth.
+std::vector<float> resample(const RestOverlay& overlay, std::span<const int32_t> triangles,
+                            std::span<const float> truth);
+
+// Distances of every fifth captured vertex to the true surface, mm, after the translation that lays them on it: what
+// differs in shape and pose, whatever slides along the surface. vertices: [3*n] mm; truth: of another mesh or the same.
+std::vector<double> surface_distances(std::span<const float> vertices, std::span<const float> truth,
+                                      std::span<const int32_t> truth_triangles);
+
+}  // namespace livecap

@@ -7,6 +7,7 @@
 
 // Vertices further outside than this (px) are not projected: their pixels could not be told apart.
 #define LC_MAX_PIXEL 1e6f
+#define LC_STRIP_ROWS 8
 
 // One work-item per vertex. projected: [4*n] u, v, 1/z, z; 1/z = 0 for a vertex that is too near, behind or not finite.
 kernel void project_vertices(int n, Pinhole camera, global const float* restrict positions,  // [3*n] mm, camera frame
@@ -24,36 +25,53 @@ kernel void project_vertices(int n, Pinhole camera, global const float* restrict
 
 #if LC_CPU
 
-// One work-item per band of rows, which it alone writes. depth: [w*h] mm, INFINITY = empty; ids: [w*h], -1 = empty.
-// drawn: [4*n_bands] columns and rows (first, last, first, last) that are not empty before and, at the end, after it.
+// Empties pixels first..last and some of begin..end - 1 beside them, sixteen at a time that share a cache line.
+static inline void clear_pixels(int first, int last, int begin, int end, global float* restrict depth,
+                                global int* restrict ids) {
+  for (int p = first & ~15; p <= last; p += 16) {
+    const int at = clamp(p, begin, end - 16);
+    store16((float16)INFINITY, depth + at);
+    store_int16((int16)(-1), ids + at);
+  }
+}
+
+// One work-item per band of strips of LC_STRIP_ROWS rows, which it alone writes. depth: [w*h] mm, INFINITY = empty;
+// ids: [w*h], -1 = empty. drawn: [2*n_strips] first and last column that is not empty before and, at the end, after it.
 kernel void raster_bands(int n_triangles, int width, int height, int n_bands, int cull,
                          global const float* restrict projected, global const int* restrict triangles,
                          global float* restrict depth, global int* restrict ids, global int* restrict drawn) {
   const int band = get_global_id(0);
   if (band >= n_bands) return;
-  const int first_row = (int)((long)height * band / n_bands);
-  const int last_row = (int)((long)height * (band + 1) / n_bands) - 1;
-  const int4 old_box = vload4(band, drawn);
-  for (int y = old_box.z; y <= old_box.w; ++y) {
-    int p = y * width + old_box.x;
-    const int end = y * width + old_box.y + 1;
-    for (; p + 16 <= end; p += 16) {
-      store16((float16)INFINITY, depth + p);
-      store_int16((int16)(-1), ids + p);
-    }
-    for (; p < end; ++p) {
-      depth[p] = INFINITY;
-      ids[p] = -1;
+  const int n_strips = (height + LC_STRIP_ROWS - 1) / LC_STRIP_ROWS;
+  const int first_strip = n_strips * band / n_bands, end_strip = n_strips * (band + 1) / n_bands;
+  const int first_row = first_strip * LC_STRIP_ROWS;
+  const int last_row = min(end_strip * LC_STRIP_ROWS, height) - 1;
+  const int begin = first_row * width, end = (last_row + 1) * width;
+  for (int strip = first_strip; strip < end_strip; ++strip) {
+    const int x0 = drawn[2 * strip], x1 = drawn[2 * strip + 1];
+    drawn[2 * strip] = width;
+    drawn[2 * strip + 1] = -1;
+    for (int y = strip * LC_STRIP_ROWS; y < min((strip + 1) * LC_STRIP_ROWS, height); ++y) {
+      if (end - begin >= 16) {
+        if (x0 <= x1) clear_pixels(y * width + x0, y * width + x1, begin, end, depth, ids);
+      } else {
+        for (int x = x0; x <= x1; ++x) {
+          depth[y * width + x] = INFINITY;
+          ids[y * width + x] = -1;
+        }
+      }
     }
   }
-  int4 box = (int4)(width, -1, height, -1);
   const float8 lane = (float8)(0, 1, 2, 3, 4, 5, 6, 7);
   for (int t = 0; t < n_triangles; ++t) {
     const RasterTriangle tri = raster_triangle(t, width, height, cull, projected, triangles);
     const int y0 = max(tri.y0, first_row);
     const int y1 = min(tri.y1, last_row);
     if (y0 > y1 || tri.x0 > tri.x1) continue;
-    box = (int4)(min(box.x, tri.x0), max(box.y, tri.x1), min(box.z, y0), max(box.w, y1));
+    for (int strip = y0 / LC_STRIP_ROWS; strip <= y1 / LC_STRIP_ROWS; ++strip) {
+      drawn[2 * strip] = min(drawn[2 * strip], tri.x0);
+      drawn[2 * strip + 1] = max(drawn[2 * strip + 1], tri.x1);
+    }
     for (int y = y0; y <= y1; ++y) {
       for (int x = tri.x0; x <= tri.x1; x += 8) {
         if (width >= 8) {
@@ -76,7 +94,6 @@ kernel void raster_bands(int n_triangles, int width, int height, int n_bands, in
       }
     }
   }
-  vstore4(box, band, drawn);
 }
 
 #else

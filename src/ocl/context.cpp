@@ -67,7 +67,7 @@ cl_program DeviceContext::program(const std::string& path, const std::string& ex
   const std::filesystem::path cache_file = program_cache_file(source, options, info_);
   cl_program program = load_cached_program(cache_file, context_, info_.device, options);
   if (!program) {
-    log_warning("first run on this device: compiling kernels/" + path);
+    if (!is_compiled_program(cache_file)) log_warning("first run on this device: compiling kernels/" + path);
     const char* text = source.c_str();
     const size_t size = source.size();
     cl_int status = CL_SUCCESS;
@@ -80,7 +80,11 @@ cl_program DeviceContext::program(const std::string& path, const std::string& ex
       throw OclError("clBuildProgram failed: " + status_name(status) + " (kernels/" + path + " on " + info_.label() +
                      ", options " + options + ")\n" + log);
     }
-    store_cached_program(cache_file, program);
+    if (driver_keeps_programs(info_)) {
+      mark_compiled_program(cache_file);
+    } else {
+      store_cached_program(cache_file, program);
+    }
   }
   programs_[key] = program;
   return program;

@@ -1,5 +1,7 @@
 #include "ocl/program_cache.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <fstream>
 #include <vector>
@@ -78,6 +80,27 @@ void store_cached_program(const std::filesystem::path& file, cl_program program)
   } catch (const std::exception& e) {
     log_debug(std::string("program cache: ") + e.what());
   }
+}
+
+bool driver_keeps_programs(const DeviceInfo& device) {
+  std::string name = device.platform_name;
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return name.find("portable computing") != std::string::npos;
+}
+
+void mark_compiled_program(const std::filesystem::path& file) noexcept {
+  if (file.empty()) return;
+  try {
+    std::filesystem::create_directories(file.parent_path());
+    write_file_atomically(file, "");
+  } catch (const std::exception& e) {
+    log_debug(std::string("program cache: ") + e.what());
+  }
+}
+
+bool is_compiled_program(const std::filesystem::path& file) noexcept {
+  std::error_code code;
+  return !file.empty() && std::filesystem::is_regular_file(file, code);
 }
 
 }  // namespace livecap::ocl

@@ -12,6 +12,7 @@ namespace {
 
 constexpr char kFile[] = "raster/depth.cl";
 constexpr int kMaxBands = 32;
+constexpr int kStripRows = 8;  // LC_STRIP_ROWS
 constexpr size_t kLocal = 64;
 
 // Every edge is run through once in each direction: a ray then meets as many front as back faces.
@@ -45,7 +46,8 @@ DepthRasterizer::DepthRasterizer(ocl::DeviceContext& device, const Mesh& mesh, i
       throw LogicError(format("rasteriser: triangle corner %d outside 0..%d", index, n_vertices_ - 1));
   }
   cull_ = is_closed(mesh);
-  n_bands_ = std::clamp(static_cast<int>(device.info().compute_units), 1, std::min(kMaxBands, height));
+  const int n_strips = (height + kStripRows - 1) / kStripRows;
+  n_bands_ = std::clamp(static_cast<int>(device.info().compute_units), 1, std::min(kMaxBands, n_strips));
   triangles_ = ocl::Buffer<int32_t>(device, mesh.triangles);
   projected_ = ocl::Buffer<float>(device, size_t(4) * n_vertices_);
   depth_ = ocl::Buffer<float>(device, size_t(width) * height);
@@ -56,11 +58,7 @@ DepthRasterizer::DepthRasterizer(ocl::DeviceContext& device, const Mesh& mesh, i
   if (is_cpu_) {
     bands_ = ocl::Kernel(device, kFile, "raster_bands");
     std::vector<int32_t> everything;
-    for (int b = 0; b < n_bands_; ++b) {
-      const int first = static_cast<int>(int64_t(height) * b / n_bands_);
-      const int last = static_cast<int>(int64_t(height) * (b + 1) / n_bands_) - 1;
-      everything.insert(everything.end(), {0, width - 1, first, last});
-    }
+    for (int strip = 0; strip < n_strips; ++strip) everything.insert(everything.end(), {0, width - 1});
     drawn_ = ocl::Buffer<int32_t>(device, everything);
   } else {
     clear_ = ocl::Kernel(device, kFile, "raster_clear");

@@ -55,7 +55,7 @@ class DepthRasterizer {
   ocl::Buffer<float> projected_;
   ocl::Buffer<float> depth_;
   ocl::Buffer<int32_t> ids_;
-  ocl::Buffer<int32_t> drawn_;    // CPU: [4*n_bands] what the last picture covers of each band
+  ocl::Buffer<int32_t> drawn_;    // CPU: columns that the last picture covers of each strip of rows
   ocl::Buffer<int32_t> overlap_;  // [2*h] per row: pixels in both, in either
   ocl::Kernel project_, overlap_kernel_;
   ocl::Kernel bands_;    // CPU

@@ -302,7 +302,7 @@ class Builder {
     result_.overlap = mean_overlap(coverage_);
     if (options_.mesh.empty() && result_.overlap < kLowOverlap)
       note(format(
-          "the built surface covers the masks by %.3f only (IoU, mean of %zu pictures; good builds have 0.95 and "
+          "the built surface covers the masks by %.3f only (IoU, mean of %zu pictures; good builds have 0.93 and "
           "more): are all pictures of one person who did not move?",
           result_.overlap, coverage_.size()));
     result_.actor.atlas =

@@ -31,6 +31,7 @@ constexpr double kSearchGridMm = 30;
 constexpr double kScanGridMm = 7;
 constexpr double kAssumedHeightMm = 1700;
 constexpr double kLowestMm = 800, kTallestMm = 2500;  // of a person
+constexpr double kLowOverlap = 0.9;                   // of the surface with the masks; docs/actor_build.md
 constexpr size_t kMostTriangles = 1500000;            // thinned one edge at a time
 
 class Builder {
@@ -298,6 +299,12 @@ class Builder {
       return;
     }
     coverage_ = cover_surface(device_, mesh_of(surface()), views_);
+    result_.overlap = mean_overlap(coverage_);
+    if (options_.mesh.empty() && result_.overlap < kLowOverlap)
+      note(format(
+          "the built surface covers the masks by %.3f only (IoU, mean of %zu pictures; good builds have 0.93 and "
+          "more): are all pictures of one person who did not move?",
+          result_.overlap, coverage_.size()));
     result_.actor.atlas =
         meshing::make_atlas(surface(), std::vector<int>(surface().triangles.size(), 0), {1.0}, options_.texture_size);
     BlendedTexture blended = blend_texture(surface(), result_.actor.atlas, options_.texture_size, views_, coverage_);

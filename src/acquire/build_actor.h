@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,7 @@ struct BuildResult {
   int n_views = 0;
   int n_detected = 0;       // views in which the network saw a person
   double keypoint_rad = 0;  // rms angle between the views' keypoints and their points in space
+  double overlap = std::numeric_limits<double>::quiet_NaN();  // mean IoU of the surface's silhouettes with the masks
 };
 
 // stage: what is being done; done of total. false stops with an Error.

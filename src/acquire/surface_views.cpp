@@ -43,9 +43,12 @@ std::vector<ViewCoverage> cover_surface(ocl::DeviceContext& device, const Mesh& 
     positions_buffer.write(positions);
     normals_buffer.write(turned);
     raster->render(positions_buffer, view.camera);
+    ViewCoverage seen{std::vector<float>(n, 0), std::vector<Eigen::Vector2f>(n, Eigen::Vector2f::Zero())};
+    const ImageGray& mask = view.mask;
+    if (mask.width == view.camera.width && mask.height == view.camera.height)
+      seen.overlap = raster->intersection_over_union(ocl::Buffer<uint8_t>(device, mask.pixels));
     visibility.find_visible(positions_buffer, normals_buffer, *raster);
     const std::vector<int32_t> visible = visibility.visible().read_all();
-    ViewCoverage seen{std::vector<float>(n, 0), std::vector<Eigen::Vector2f>(n, Eigen::Vector2f::Zero())};
     for (int i = 0; i < n; ++i) {
       if (!visible[i]) continue;
       const Row p(&positions[3 * i]), normal(&turned[3 * i]);
@@ -56,6 +59,14 @@ std::vector<ViewCoverage> cover_surface(ocl::DeviceContext& device, const Mesh& 
     coverage.push_back(std::move(seen));
   }
   return coverage;
+}
+
+double mean_overlap(const std::vector<ViewCoverage>& coverage) {
+  double sum = 0;
+  int n = 0;
+  for (const ViewCoverage& view : coverage)
+    if (std::isfinite(view.overlap)) sum += view.overlap, ++n;
+  return n > 0 ? sum / n : std::numeric_limits<double>::quiet_NaN();
 }
 
 std::vector<char> visible_hull_vertices(ocl::DeviceContext& device, const Mesh& mesh,

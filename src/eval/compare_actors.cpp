@@ -130,18 +130,17 @@ ActorComparison compare_actors(const Actor& built, const Actor& truth, int n_pos
     const std::string& name = built.skeleton.bones[bone].name;
     const int other = truth.skeleton.bone_index(name);
     if (other < 0) continue;
-    const double error =
-        (motion * built_rest.camera_from_bone[bone].translation() - true_rest.camera_from_bone[other].translation())
-            .norm();
-    result.joints_mm.emplace_back(name, error);
+    const Vector3d off =
+        motion * built_rest.camera_from_bone[bone].translation() - true_rest.camera_from_bone[other].translation();
+    result.joints_mm.emplace_back(name, off);
     if (name == "root" || name.find("clavicle") != std::string::npos) continue;
-    sum += error;
+    sum += off.norm();
     ++count;
   }
   for (int k : {kLeftWrist, kRightWrist}) {
-    const double error = (motion * built.keypoints[k].rest_position_mm - truth.keypoints[k].rest_position_mm).norm();
-    result.joints_mm.emplace_back(kKeypointNames[k], error);
-    sum += error;
+    const Vector3d off = motion * built.keypoints[k].rest_position_mm - truth.keypoints[k].rest_position_mm;
+    result.joints_mm.emplace_back(kKeypointNames[k], off);
+    sum += off.norm();
     ++count;
   }
   result.joints_mean_mm = sum / std::max(1, count);
@@ -175,8 +174,9 @@ std::string comparison_report(const ActorComparison& c) {
   }
   for (const auto& [name, error] : c.surface_by_label_mm) text += format("  %-26s      %6.1f\n", name.c_str(), error);
   if (c.posed_mm.n > 0) text += line("posed", c.posed_mm) + format("%-28s mean %6.1f\n", "the same at rest", c.rest_mm);
-  text += format("%-28s mean %6.1f mm\n", "joints", c.joints_mean_mm);
-  for (const auto& [name, error] : c.joints_mm) text += format("  %-26s      %6.1f\n", name.c_str(), error);
+  text += format("%-28s mean %6.1f mm (each: distance; left, up, front)\n", "joints", c.joints_mean_mm);
+  for (const auto& [name, off] : c.joints_mm)
+    text += format("  %-26s      %6.1f %8.1f %6.1f %6.1f\n", name.c_str(), off.norm(), off.x(), off.y(), off.z());
   text += format("labels %.1f %%, rigidity classes %.1f %% of the vertices as in the truth\n", 100 * c.labels,
                  100 * c.rigidity);
   if (!c.hidden.empty()) text += format("  labels without concavities and unseen %.1f %%\n", 100 * c.seen_labels);

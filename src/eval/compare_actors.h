@@ -14,7 +14,7 @@ struct ActorComparison {
   Summary built_to_truth_mm;         // every vertex of the built actor to the true surface, after rigid alignment
   std::vector<double> distances_mm;  // [n_vertices of the built actor] of that
   Summary truth_to_built_mm;         // the other way; includes what no camera can see, such as the inside of a skirt
-  std::vector<std::pair<std::string, double>> joints_mm;  // 14 bones and the network's body keypoints' anchors
+  std::vector<std::pair<std::string, Eigen::Vector3d>> joints_mm;   // built minus true: 14 bones and the wrists
   std::vector<std::pair<std::string, double>> surface_by_label_mm;  // mean of built_to_truth_mm per material
   double joints_mean_mm = 0;  // over the joints that turn: shoulders to ankles, neck
   Summary posed_mm;           // in test poses: a built vertex to the point of the true actor it lies on at rest

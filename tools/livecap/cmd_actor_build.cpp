@@ -83,9 +83,10 @@ int build(const BuildCommand& options) {
   const std::string facts =
       format("%d vertices from %d views (a person in %d), keypoints agree within %.2f degrees, %.0f s",
              actor.n_vertices(), result.n_views, result.n_detected, result.keypoint_rad * 180 / M_PI, total_s);
-  if (!result.turn.empty()) std::printf("  %s\n", result.turn.c_str());
   std::vector<std::string> lines = {facts};
+  if (std::isfinite(result.overlap)) lines.push_back(format("overlap with the masks %.3f (IoU, mean)", result.overlap));
   if (!result.turn.empty()) lines.push_back(result.turn);
+  for (size_t i = 1; i < lines.size(); ++i) std::printf("  %s\n", lines[i].c_str());
   const std::filesystem::path report = std::filesystem::path(options.out).replace_extension(".html");
   write_file_atomically(report, acquire::actor_report_html(actor, {build.name, lines, result.notes}));
   std::printf("%s: %s; see %s\n", options.out.c_str(), facts.c_str(), report.c_str());

@@ -1,4 +1,5 @@
-// Sixteen or eight values of a row at once, as the bodies for CPUs work. PoCL 3.1 makes four stores of one vstore16.
+// Sixteen or eight values of a row at once, as the bodies for CPUs work, and some for GPUs where rows are aligned.
+// PoCL 3.1 makes four stores of one vstore16.
 #ifndef LC_SHARED_WIDE_H
 #define LC_SHARED_WIDE_H
 

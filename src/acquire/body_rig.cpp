@@ -138,8 +138,8 @@ BodyJoints place_joints(const SpaceKeypoints& keypoints, double height_mm, const
     center(side.leg + 2, joints[side.leg + 1] - joints[side.leg + 2], 80);
     center(side.arm + 1, joints[side.arm + 2] - joints[side.arm], 80);
     center(side.arm + 2, along, 60);
-    // The network's hand leans towards the thumb, in rigs, and for the anchors of
-    // capture, a hand at rest is in line with its forearm.
+    // The network's hand leans towards the thumb; in rigs, and for the anchors of capture, a hand at rest is in line
+    // with its forearm.
     joints[side.arm + 3] = joints[side.arm + 2] + (at(side.hand) - at(side.wrist)).norm() / 0.6 *
                                                       (joints[side.arm + 2] - joints[side.arm + 1]).normalized();
   }

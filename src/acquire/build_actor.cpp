@@ -301,10 +301,10 @@ class Builder {
     coverage_ = cover_surface(device_, mesh_of(surface()), views_);
     result_.overlap = mean_overlap(coverage_);
     if (options_.mesh.empty() && result_.overlap < kLowOverlap)
-      note(format(
-          "the built surface covers the masks by %.3f only (IoU, mean of %zu pictures; good builds have 0.93 and "
-          "more): are all pictures of one person who did not move?",
-          result_.overlap, coverage_.size()));
+      note(
+          format("the built surface covers the masks by %.3f only (IoU, mean over the pictures; good builds have 0.93 "
+                 "and more): are all pictures of one person who did not move?",
+                 result_.overlap));
     result_.actor.atlas =
         meshing::make_atlas(surface(), std::vector<int>(surface().triangles.size(), 0), {1.0}, options_.texture_size);
     BlendedTexture blended = blend_texture(surface(), result_.actor.atlas, options_.texture_size, views_, coverage_);

@@ -85,6 +85,7 @@ std::vector<char> visible_hull_vertices(ocl::DeviceContext& device, const Mesh& 
     if (silhouette.width != view.camera.width || silhouette.height != view.camera.height)
       throw IoError(file.string() + format(": is %dx%d, its camera %dx%d", silhouette.width, silhouette.height,
                                            view.camera.width, view.camera.height));
+    if (silhouette.empty()) throw IoError(file.string() + ": shows nobody; a mask with the person white is needed");
     for (int i = 0; i < n; ++i) {
       const Eigen::Vector3d p = Eigen::Map<const Eigen::Vector3f>(&mesh.positions[3 * i]).cast<double>();
       Eigen::Vector2d pixel;

@@ -82,16 +82,18 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
   const int n_levels = matches(input) ? int(options_.match_levels.size()) : 0;
   Solution solution;
   solution.pose.pose = initial;
+  bool was_refining = false;
   for (int round = 0; round < std::max(1, n_levels) && solution.pose.status == SolveStatus::kOk; ++round) {
     const int level = round < n_levels ? options_.match_levels[round] : 0;
-    const bool again = round > 0 && level == options_.match_levels[round - 1];
+    const bool refining = n_levels > 0 && round >= n_levels - options_.refining_rounds;
+    const bool again = round > 0 && level == options_.match_levels[round - 1] && refining == was_refining;
+    was_refining = refining;
     if (again && solution.pose.moved_px < options_.settled_round_px * (1 << level)) continue;
     const Pose from = solution.pose.pose;
     find_contour(input, from);
     if (n_levels > 0) find_matches(level);
     const std::vector<int32_t> contour = read_contour(input);
     const Matches matches = n_levels > 0 ? matcher_.read() : Matches{};
-    const bool refining = n_levels > 0 && round >= n_levels - options_.refining_rounds;
     solution.pose =
         solver_.solve(PoseInput{.detections = detections,
                                 .initial = from,

@@ -48,16 +48,17 @@ void judge_limits(const CaptureFolder& capture, EvalReport& report) {
   if (n_all > 0) report.at_limit = static_cast<double>(n_at_limit) / static_cast<double>(n_all);
 }
 
-// The actor whose mesh the true vertices are of; nothing when it is not known. Throws IoError when it has another
-// number of vertices than they.
+// The actor whose mesh the true vertices are of; nothing when none is given or lies beside the truth. Throws IoError
+// when the given one has another number of vertices than they.
 std::optional<Actor> true_actor(const EvalOptions& options) {
   const std::filesystem::path points = options.truth / "vertices.pc2",
-                              beside = std::filesystem::absolute(options.truth / "..") / "actor.glb";
+                              beside = std::filesystem::weakly_canonical(options.truth / "..") / "actor.glb";
   if (!std::filesystem::exists(points)) return {};
   if (options.truth_actor.empty() && !std::filesystem::exists(beside)) return {};
-  const std::string name = options.truth_actor.empty() ? beside.lexically_normal().string() : options.truth_actor;
+  const std::string name = options.truth_actor.empty() ? beside.string() : options.truth_actor;
   Actor actor = load_actor_named(name, 0);
   if (const int n = Pc2Reader(points).n_points(); actor.n_vertices() != n) {
+    if (options.truth_actor.empty()) return {};
     throw IoError(name + format(": has %d vertices, %s has %d; the actor the truth was made with is needed "
                                 "(--truth-actor)",
                                 actor.n_vertices(), points.string().c_str(), n));

@@ -100,6 +100,7 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
     light.pixels[p] = uint8_t(std::lround(0.299 * c[0] + 0.587 * c[1] + 0.114 * c[2]));
   }
   while (std::max(light.width, light.height) > kMaxTexture) light = halved(light);
+  if (std::min(light.width, light.height) < 1 << LC_MATCH_LEVELS) return;  // a strip of colours
   texture_width_ = light.width;
   std::vector<uint16_t> texels;
   for (Texture& texture : textures_) {

@@ -67,7 +67,8 @@ cl_program DeviceContext::program(const std::string& path, const std::string& ex
   const std::filesystem::path cache_file = program_cache_file(source, options, info_);
   cl_program program = load_cached_program(cache_file, context_, info_.device, options);
   if (!program) {
-    if (!is_compiled_program(cache_file)) log_warning("first run on this device: compiling kernels/" + path);
+    if (!cache_file.empty() && !is_compiled_program(cache_file))
+      log_warning("first run of these kernels on this device: compiling kernels/" + path);
     const char* text = source.c_str();
     const size_t size = source.size();
     cl_int status = CL_SUCCESS;

@@ -250,6 +250,15 @@ TEST(TextureMatcher, NothingToMatchIsNothingFound) {
   });
 }
 
+// A palette: halved until it fits, nothing is left of its height.
+TEST(TextureMatcher, AStripOfColoursIsNoTexture) {
+  Actor palette = plane_actor(noise(1));
+  palette.texture = {4096, 8, std::vector<uint8_t>(3 * 4096 * 8, 128)};
+  test::on_every_device_and_body([&](ocl::DeviceContext& device) {
+    EXPECT_FALSE(TextureMatcher(device, palette, plane_camera(), MatchOptions{}).usable());
+  });
+}
+
 TEST(TextureMatcher, RefusesWhatDoesNotFit) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const Actor actor = plane_actor(noise(7));

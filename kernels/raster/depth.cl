@@ -1,4 +1,5 @@
 // Depth buffer and triangle-id buffer of a mesh. Nearest triangle wins, at equal depth the lower id.
+#include "raster/layout.h"
 #include "raster/triangle.h"
 #include "shared/camera.h"
 #include "shared/wide.h"
@@ -7,7 +8,6 @@
 
 // Vertices further outside than this (px) are not projected: their pixels could not be told apart.
 #define LC_MAX_PIXEL 1e6f
-#define LC_STRIP_ROWS 8
 
 // One work-item per vertex. projected: [4*n] u, v, 1/z, z; 1/z = 0 for a vertex that is too near, behind or not finite.
 kernel void project_vertices(int n, Pinhole camera, global const float* restrict positions,  // [3*n] mm, camera frame

@@ -23,6 +23,12 @@ struct OnnxValue {
   Numbers numbers;                     // a constant that was computed
 };
 
+inline constexpr int64_t kMostInWindow = 4096;
+inline constexpr int64_t kMaxWeights = int64_t(1) << 28;
+
+// A list attribute of a window: n numbers within least..kMostInWindow.
+std::vector<int> sizes(NodeReader& node, const char* name, size_t n, int64_t fallback, int64_t least);
+
 class OnnxImporter {
  public:
   OnnxImporter(const OnnxModel& model, const std::string& name, int height, int width)

@@ -6,12 +6,7 @@
 #include "nn/onnx_importer.h"
 
 namespace livecap::nn {
-namespace {
 
-constexpr int64_t kMostInWindow = 4096;
-constexpr int64_t kMaxWeights = int64_t(1) << 28;
-
-// A list attribute of a window: n positive numbers.
 std::vector<int> sizes(NodeReader& node, const char* name, size_t n, int64_t fallback, int64_t least) {
   const std::vector<int64_t> given = node.integers(name, std::vector<int64_t>(n, fallback));
   if (given.size() != n) node.fail_attribute(name, format("has %zu numbers, must have %zu", given.size(), n));
@@ -24,8 +19,6 @@ std::vector<int> sizes(NodeReader& node, const char* name, size_t n, int64_t fal
   }
   return out;
 }
-
-}  // namespace
 
 bool OnnxImporter::read_layer(NodeReader& node) {
   const std::string_view type = node.type();

@@ -6,24 +6,6 @@
 #include "nn/onnx_importer.h"
 
 namespace livecap::nn {
-namespace {
-
-constexpr int64_t kMostInWindow = 4096;
-constexpr int64_t kMaxWeights = int64_t(1) << 28;
-
-// A list attribute of n numbers within least..kMostInWindow.
-std::vector<int> sizes(NodeReader& node, const char* name, size_t n, int64_t fallback, int64_t least) {
-  const std::vector<int64_t> given = node.integers(name, std::vector<int64_t>(n, fallback));
-  if (given.size() != n) node.fail_attribute(name, format("has %zu numbers, must have %zu", given.size(), n));
-  for (int64_t v : given)
-    if (v < least || v > kMostInWindow)
-      node.fail_attribute(name, format("%lld must be in %lld..%lld", static_cast<long long>(v),
-                                       static_cast<long long>(least), static_cast<long long>(kMostInWindow)));
-  return {given.begin(), given.end()};
-}
-
-}  // namespace
-
 int OnnxImporter::spread(NodeReader& node, int x, int stride_h, int stride_w) {
   const Shape from = graph_.tensors[x].shape;
   const auto follow_by_zeros = [&](int tensor, int rows, int columns, int64_t channels, int64_t zeros) {

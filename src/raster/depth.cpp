@@ -6,13 +6,13 @@
 #include "base/text.h"
 #include "geometry/pinhole_arg.h"
 #include "livecap/error.h"
+#include "raster/layout.h"
 
 namespace livecap {
 namespace {
 
 constexpr char kFile[] = "raster/depth.cl";
 constexpr int kMaxBands = 32;
-constexpr int kStripRows = 8;  // LC_STRIP_ROWS
 constexpr size_t kLocal = 64;
 
 // Every edge is run through once in each direction: a ray then meets as many front as back faces.
@@ -46,7 +46,7 @@ DepthRasterizer::DepthRasterizer(ocl::DeviceContext& device, const Mesh& mesh, i
       throw LogicError(format("rasteriser: triangle corner %d outside 0..%d", index, n_vertices_ - 1));
   }
   cull_ = is_closed(mesh);
-  const int n_strips = (height + kStripRows - 1) / kStripRows;
+  const int n_strips = (height + LC_STRIP_ROWS - 1) / LC_STRIP_ROWS;
   n_bands_ = std::clamp(static_cast<int>(device.info().compute_units), 1, std::min(kMaxBands, n_strips));
   triangles_ = ocl::Buffer<int32_t>(device, mesh.triangles);
   projected_ = ocl::Buffer<float>(device, size_t(4) * n_vertices_);

@@ -22,6 +22,7 @@
 #include "nn/executor.h"
 #include "nn/tflite_import.h"
 #include "ocl/context.h"
+#include "race.h"
 
 namespace livecap {
 namespace {
@@ -141,22 +142,9 @@ void race(benchmark::State& state, ocl::DeviceContext& device, const std::map<La
   state.counters["ours/CLBlast"] = ours / peer;
 }
 
-// The value of --name=..., taken out of the arguments.
-std::string take_option(int& argc, char** argv, const std::string& name, const std::string& otherwise) {
-  const std::string start = "--" + name + "=";
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument.rfind(start, 0) != 0) continue;
-    std::copy(argv + i + 1, argv + argc, argv + i);
-    --argc;
-    return argument.substr(start.size());
-  }
-  return otherwise;
-}
-
 int run(int argc, char** argv) {
-  const std::string selector = take_option(argc, argv, "device", "pocl");
-  const std::string model = take_option(argc, argv, "model", "full");
+  const std::string selector = bench::take_option(argc, argv, "device", "pocl");
+  const std::string model = bench::take_option(argc, argv, "model", "full");
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   ocl::DeviceContext device(ocl::select_device(selector));

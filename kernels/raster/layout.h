@@ -1,0 +1,8 @@
+// What host and kernels of the raster agree on. Read by both compilers.
+#ifndef LC_RASTER_LAYOUT_H
+#define LC_RASTER_LAYOUT_H
+
+// Rows that share a record of which columns were drawn.
+#define LC_STRIP_ROWS 8
+
+#endif

@@ -72,5 +72,5 @@ kernel void pose_contour_records(PoseLayout layout, float4 camera, PoseContour c
   STORE(inside ? row.r : (REAL)nan(0u), distances_px, FIRST_ROW);
   STORE(inside ? s * row.r : (REAL)0.0f, residuals, FIRST_ROW);
   write_skinned_row(records + FIRST_ROW / SLICE * SLICE * LC_POSE_RECORD, &skinned,
-                    scale3(vec3(row.J[0], row.J[1], row.J[2]), s), inside);
+                    point_gradient(&skinned, scale3(vec3(row.J[0], row.J[1], row.J[2]), s)), inside);
 }

@@ -23,6 +23,9 @@
 #define LC_POSE_RECORD_EXTRA_COLUMN 25
 #define LC_POSE_RECORD_EXTRA 26
 
+// One vertex of skin: light 9, brightness, root of the weight.
+#define LC_POSE_SHADED 11
+
 // What a work-item of fill_rows.cl makes.
 #define LC_POSE_FILL_COLUMNS(is_cpu) ((is_cpu) ? 16 : 8)
 #define LC_POSE_FILL_ROWS(is_cpu) ((is_cpu) ? 16 : 1)

@@ -37,6 +37,6 @@ kernel void pose_match_records(PoseLayout layout, float4 camera, int n, float hu
     residuals[2 * FIRST_ROW + j] = residual;
 #endif
     write_skinned_row(records + (2 * (FIRST_ROW / SLICE) + j) * SLICE * LC_POSE_RECORD, &s,
-                      scale3(vec3(row.J[j][0], row.J[j][1], row.J[j][2]), huber), before);
+                      point_gradient(&s, scale3(vec3(row.J[j][0], row.J[j][1], row.J[j][2]), huber)), before);
   }
 }

@@ -56,9 +56,21 @@ LC_FN SkinnedVertex skinned_vertex(LaneInt vertex, Vec3 rest, global const float
   return s;
 }
 
-// g: the row's gradient by the vertex. counts: where false, the row is zero. record: the slice's, see pose/layout.h.
-LC_FN void write_skinned_row(global float* restrict record, const SkinnedVertex* s, Vec3 g, LaneInt counts) {
-  const DualQuat c = dual_quat_transform_gradient(s->blend, s->rest, s->position, g);
+// How a row with the gradient g by the vertex changes with its blend.
+LC_FN DualQuat point_gradient(const SkinnedVertex* s, Vec3 g) {
+  return dual_quat_transform_gradient(s->blend, s->rest, s->position, g);
+}
+
+// The same for a direction that the blend turns from `rest` to `turned`: moving counts for nothing.
+LC_FN DualQuat direction_gradient(DualQuat blend, Vec3 rest, Vec3 turned, Vec3 g) {
+  blend.dw = blend.dx = blend.dy = blend.dz = 0.0f;
+  DualQuat c = dual_quat_transform_gradient(blend, rest, turned, g);
+  c.dw = c.dx = c.dy = c.dz = 0.0f;
+  return c;
+}
+
+// c: one of the gradients above. counts: where false, the row is zero. record: the slice's, see pose/layout.h.
+LC_FN void write_skinned_row(global float* restrict record, const SkinnedVertex* s, DualQuat c, LaneInt counts) {
   record += FIRST_ROW % SLICE;
 #pragma unroll
   for (int j = 0; j < 4; ++j) {

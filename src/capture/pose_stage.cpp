@@ -32,6 +32,7 @@ PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camer
       rasterizer_(rasterizer),
       visibility_(visibility),
       matcher_(device, actor, camera, options.match),
+      shading_(device, actor, camera, options.shading),
       solver_(device, actor, camera, options.pose),
       zero_(device, size_t(3) * actor.n_vertices()),
       skinned_(device, size_t(3) * actor.n_vertices()),
@@ -78,15 +79,15 @@ void PoseStage::find_matches(int level) {
 // Once per level of match_levels, less where the last round at the same level was settled; or once when there is
 // nothing to match.
 PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, const Detections& detections,
-                                               const Pose& initial, const Pose* previous) {
+                                               const Pose& initial, const Pose* previous, int first_round) {
   const int n_levels = matches(input) ? int(options_.match_levels.size()) : 0;
   Solution solution;
   solution.pose.pose = initial;
   bool was_refining = false;
-  for (int round = 0; round < std::max(1, n_levels) && solution.pose.status == SolveStatus::kOk; ++round) {
+  for (int round = first_round; round < std::max(1, n_levels) && solution.pose.status == SolveStatus::kOk; ++round) {
     const int level = round < n_levels ? options_.match_levels[round] : 0;
     const bool refining = n_levels > 0 && round >= n_levels - options_.refining_rounds;
-    const bool again = round > 0 && level == options_.match_levels[round - 1] && refining == was_refining;
+    const bool again = round > first_round && level == options_.match_levels[round - 1] && refining == was_refining;
     was_refining = refining;
     if (again && solution.pose.moved_px < options_.settled_round_px * (1 << level)) continue;
     const Pose from = solution.pose.pose;
@@ -94,6 +95,12 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
     if (n_levels > 0) find_matches(level);
     const std::vector<int32_t> contour = read_contour(input);
     const Matches matches = n_levels > 0 ? matcher_.read() : Matches{};
+    std::vector<ShadedVertex> shaded;
+    if (n_levels > 0 && level == 0) {
+      shading_.measure(input.frame, rasterizer_, skinned_, normals_, visibility_.visible());
+      solution.skin = shading_.read();
+      shaded = shading_.shaded(solution.skin);
+    }
     solution.pose =
         solver_.solve(PoseInput{.detections = detections,
                                 .initial = from,
@@ -101,6 +108,7 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
                                 .frame = input.silhouette.empty() ? nullptr : &input.frame,
                                 .contour_vertices = contour,
                                 .matches = matches.found,
+                                .shaded = shaded,
                                 .arms_3d = refining ? options_.refined_arms_3d : 1,
                                 .n_steps = previous ? options_.pose.steps : options_.pose.first_steps,
                                 .settled_px = level == 0 ? options_.settled_last_step_px : options_.settled_step_px});
@@ -143,7 +151,9 @@ PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& pre
   try_exchanged_legs(input, predicted, previous, alternatives, best);
   try_turned(input, previous, best);
   try_detected_legs(input, previous, best);
+  try_mirrored_forearms(input, previous, best);
   if (best.exchanged) ++exchanged_frames_;
+  shading_.learn(best.skin);
   return best.pose;
 }
 
@@ -174,6 +184,25 @@ void PoseStage::try_detected_legs(const PoseStageInput& input, const Pose& previ
   const std::optional<Pose> bent =
       with_detected_legs(actor_, camera_, best.pose.pose, input.detections, options_.pose, least_px);
   if (bent) try_from(input, *bent, previous, best);
+}
+
+// From the last rounds on: the rest of the body stays, so that the costs tell the forearms apart.
+void PoseStage::try_mirrored_forearms(const PoseStageInput& input, const Pose& previous, Solution& best) {
+  if (!matches(input) || best.pose.status != SolveStatus::kOk || best.skin.empty()) return;
+  const int last_rounds = std::max(0, int(options_.match_levels.size()) - options_.refining_rounds);
+  for (Keypoint elbow : {kLeftElbow, kRightElbow}) {
+    const auto other = mirrored_forearm(actor_, best.pose.pose, elbow, options_.least_mirrored_rad);
+    if (!other) continue;
+    const auto misfit = [&](const Eigen::Matrix3d& turn) {
+      return shading_.misfit(best.skin, other->bone, turn, options_.pose.shading_huber);
+    };
+    if (!(misfit(other->turn) < options_.mirrored_misfit * misfit(Eigen::Matrix3d::Identity()))) continue;
+    // Unlike other starts without what was not matched, which here is chance, and without E_temporal: the previous pose
+    // may have been the wrong one.
+    const auto cost = [](const Solution& s) { return s.pose.energy.total() - s.pose.energy.temporal; };
+    Solution solved = solve_in_rounds(input, input.detections, other->pose, &previous, last_rounds);
+    if (solved.pose.status == SolveStatus::kOk && cost(solved) < cost(best)) best = std::move(solved);
+  }
 }
 
 void PoseStage::try_from(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best) {

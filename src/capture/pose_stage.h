@@ -10,6 +10,7 @@
 #include "image/device_frame.h"
 #include "image/silhouette.h"
 #include "livecap/camera.h"
+#include "match/skin_shading.h"
 #include "match/texture_matcher.h"
 #include "pose/leg_exchange.h"
 #include "pose/pose_solver.h"
@@ -53,10 +54,11 @@ class PoseStage {
     // The energy, and for what the last round did not match that of a match missed_px away: alone it would favour who
     // matches less.
     double cost = 0;
-    bool exchanged = false;  // from detections with the legs exchanged
+    std::vector<SkinSample> skin;  // as the last round found it
+    bool exchanged = false;        // from detections with the legs exchanged
   };
   Solution solve_in_rounds(const PoseStageInput& input, const Detections& detections, const Pose& initial,
-                           const Pose* previous);
+                           const Pose* previous, int first_round = 0);
   void find_contour(const PoseStageInput& input, const Pose& pose);
   std::vector<int32_t> read_contour(const PoseStageInput& input) const;
   bool matches(const PoseStageInput& input) const;
@@ -65,6 +67,7 @@ class PoseStage {
                           const std::vector<KeypointDetections>& alternatives, Solution& best);
   void try_turned(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_detected_legs(const PoseStageInput& input, const Pose& previous, Solution& best);
+  void try_mirrored_forearms(const PoseStageInput& input, const Pose& previous, Solution& best);
   static void keep_better(Solution other, Solution& best);
   void try_from(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best);
 
@@ -75,6 +78,7 @@ class PoseStage {
   DepthRasterizer& rasterizer_;
   SurfaceVisibility& visibility_;
   TextureMatcher matcher_;
+  SkinShading shading_;
   PoseSolver solver_;
   ocl::Buffer<float> zero_;           // [3n] always zero
   ocl::Buffer<float> skinned_;        // [3n]

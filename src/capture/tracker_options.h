@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "match/skin_shading.h"
 #include "match/texture_matcher.h"
 #include "pose/pose_options.h"
 #include "raster/visibility.h"
@@ -20,6 +21,7 @@ struct TrackerOptions {
   SurfaceOptions surface;
   SnapOptions snap;
   MatchOptions match;
+  SkinShadingOptions shading;
   VisibilityOptions visibility;
   // Stage I of an actor with a texture: one solve per round, each with matches found at this resolution (half of it per
   // level) where the last one ended. Coarse ones first: patches are only right within a few px, and stripes match one
@@ -47,6 +49,10 @@ struct TrackerOptions {
   // So is one with an ankle so far from its detection, as a share of the person's height in the picture
   // (pose/other_starts.h).
   double strayed_share = 0.04;
+  // And so is one with a forearm mirrored in depth, if that turns it by so much and the skin's shading then misfits
+  // less than this share of before (pose/other_starts.h, match/skin_shading.h).
+  double least_mirrored_rad = 0.35;
+  double mirrored_misfit = 0.9;
   bool solve_pose = true;          // false: stage I ends with its initialisation from each frame's detections alone
   bool enable_surface = true;      // false: the result is the skinned template of stage I
   bool warp_displacements = true;  // carry the non-rigid displacement to the next frame

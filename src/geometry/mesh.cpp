@@ -73,4 +73,15 @@ int connected_components(int n_vertices, std::span<const int32_t> triangles) {
   return components;
 }
 
+std::vector<float> vertex_areas(const Mesh& mesh) {
+  std::vector<float> areas(mesh.n_vertices(), 0.0f);
+  const auto point = [&](int i) { return Eigen::Map<const Eigen::Vector3f>(&mesh.positions[3 * i]); };
+  for (int t = 0; t < mesh.n_triangles(); ++t) {
+    const int32_t* c = &mesh.triangles[3 * t];
+    const float third = (point(c[1]) - point(c[0])).cross(point(c[2]) - point(c[0])).norm() / 6;
+    for (int k = 0; k < 3; ++k) areas[c[k]] += third;
+  }
+  return areas;
+}
+
 }  // namespace livecap

@@ -37,4 +37,7 @@ std::vector<float> vertex_normals(std::span<const float> positions, std::span<co
 // Number of connected components over triangle edges; vertices in no triangle count one each.
 int connected_components(int n_vertices, std::span<const int32_t> triangles);
 
+// [n] a third of the triangles around each vertex, mm^2.
+std::vector<float> vertex_areas(const Mesh& mesh);
+
 }  // namespace livecap

@@ -24,6 +24,7 @@ namespace livecap::reference {
 #include "terms/keypoint_3d.cl"
 #include "terms/match.cl"
 #include "terms/photo.cl"
+#include "terms/shading.cl"
 #include "terms/silhouette.cl"
 #include "terms/smooth.cl"
 #include "terms/temporal.cl"

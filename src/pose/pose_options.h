@@ -14,6 +14,7 @@ struct PoseWeights {
   double keypoint_3d = 28;   // lambda_3D
   double silhouette = 400;   // lambda_silhouette; the paper: 200
   double match = 1600;       // lambda_match; not in the paper
+  double shading = 3e4;      // lambda_shading; not in the paper
   double temporal = 1.5;     // lambda_temporal
   double anatomic = 1e6;     // lambda_anatomic
 };
@@ -49,6 +50,7 @@ struct PoseOptions {
 
   int max_contour_vertices = 512;  // more are thinned evenly; the term keeps its total weight
   int max_matches = 768;           // the same
+  int max_shaded = 256;            // the same
 
   // Levenberg damping of each unknown, as a share of its own diagonal entry and of the largest diagonal entry among the
   // unknowns of its unit (rad or mm). Tiny: it only keeps unobserved unknowns (a straight arm's twist) where they are.
@@ -65,6 +67,7 @@ struct PoseOptions {
   double keypoint_2d_huber_px = 8;
   double silhouette_huber_px = 3;
   double match_huber_px = 2;  // patches that were moved onto something similar
+  double shading_huber = 2;   // standard deviations; shadows and highlights
 
   // Bounds of the Euler step that predicts a frame, per frame.
   double max_predicted_turn_rad = 0.5;

@@ -59,7 +59,7 @@ PoseResult PoseSolver::solve(const PoseInput& input) {
   KeypointTargets targets = make_targets(actor_, input.detections, input.previous, options_);
   for (int k : {kLeftElbow, kRightElbow, kLeftWrist, kRightWrist, kLeftHand, kRightHand})
     targets[k].weight_3d *= input.arms_3d;
-  system_.set_frame(targets, input.frame, input.contour_vertices, input.displacement_rest, input.matches);
+  system_.set_frame(targets, input.frame, input.contour_vertices, input.displacement_rest, input.matches, input.shaded);
   PoseResult result;
   result.pose = input.initial;
   if (!has_observation(targets) && system_.n_contour() == 0) {
@@ -116,6 +116,7 @@ void PoseSolver::measure(const PoseState& state, const KeypointTargets& targets,
   result.energy.anatomic = energy(LC_POSE_POINT_ROWS, system_.n_point_rows() - LC_POSE_POINT_ROWS);
   result.energy.silhouette = energy(system_.n_point_rows(), system_.n_contour());
   result.energy.match = energy(system_.n_point_rows() + system_.n_contour(), 2 * system_.n_matches());
+  result.energy.shading = energy(system_.n_rows() - system_.n_shaded(), system_.n_shaded());
 
   const auto positions = keypoint_positions(actor_, forward_kinematics(actor_.skeleton, state.pose));
   double error_px = 0;

@@ -24,6 +24,7 @@ struct PoseInput {
   const DeviceFrame* frame = nullptr;              // nullptr (nobody segmented): no silhouette term
   std::span<const int32_t> contour_vertices = {};  // B of the frame, template vertex indices
   std::span<const VertexMatch> matches = {};       // where the picture shows vertices of the skinned template
+  std::span<const ShadedVertex> shaded = {};       // how bright it shows skin
   const ocl::Buffer<float>* displacement_rest =
       nullptr;            // [3n] mm added to the rest pose before skinning; may be nullptr
   double arms_3d = 1;     // factor of lambda_i of E_3D of elbows, wrists and hands
@@ -37,9 +38,10 @@ struct PoseEnergies {
   double keypoint_3d = 0;
   double silhouette = 0;
   double match = 0;
+  double shading = 0;
   double temporal = 0;
   double anatomic = 0;
-  double total() const { return keypoint_2d + keypoint_3d + silhouette + match + temporal + anatomic; }
+  double total() const { return keypoint_2d + keypoint_3d + silhouette + match + shading + temporal + anatomic; }
 };
 
 struct PoseResult {

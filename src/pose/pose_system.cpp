@@ -32,6 +32,26 @@ void require_vertex(int vertex, int n_vertices, const char* what) {
     throw LogicError(format("pose: %s vertex %d of %d", what, vertex, n_vertices));
 }
 
+// More than fit are thinned to equal shares of their total weight.
+template <typename Weighted>
+std::vector<Weighted> thinned(std::span<const Weighted> all, int most) {
+  if (all.size() <= size_t(most)) return {all.begin(), all.end()};
+  double total = 0;
+  for (const Weighted& one : all) total += one.weight;
+  const double share = total / most;
+  double sum = share / 2;
+  std::vector<Weighted> used;
+  for (const Weighted& one : all) {
+    sum += one.weight;
+    const double n_shares = std::floor(sum / share);
+    if (n_shares < 1) continue;
+    sum -= n_shares * share;
+    used.push_back(one);
+    used.back().weight = float(n_shares * share);
+  }
+  return used;
+}
+
 void check_actor(const Actor& actor) {
   actor.skeleton.validate();
   const size_t n = actor.n_vertices();
@@ -110,11 +130,17 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
   match_targets_ = ocl::Buffer<float>(device, 5 * n_matches);
   match_records_ = ocl::Buffer<float>(device, 2 * LC_POSE_RECORD * n_matches);
   match_residuals_ = ocl::Buffer<float>(device, 2 * n_matches);
-  J_ = ocl::Buffer<float>(device, (n_point_rows_ + n_contour + 2 * n_matches) * layout_.n_columns);
+  const size_t n_shaded = round_up(options.max_shaded, LC_POSE_SLICE);
+  shaded_vertices_ = ocl::Buffer<int32_t>(device, n_shaded);
+  shaded_targets_ = ocl::Buffer<float>(device, LC_POSE_SHADED * n_shaded);
+  shading_records_ = ocl::Buffer<float>(device, LC_POSE_RECORD * n_shaded);
+  shading_residuals_ = ocl::Buffer<float>(device, n_shaded);
+  J_ = ocl::Buffer<float>(device, (n_point_rows_ + n_contour + 2 * n_matches + n_shaded) * layout_.n_columns);
   gram_ = ocl::Buffer<float>(device, gram_host_.size());
   point_records_kernel_ = ocl::Kernel(device, kProgram, "pose_point_records");
   contour_records_kernel_ = ocl::Kernel(device, kSkinnedProgram, "pose_contour_records");
   match_records_kernel_ = ocl::Kernel(device, kSkinnedProgram, "pose_match_records");
+  shading_records_kernel_ = ocl::Kernel(device, kSkinnedProgram, "pose_shading_records");
   fill_points_kernel_ = ocl::Kernel(device, kProgram, "pose_fill_point_rows");
   fill_skinned_kernel_ = ocl::Kernel(device, kProgram, "pose_fill_skinned_rows");
   gram_kernel_ = ocl::Kernel(device, kProgram, "pose_gram");
@@ -122,7 +148,7 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
 
 void PoseSystem::set_frame(const KeypointTargets& targets, const DeviceFrame* frame,
                            std::span<const int32_t> contour_vertices, const ocl::Buffer<float>* displacement_rest,
-                           std::span<const VertexMatch> matches) {
+                           std::span<const VertexMatch> matches, std::span<const ShadedVertex> shaded) {
   std::vector<float> values;
   values.reserve(size_t(LC_POSE_TARGET) * kKeypointCount);
   for (const KeypointTarget& t : targets) {
@@ -135,6 +161,7 @@ void PoseSystem::set_frame(const KeypointTargets& targets, const DeviceFrame* fr
   targets_.write_later(values);
 
   set_matches(matches);
+  set_shaded(shaded);
   frame_ = frame;
   displacement_ = displacement_rest;
   n_contour_ = 0;
@@ -156,27 +183,10 @@ void PoseSystem::set_frame(const KeypointTargets& targets, const DeviceFrame* fr
   contour_weight_ = options_.weights.silhouette * double(contour_vertices.size()) / double(n);
 }
 
-// More than fit are thinned to equal shares of their total weight.
 void PoseSystem::set_matches(std::span<const VertexMatch> matches) {
   n_matches_ = 0;
   if (options_.weights.match == 0) return;
-  std::vector<VertexMatch> used;
-  if (matches.size() <= size_t(options_.max_matches)) {
-    used.assign(matches.begin(), matches.end());
-  } else {
-    double total = 0;
-    for (const VertexMatch& match : matches) total += match.weight;
-    const double share = total / options_.max_matches;
-    double sum = share / 2;
-    for (const VertexMatch& match : matches) {
-      sum += match.weight;
-      const double n_shares = std::floor(sum / share);
-      if (n_shares < 1) continue;
-      sum -= n_shares * share;
-      used.push_back(match);
-      used.back().weight = float(n_shares * share);
-    }
-  }
+  const std::vector<VertexMatch> used = thinned(matches, options_.max_matches);
   if (used.empty()) return;
   std::vector<int32_t> vertices;
   std::vector<float> targets;
@@ -189,6 +199,24 @@ void PoseSystem::set_matches(std::span<const VertexMatch> matches) {
   match_vertices_.write_later(vertices);
   match_targets_.write_later(targets);
   n_matches_ = int(used.size());
+}
+
+void PoseSystem::set_shaded(std::span<const ShadedVertex> shaded) {
+  n_shaded_ = 0;
+  if (options_.weights.shading == 0) return;
+  const std::vector<ShadedVertex> used = thinned(shaded, options_.max_shaded);
+  if (used.empty()) return;
+  std::vector<int32_t> vertices;
+  std::vector<float> targets;
+  for (const ShadedVertex& skin : used) {
+    require_vertex(skin.vertex, n_vertices_, "shaded");
+    vertices.push_back(skin.vertex);
+    targets.insert(targets.end(), skin.light.begin(), skin.light.end());
+    targets.insert(targets.end(), {skin.brightness, float(std::sqrt(options_.weights.shading * skin.weight))});
+  }
+  shaded_vertices_.write_later(vertices);
+  shaded_targets_.write_later(targets);
+  n_shaded_ = int(used.size());
 }
 
 void PoseSystem::upload(const PoseState& state) {
@@ -233,6 +261,10 @@ void PoseSystem::launch_records() {
     match_records_kernel_.launch(n_skinned_items(n_matches_), is_cpu_ ? 1 : 64, layout_, pinhole_, n_matches_,
                                  float(options_.match_huber_px), step_, match_vertices_, match_targets_, rest_, bones_,
                                  weights_, match_records_, match_residuals_);
+  if (n_shaded_ > 0)
+    shading_records_kernel_.launch(n_skinned_items(n_shaded_), is_cpu_ ? 1 : 64, layout_, n_shaded_,
+                                   float(options_.shading_huber), step_, shaded_vertices_, shaded_targets_,
+                                   rest_normals_, bones_, weights_, shading_records_, shading_residuals_);
   if (n_contour_ == 0) return;
   const PoseContour contour{n_contour_,
                             width_,
@@ -262,6 +294,8 @@ void PoseSystem::launch_rows() {
                               contour_residuals_, J_);
   fill_skinned_kernel_.launch(over(2 * n_matches_), layout_, 2 * n_matches_, 2, n_point_rows_ + n_contour_, step_,
                               moves_, match_records_, match_residuals_, J_);
+  fill_skinned_kernel_.launch(over(n_shaded_), layout_, n_shaded_, 1, n_point_rows_ + n_contour_ + 2 * n_matches_,
+                              step_, moves_, shading_records_, shading_residuals_, J_);
 }
 
 PoseNormalEquations PoseSystem::assemble(const PoseState& state) {
@@ -297,7 +331,8 @@ PoseResiduals PoseSystem::residuals(const PoseState& state) {
   result.rows.resize(n_rows());
   result.distances_px.resize(n_contour_);
   contour_residuals_.read_later(std::span(result.rows).subspan(n_point_rows_, n_contour_));
-  match_residuals_.read_later(std::span(result.rows).subspan(n_point_rows_ + n_contour_));
+  match_residuals_.read_later(std::span(result.rows).subspan(n_point_rows_ + n_contour_, 2 * n_matches_));
+  shading_residuals_.read_later(std::span(result.rows).last(n_shaded_));
   distances_px_.read_later(result.distances_px);
   point_residuals_.read(std::span(result.rows).first(n_point_rows_));
   return result;

@@ -8,6 +8,7 @@
 
 #include "actor/actor.h"
 #include "geometry/pinhole_arg.h"
+#include "geometry/shaded_vertex.h"
 #include "geometry/vertex_match.h"
 #include "image/device_frame.h"
 #include "livecap/camera.h"
@@ -32,7 +33,7 @@ struct PoseNormalEquations {
 };
 
 // All residuals, weighted: 8 per keypoint (2D 2, 3D 3, temporal 3), n_dofs joint limits, one per contour vertex, two
-// per match.
+// per match, one per shaded vertex.
 struct PoseResiduals {
   std::vector<float> rows;          // [n_rows]
   std::vector<float> distances_px;  // [n_contour] signed; NaN for a vertex that is not inside the image
@@ -46,7 +47,8 @@ class PoseSystem {
   // Constants of the next frame. frame, displacement_rest: nullptr, or alive until the last assemble of this frame.
   // Throws LogicError for a contour vertex out of range or a frame of another size than the camera's.
   void set_frame(const KeypointTargets& targets, const DeviceFrame* frame, std::span<const int32_t> contour_vertices,
-                 const ocl::Buffer<float>* displacement_rest, std::span<const VertexMatch> matches = {});
+                 const ocl::Buffer<float>* displacement_rest, std::span<const VertexMatch> matches = {},
+                 std::span<const ShadedVertex> shaded = {});
 
   PoseNormalEquations assemble(const PoseState& state);
   PoseResiduals residuals(const PoseState& state);
@@ -54,15 +56,17 @@ class PoseSystem {
   Eigen::MatrixXf jacobian(const PoseState& state);
 
   int n_unknowns() const { return layout_.n_unknowns; }
-  int n_rows() const { return n_point_rows_ + n_contour_ + 2 * n_matches_; }
+  int n_rows() const { return n_point_rows_ + n_contour_ + 2 * n_matches_ + n_shaded_; }
   int n_point_rows() const { return n_point_rows_; }
   int n_contour() const { return n_contour_; }
   int n_matches() const { return n_matches_; }
+  int n_shaded() const { return n_shaded_; }
   // Weight of one contour row: lambda_silhouette times contour vertices per used vertex.
   double contour_weight() const { return contour_weight_; }
 
  private:
   void set_matches(std::span<const VertexMatch> matches);
+  void set_shaded(std::span<const ShadedVertex> shaded);
   void upload(const PoseState& state);
   void launch_records();
   void launch_rows();
@@ -80,6 +84,7 @@ class PoseSystem {
   int n_contour_ = 0;
   double contour_weight_ = 0;
   int n_matches_ = 0;
+  int n_shaded_ = 0;
   bool is_cpu_ = true;
   int n_tiles_ = 0;
   int n_slices_ = 1;
@@ -108,11 +113,16 @@ class PoseSystem {
   ocl::Buffer<float> match_targets_;  // [3*max_matches] u, v, square root of the weight
   ocl::Buffer<float> match_records_;
   ocl::Buffer<float> match_residuals_;
+  ocl::Buffer<int32_t> shaded_vertices_;
+  ocl::Buffer<float> shaded_targets_;  // [LC_POSE_SHADED*max_shaded]
+  ocl::Buffer<float> shading_records_;
+  ocl::Buffer<float> shading_residuals_;
   ocl::Buffer<float> J_;
   ocl::Buffer<float> gram_;
   ocl::Kernel point_records_kernel_;
   ocl::Kernel contour_records_kernel_;
   ocl::Kernel match_records_kernel_;
+  ocl::Kernel shading_records_kernel_;
   ocl::Kernel fill_points_kernel_;
   ocl::Kernel fill_skinned_kernel_;
   ocl::Kernel gram_kernel_;

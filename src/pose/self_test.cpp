@@ -32,7 +32,7 @@ reference::Vec3 to_vec3(const Eigen::Vector3d& v) {
 // The host's rows. The distance image is the plane 0.5 u - 0.25 v + 40: positive for every vertex, so that all b are 1.
 Eigen::VectorXd host_rows(const Actor& actor, const Camera& camera, const PoseOptions& options,
                           const KeypointTargets& targets, const std::vector<VertexMatch>& matches,
-                          const PoseState& state) {
+                          const std::vector<ShadedVertex>& shaded, const PoseState& state) {
   const reference::Pinhole cam{camera.fx, camera.fy, camera.cx, camera.cy};
   const PosedSkeleton posed = forward_kinematics(actor.skeleton, state.pose);
   const auto positions = keypoint_positions(actor, posed);
@@ -50,7 +50,7 @@ Eigen::VectorXd host_rows(const Actor& actor, const Camera& camera, const PoseOp
   const Dof& dof = actor.skeleton.dofs[0];
   rows.push_back(std::sqrt(options.weights.anatomic) *
                  reference::anatomic_row(state.pose.angles_rad[0], dof.min_rad, dof.max_rad).r);
-  const auto skinned = [&](int i) {
+  const auto blend = [&](int i) {
     reference::DualQuat q = reference::dual_quat_zero();
     for (int j = 0; j < 4; ++j) {
       const Eigen::Isometry3d& motion = posed.camera_from_rest[actor.skin.bones[4 * i + j]];
@@ -61,8 +61,11 @@ Eigen::VectorXd host_rows(const Actor& actor, const Camera& camera, const PoseOp
           q, {real.w(), real.x(), real.y(), real.z(), dual.w(), dual.x(), dual.y(), dual.z()},
           actor.skin.weights[4 * i + j]);
     }
+    return q;
+  };
+  const auto skinned = [&](int i) {
     const float* rest = &actor.mesh.positions[3 * i];
-    return reference::dual_quat_transform(q, reference::vec3(rest[0], rest[1], rest[2]));
+    return reference::dual_quat_transform(blend(i), reference::vec3(rest[0], rest[1], rest[2]));
   };
   for (int i = 0; i < actor.n_vertices(); ++i) {
     const reference::Vec2 uv = reference::project_point(skinned(i), cam).uv;
@@ -71,6 +74,14 @@ Eigen::VectorXd host_rows(const Actor& actor, const Camera& camera, const PoseOp
   for (const VertexMatch& m : matches) {
     const auto row = reference::match_row(skinned(m.vertex), cam, {m.u_px, m.v_px}, m.a, m.b, m.c);
     for (double r : row.r) rows.push_back(std::sqrt(options.weights.match * m.weight) * r);
+  }
+  const std::vector<float> normals = vertex_normals(actor.mesh.positions, actor.mesh.triangles);
+  for (const ShadedVertex& s : shaded) {
+    const float* rest = &normals[3 * s.vertex];
+    reference::Harmonics light;
+    std::copy(s.light.begin(), s.light.end(), light.of);
+    const auto n = reference::dual_quat_rotate(blend(s.vertex), reference::vec3(rest[0], rest[1], rest[2]));
+    rows.push_back(std::sqrt(options.weights.shading * s.weight) * reference::shading_row(n, light, s.brightness).r);
   }
   return Eigen::Map<Eigen::VectorXd>(rows.data(), rows.size());
 }
@@ -97,7 +108,7 @@ std::vector<ocl::SelfTestResult> pose_self_test(ocl::DeviceContext& device) {
   const Actor actor = two_bone_actor();
   const Camera camera = camera_from_fov(64, 48, 60);
   PoseOptions options;
-  options.keypoint_2d_huber_px = options.silhouette_huber_px = options.match_huber_px =
+  options.keypoint_2d_huber_px = options.silhouette_huber_px = options.match_huber_px = options.shading_huber =
       0;  // the expected rows are quadratic
   PoseState state;
   state.pose.root_rotation = rotation_from_vector({0.1, -0.2, 0.3});
@@ -117,30 +128,34 @@ std::vector<ocl::SelfTestResult> pose_self_test(ocl::DeviceContext& device) {
 
   PoseSystem system(device, actor, camera, options);
   const std::vector<VertexMatch> matches = {{1, 30, 20, 1, 0.5f, 0.25f, 2}, {3, 25, 40, 0.5f, 0, 1, 1}};
-  system.set_frame(targets, &frame, contour, nullptr, matches);
+  const std::vector<ShadedVertex> shaded = {{1, {0.5f, 0.25f, -1, 0.5f, 0.125f, 0.25f, -0.5f, 0.75f, 0.25f}, 0.5f, 2},
+                                            {4, {0, 1, -2, 0.5f}, -0.25f, 1}};
+  system.set_frame(targets, &frame, contour, nullptr, matches, shaded);
   const std::vector<float> rows = system.residuals(state).rows;
   const Eigen::VectorXd F = Eigen::Map<const Eigen::VectorXf>(rows.data(), rows.size()).cast<double>();
   const Eigen::MatrixXd J = system.jacobian(state).cast<double>();
   const PoseNormalEquations equations = system.assemble(state);
 
-  const Eigen::VectorXd expected_F = host_rows(actor, camera, options, targets, matches, state);
+  const Eigen::VectorXd expected_F = host_rows(actor, camera, options, targets, matches, shaded, state);
   Eigen::MatrixXd expected_J(F.size(), system.n_unknowns());
   for (int k = 0; k < system.n_unknowns(); ++k) {
     const Eigen::VectorXd step = 1e-5 * Eigen::VectorXd::Unit(system.n_unknowns(), k);
-    expected_J.col(k) = (host_rows(actor, camera, options, targets, matches, moved(state, step)) -
-                         host_rows(actor, camera, options, targets, matches, moved(state, -step))) /
+    expected_J.col(k) = (host_rows(actor, camera, options, targets, matches, shaded, moved(state, step)) -
+                         host_rows(actor, camera, options, targets, matches, shaded, moved(state, -step))) /
                         2e-5;
   }
   const int n = system.n_point_rows();
   const int m = system.n_contour();
-  return {
-      compare("pose/point_records.cl pose_point_records", F.head(n), expected_F.head(n)),
-      compare("pose/contour_records.cl pose_contour_records", F.segment(n, m), expected_F.segment(n, m)),
-      compare("pose/match_records.cl pose_match_records", F.tail(F.size() - n - m), expected_F.tail(F.size() - n - m)),
-      compare("pose/fill_rows.cl pose_fill_point_rows", J.topRows(n), expected_J.topRows(n)),
-      compare("pose/fill_rows.cl pose_fill_skinned_rows", J.bottomRows(J.rows() - n),
-              expected_J.bottomRows(J.rows() - n)),
-      compare("pose/gram.cl pose_gram", equations.JtJ, expected_J.transpose() * expected_J)};
+  const int k = 2 * system.n_matches();
+  return {compare("pose/point_records.cl pose_point_records", F.head(n), expected_F.head(n)),
+          compare("pose/contour_records.cl pose_contour_records", F.segment(n, m), expected_F.segment(n, m)),
+          compare("pose/match_records.cl pose_match_records", F.segment(n + m, k), expected_F.segment(n + m, k)),
+          compare("pose/shading_records.cl pose_shading_records", F.tail(F.size() - n - m - k),
+                  expected_F.tail(F.size() - n - m - k)),
+          compare("pose/fill_rows.cl pose_fill_point_rows", J.topRows(n), expected_J.topRows(n)),
+          compare("pose/fill_rows.cl pose_fill_skinned_rows", J.bottomRows(J.rows() - n),
+                  expected_J.bottomRows(J.rows() - n)),
+          compare("pose/gram.cl pose_gram", equations.JtJ, expected_J.transpose() * expected_J)};
 }
 
 }  // namespace livecap

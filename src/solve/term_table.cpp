@@ -10,6 +10,7 @@ constexpr Term kTerms[] = {
     {"keypoint_3d", TermStage::kPose, 3, 6, 3, 28, reference::keypoint_3d_flat, "check_keypoint_3d"},
     {"pose_silhouette", TermStage::kPose, 1, 3, 10, 200, reference::silhouette_flat, "check_silhouette"},
     {"match", TermStage::kPose, 2, 3, 9, 0, reference::match_flat, "check_match"},
+    {"shading", TermStage::kPose, 1, 3, 10, 0, reference::shading_flat, "check_shading"},
     {"temporal", TermStage::kPose, 3, 3, 3, 1.5, reference::temporal_flat, "check_temporal"},
     {"anatomic", TermStage::kPose, 1, 1, 2, 1e6, reference::anatomic_flat, "check_anatomic"},
     {"photo", TermStage::kSurface, 3, 3, 19, 1e4, reference::photo_flat, "check_photo"},

@@ -374,6 +374,7 @@ TEST(PoseSolver, EveryTermCanBeSwitchedOffByName) {
     frame.signed_distance.write(test::smooth_distance(camera));
     const std::vector<int32_t> contour = test::some_vertices(actor, 2);
     const std::vector<VertexMatch> matches = {{.vertex = 3, .u_px = 10, .v_px = 20}};
+    const std::vector<ShadedVertex> shaded = {{.vertex = 5, .light = {1, 0.5f}, .brightness = 3}};
     for (const Term& term : term_table()) {
       PoseOptions options;
       // Limits that no pose keeps, so that E_anatomic is never zero by itself.
@@ -388,12 +389,14 @@ TEST(PoseSolver, EveryTermCanBeSwitchedOffByName) {
                                          .frame = &frame,
                                          .contour_vertices = contour,
                                          .matches = matches,
+                                         .shaded = shaded,
                                          .n_steps = 1})
                                  .energy;
       EXPECT_EQ(e.keypoint_2d == 0, term.name == "keypoint_2d") << term.name;
       EXPECT_EQ(e.keypoint_3d == 0, term.name == "keypoint_3d") << term.name;
       EXPECT_EQ(e.silhouette == 0, term.name == "pose_silhouette") << term.name;
       EXPECT_EQ(e.match == 0, term.name == "match") << term.name;
+      EXPECT_EQ(e.shading == 0, term.name == "shading") << term.name;
       EXPECT_EQ(e.temporal == 0, term.name == "temporal") << term.name;
       EXPECT_EQ(e.anatomic == 0, term.name == "anatomic") << term.name;
     }
@@ -403,7 +406,7 @@ TEST(PoseSolver, EveryTermCanBeSwitchedOffByName) {
 TEST(PoseSolver, SelfTestPassesOnEveryDevice) {
   test::on_every_device([](ocl::DeviceContext& device) {
     const auto results = pose_self_test(device);
-    EXPECT_EQ(results.size(), 6u);
+    EXPECT_EQ(results.size(), 7u);
     for (const auto& result : results) EXPECT_TRUE(result.ok) << result.kernel << ": " << result.detail;
   });
 }

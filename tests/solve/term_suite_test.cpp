@@ -226,6 +226,33 @@ std::map<std::string_view, Restatement> restatements() {
                     .symmetry = along_ray,
                     .kinks = {}};
 
+  // As a quadratic form: (n, 1)^T M (n, 1) with the light's coefficients in M.
+  const auto expected_brightness = [](const Instance& i) {
+    const auto& l = i.params;
+    Eigen::Matrix4d m;
+    m << l[7], l[4] / 2, l[6] / 2, l[1] / 2,  //
+        l[4] / 2, -l[7], l[5] / 2, l[2] / 2,  //
+        l[6] / 2, l[5] / 2, 3 * l[8], l[3] / 2, l[1] / 2, l[2] / 2, l[3] / 2, l[0] - l[8];
+    const Eigen::Vector4d n = Vector3d(i.x).homogeneous();
+    return n.dot(m * n);
+  };
+  table["shading"] = {
+      .residual = [=](const Instance& i) -> VectorXd { return numbers({expected_brightness(i) - i.params[9]}); },
+      .sample =
+          [](std::mt19937& rng) {
+            return Instance{Vector3d(random_vector(rng, 3, -1, 1)).normalized(), random_vector(rng, 10, -1, 1)};
+          },
+      .make_true = [=](Instance& i) { i.params[9] = expected_brightness(i); },
+      // Normal and light in a mirror.
+      .symmetry =
+          [](const Instance& i, std::mt19937&) {
+            Instance mirrored = i;
+            for (double* odd : {&mirrored.x[0], &mirrored.params[1], &mirrored.params[4], &mirrored.params[6]})
+              *odd = -*odd;
+            return mirrored;
+          },
+      .kinks = {}};
+
   table["pose_silhouette"] = table["surface_silhouette"] = silhouette();
 
   table["smooth"] = {.residual = [](const Instance& i) -> VectorXd {

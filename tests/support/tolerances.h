@@ -89,6 +89,11 @@ inline constexpr double kGramFloat = 3e-6;
 inline constexpr double kRecoveredMm = 1.0;
 // A torso that is turned about its axis alone onto detections of a standing figure, rad.
 inline constexpr double kTurnedTrunkRad = 0.03;
+// Light by albedo that SkinLight finds where brightness is a polynomial with 5 % of noise and a seventh in shadow.
+inline constexpr double kSkinLight = 0.08;
+// Where a twist in steps of 5 degrees puts a wrist, px and mm.
+inline constexpr double kMirroredPx = 5;
+inline constexpr double kMirroredMm = 25;
 // The initialisation alone: near enough for Gauss-Newton, mm.
 inline constexpr double kInitializedMm = 80;
 // Energy of the paper's few steps over that of a trusted solver run to convergence.

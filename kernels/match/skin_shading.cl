@@ -1,0 +1,48 @@
+// How bright the picture shows bare skin, by its albedo.
+#include "match/layout.h"
+
+#define RADIUS LC_SKIN_RADIUS
+
+// sRGB to linear, roughly: the square.
+static inline float linear_light(global const uchar* restrict rgb, int at) {
+  const float r = (float)rgb[3 * at], g = (float)rgb[3 * at + 1], b = (float)rgb[3 * at + 2];
+  return (0.299f * r * r + 0.587f * g * g + 0.114f * b * b) * (1.0f / 65025.0f);
+}
+
+// One work-item per vertex of skin: vertices, albedo (linear), areas (mm^2) [n]; is_skin [n_vertices] 1 for them.
+// positions, normals [3*n_vertices], visible [n_vertices]; projected, ids, depth, triangles of raster/depth.h. distance
+// [width*height] px, positive outside of the silhouette; rgb [3*width*height]. Out: samples [LC_SKIN*n].
+kernel void skin_brightness(int n, int width, int height, float focal_px, float min_facing, float depth_range_mm,
+                            global const int* restrict vertices, global const float* restrict albedo,
+                            global const float* restrict areas, global const uchar* restrict is_skin,
+                            global const float* restrict positions, global const float* restrict normals,
+                            global const int* restrict visible, global const float* restrict projected,
+                            global const int* restrict ids, global const float* restrict depth,
+                            global const int* restrict triangles, global const float* restrict distance,
+                            global const uchar* restrict rgb, global float* restrict samples) {
+  const int i = get_global_id(0);
+  if (i >= n) return;
+  const int v = vertices[i];
+  global float* out = samples + LC_SKIN * i;
+  for (int k = 0; k < LC_SKIN; ++k) out[k] = 0.0f;
+  if (!visible[v]) return;
+  const float3 p = vload3(v, positions), normal = vload3(v, normals);
+  const float facing = -(p.x * normal.x + p.y * normal.y + p.z * normal.z) / sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
+  if (!(facing >= min_facing)) return;
+  const float4 q = vload4(v, projected);
+  const int x = convert_int_rte(q.x), y = convert_int_rte(q.y);
+  if (x < RADIUS || y < RADIUS || x >= width - RADIUS || y >= height - RADIUS) return;
+  float sum = 0.0f;
+  for (int dy = -RADIUS; dy <= RADIUS; ++dy) {
+    for (int dx = -RADIUS; dx <= RADIUS; ++dx) {
+      const int at = (y + dy) * width + x + dx;
+      const int id = ids[at];
+      if (id < 0 || !(fabs(depth[at] - q.w) < depth_range_mm) || !(distance[at] < -1.0f)) return;
+      if (!is_skin[triangles[3 * id]] || !is_skin[triangles[3 * id + 1]] || !is_skin[triangles[3 * id + 2]]) return;
+      sum += linear_light(rgb, at);
+    }
+  }
+  const float mean = sum / (float)((2 * RADIUS + 1) * (2 * RADIUS + 1));
+  vstore4((float4)(normal.x, normal.y, normal.z, mean / albedo[i]), 0, out);
+  out[4] = areas[i] * facing * focal_px * focal_px / (p.z * p.z);
+}

@@ -1,0 +1,141 @@
+#include "match/skin_shading.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/text.h"
+#include "geometry/mesh.h"
+#include "livecap/error.h"
+#include "match/layout.h"
+
+namespace livecap {
+namespace {
+
+constexpr int kLeftArmLabel = 14, kLeftLegLabel = 16, kRightLegLabel = 17;
+constexpr double kLeastAlbedo = 0.02;
+constexpr double kLeastSeenPx = 60;
+constexpr size_t kLocal = 64;
+
+// Bones of long limbs; hands and feet have folds and nails.
+std::vector<bool> long_limbs(const Skeleton& skeleton) {
+  std::vector<bool> is_long(skeleton.n_bones(), false);
+  for (const char* side : {"left_", "right_"}) {
+    for (const char* joint : {"shoulder", "elbow", "hip", "knee"}) {
+      const int bone = skeleton.bone_index(std::string(side) + joint);
+      if (bone >= 0) is_long[bone] = true;
+    }
+  }
+  return is_long;
+}
+
+}  // namespace
+
+void SkinShadingOptions::validate() const {
+  light.validate();
+  const auto positive = [](const char* field, double value) {
+    if (!(value > 0) || !std::isfinite(value))
+      throw ConfigError(format("shading option %s is %g; it must be finite and positive", field, value));
+  };
+  positive("min_facing", min_facing);
+  positive("depth_range_mm", depth_range_mm);
+  positive("limb_area_px", limb_area_px);
+}
+
+SkinShading::SkinShading(ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
+                         const SkinShadingOptions& options)
+    : options_(options),
+      width_(camera.width),
+      height_(camera.height),
+      n_bones_(actor.skeleton.n_bones()),
+      focal_px_(float((camera.fx + camera.fy) / 2)),
+      lights_{SkinLight(options.light), SkinLight(options.light)} {
+  options.validate();
+  const std::vector<bool> is_long = long_limbs(actor.skeleton);
+  const std::vector<float> all_areas = vertex_areas(actor.mesh);
+  std::vector<int32_t> vertices;
+  std::vector<float> albedo, areas;
+  std::vector<uint8_t> is_skin(actor.n_vertices(), 0);
+  for (int i = 0; i < actor.n_vertices(); ++i) {
+    const int label = actor.labels[i], bone = actor.skin.bones[4 * i];
+    if (label < kLeftArmLabel || label > kRightLegLabel || !is_long[bone]) continue;
+    skin_.push_back({i, bone, label >= kLeftLegLabel ? 1 : 0});
+    const float* c = &actor.colors[3 * i];
+    vertices.push_back(i);
+    albedo.push_back(float(std::max(kLeastAlbedo, 0.299 * c[0] * c[0] + 0.587 * c[1] * c[1] + 0.114 * c[2] * c[2])));
+    areas.push_back(all_areas[i]);
+    is_skin[i] = 1;
+  }
+  if (!usable()) return;
+  vertices_ = {device, vertices};
+  albedo_ = {device, albedo};
+  areas_ = {device, areas};
+  is_skin_ = {device, is_skin};
+  samples_ = {device, LC_SKIN * skin_.size()};
+  kernel_ = {device, "match/skin_shading.cl", "skin_brightness"};
+}
+
+void SkinShading::measure(const DeviceFrame& frame, const DepthRasterizer& raster, const ocl::Buffer<float>& positions,
+                          const ocl::Buffer<float>& normals, const ocl::Buffer<int32_t>& visible) {
+  if (!usable()) return;
+  if (frame.width != width_ || frame.height != height_)
+    throw LogicError(
+        format("shading: frame is %d x %d, the camera %d x %d", frame.width, frame.height, width_, height_));
+  const int n = int(skin_.size());
+  kernel_.launch(n, kLocal, n, width_, height_, focal_px_, options_.min_facing, options_.depth_range_mm, vertices_,
+                 albedo_, areas_, is_skin_, positions, normals, visible, raster.projected(), raster.triangle_ids(),
+                 raster.depth(), raster.triangles(), frame.signed_distance, frame.rgb, samples_);
+}
+
+std::vector<SkinSample> SkinShading::read() {
+  std::vector<SkinSample> samples;
+  if (!usable()) return samples;
+  host_.resize(samples_.size());
+  samples_.read(host_);
+  for (int i = 0; i < int(skin_.size()); ++i) {
+    const float* s = &host_[size_t(LC_SKIN) * i];
+    if (s[4] > 0) samples.push_back({i, {s[0], s[1], s[2]}, s[3], s[4]});
+  }
+  return samples;
+}
+
+std::vector<ShadedVertex> SkinShading::shaded(std::span<const SkinSample> samples) const {
+  std::vector<double> seen(n_bones_, 0.0);  // px^2
+  for (const SkinSample& s : samples) seen[skin_[s.index].bone] += s.area_px;
+  std::vector<ShadedVertex> shaded;
+  for (const SkinSample& s : samples) {
+    const SkinVertex& skin = skin_[s.index];
+    const SkinLight& light = lights_[skin.light];
+    if (!light.known()) continue;
+    ShadedVertex vertex;
+    vertex.vertex = skin.vertex;
+    for (size_t k = 0; k < vertex.light.size(); ++k) vertex.light[k] = float(light.light()[k] / light.deviation());
+    vertex.brightness = float(s.brightness / light.deviation());
+    vertex.weight = float(s.area_px / std::max(seen[skin.bone], double(options_.limb_area_px)));
+    shaded.push_back(vertex);
+  }
+  return shaded;
+}
+
+double SkinShading::misfit(std::span<const SkinSample> samples, int bone, const Eigen::Matrix3d& turn,
+                           double huber) const {
+  double sum = 0, seen = 0;
+  for (const SkinSample& s : samples) {
+    const SkinVertex& skin = skin_[s.index];
+    if (skin.bone != bone || !lights_[skin.light].known()) continue;
+    const double r = std::abs(lights_[skin.light].residual(turn * s.normal.cast<double>(), s.brightness));
+    sum += s.area_px * (r > huber ? huber * (2 * r - huber) : r * r);
+    seen += s.area_px;
+  }
+  return seen > kLeastSeenPx ? sum / seen : 0;
+}
+
+void SkinShading::learn(std::span<const SkinSample> samples) {
+  for (int i = 0; i < int(lights_.size()); ++i) {
+    std::vector<SkinSample> here;
+    std::copy_if(samples.begin(), samples.end(), std::back_inserter(here),
+                 [&](const SkinSample& s) { return skin_[s.index].light == i; });
+    lights_[i].learn(here);
+  }
+}
+
+}  // namespace livecap

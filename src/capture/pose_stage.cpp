@@ -45,6 +45,10 @@ bool PoseStage::matches(const PoseStageInput& input) const {
   return matcher_.usable() && options_.pose.weights.match > 0 && !input.silhouette.empty();
 }
 
+bool PoseStage::shading(const PoseStageInput& input) const {
+  return shading_.usable() && options_.pose.weights.shading > 0 && !input.silhouette.empty();
+}
+
 void PoseStage::set_picture(const PoseStageInput& input) {
   if (matches(input)) matcher_.set_picture(input.frame, input.silhouette.box);
 }
@@ -69,10 +73,13 @@ std::vector<int32_t> PoseStage::read_contour(const PoseStageInput& input) const 
   return input.silhouette.empty() ? std::vector<int32_t>{} : visibility_.read_contour();
 }
 
-// Where the picture shows the skinned template; find_contour has rendered it.
-void PoseStage::find_matches(int level) {
+// What the picture can show of the skinned template; find_contour has rendered it.
+void PoseStage::find_visible() {
   skinner_.normals(skinned_, normals_);
   visibility_.find_visible(skinned_, normals_, rasterizer_);
+}
+
+void PoseStage::find_matches(int level) {
   matcher_.match(rasterizer_, skinned_, normals_, visibility_.visible(), matched_share_, level);
 }
 
@@ -92,15 +99,14 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
     if (again && solution.pose.moved_px < options_.settled_round_px * (1 << level)) continue;
     const Pose from = solution.pose.pose;
     find_contour(input, from);
+    const bool shades = level == 0 && shading(input);
+    if (n_levels > 0 || shades) find_visible();
     if (n_levels > 0) find_matches(level);
+    if (shades) shading_.measure(input.frame, rasterizer_, skinned_, normals_, visibility_.visible());
     const std::vector<int32_t> contour = read_contour(input);
     const Matches matches = n_levels > 0 ? matcher_.read() : Matches{};
-    std::vector<ShadedVertex> shaded;
-    if (n_levels > 0 && level == 0) {
-      shading_.measure(input.frame, rasterizer_, skinned_, normals_, visibility_.visible());
-      solution.skin = shading_.read();
-      shaded = shading_.shaded(solution.skin);
-    }
+    if (shades) solution.skin = shading_.read();
+    const std::vector<ShadedVertex> shaded = shades ? shading_.shaded(solution.skin) : std::vector<ShadedVertex>{};
     solution.pose =
         solver_.solve(PoseInput{.detections = detections,
                                 .initial = from,
@@ -153,7 +159,7 @@ PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& pre
   try_detected_legs(input, previous, best);
   try_mirrored_forearms(input, previous, best);
   if (best.exchanged) ++exchanged_frames_;
-  shading_.learn(best.skin);
+  if (best.pose.status == SolveStatus::kOk) shading_.learn(best.skin);
   return best.pose;
 }
 
@@ -188,8 +194,9 @@ void PoseStage::try_detected_legs(const PoseStageInput& input, const Pose& previ
 
 // From the last rounds on: the rest of the body stays, so that the costs tell the forearms apart.
 void PoseStage::try_mirrored_forearms(const PoseStageInput& input, const Pose& previous, Solution& best) {
-  if (!matches(input) || best.pose.status != SolveStatus::kOk || best.skin.empty()) return;
-  const int last_rounds = std::max(0, int(options_.match_levels.size()) - options_.refining_rounds);
+  if (!shading(input) || best.pose.status != SolveStatus::kOk) return;
+  const int last_rounds =
+      matches(input) ? std::max(0, int(options_.match_levels.size()) - options_.refining_rounds) : 0;
   for (Keypoint elbow : {kLeftElbow, kRightElbow}) {
     const auto other = mirrored_forearm(actor_, best.pose.pose, elbow, options_.least_mirrored_rad);
     if (!other) continue;

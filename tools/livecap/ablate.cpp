@@ -49,6 +49,7 @@ const std::vector<Variant>& variants() {
       {"no_snapping", "vertex snapping", kParts, {"snapping"}, true, 0, "1.7 %"},
       {"no_photo", "photometric term", kParts, {"photo"}},
       {"no_match", "texture matching", kParts, {"match"}},
+      {"no_shading", "skin shading", kParts, {"shading"}},
       {"rigidity_2", "material weights: constant 2.0", kParts, {}, true, 2, "head distorted"},
       {"rigidity_50", "material weights: constant 50.0", kParts, {}, true, 50, "skirt not tracked"},
       {"no_temporal", "temporal terms", kParts, {"temporal", "velocity", "acceleration"}},

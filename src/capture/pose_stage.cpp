@@ -143,6 +143,7 @@ PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& pre
   try_exchanged_legs(input, predicted, previous, alternatives, best);
   try_turned(input, previous, best);
   try_detected_legs(input, previous, best);
+  try_bent_back(input, previous, best);
   if (best.exchanged) ++exchanged_frames_;
   return best.pose;
 }
@@ -173,6 +174,13 @@ void PoseStage::try_detected_legs(const PoseStageInput& input, const Pose& previ
   if (!(least_px > 0)) return;
   const std::optional<Pose> bent =
       with_detected_legs(actor_, camera_, best.pose.pose, input.detections, options_.pose, least_px);
+  if (bent) try_from(input, *bent, previous, best);
+}
+
+void PoseStage::try_bent_back(const PoseStageInput& input, const Pose& previous, Solution& best) {
+  if (best.pose.status != SolveStatus::kOk) return;
+  const std::optional<Pose> bent =
+      with_hinges_bent_back(actor_.skeleton, best.pose.pose, options_.least_past_limit_rad);
   if (bent) try_from(input, *bent, previous, best);
 }
 

@@ -47,6 +47,8 @@ struct TrackerOptions {
   // So is one with an ankle so far from its detection, as a share of the person's height in the picture
   // (pose/other_starts.h).
   double strayed_share = 0.04;
+  // So is one with an elbow or knee so far past its limit (pose/other_starts.h).
+  double least_past_limit_rad = 0.12;
   bool solve_pose = true;          // false: stage I ends with its initialisation from each frame's detections alone
   bool enable_surface = true;      // false: the result is the skinned template of stage I
   bool warp_displacements = true;  // carry the non-rigid displacement to the next frame

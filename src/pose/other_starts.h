@@ -24,4 +24,9 @@ std::optional<Pose> turned_trunk(const Actor& actor, const Pose& pose, const Det
 std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera, const Pose& pose,
                                        const Detections& detections, const PoseOptions& options, double least_px);
 
+// `pose` with every hinge (elbow, knee: a bone of one angle) that is past its limit by at least least_rad bent as far
+// to the other side of the limit. In a picture a nearly straight limb that bends towards the camera looks as one that
+// bends away, and the way back leads through the straight limb. nullopt when there is none.
+std::optional<Pose> with_hinges_bent_back(const Skeleton& skeleton, const Pose& pose, double least_rad);
+
 }  // namespace livecap

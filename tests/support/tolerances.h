@@ -114,6 +114,9 @@ inline constexpr double kPosedBodyMm = 4.4;
 // Share of the upper clothes that follows the collarbones, against the author's rig: without ribs it is 0.11 to 0.17
 // more.
 inline constexpr double kCollarboneShare = 0.05;
+// What is left of a lamp that makes one side of a body 2.6 times as bright as the other, of the brightness: a polynomial
+// of second order of its logarithm leaves 0.014, with stripes as well.
+inline constexpr double kShadingLeft = 0.03;
 // The longest posed edge against the true rig's longest: a torn vertex would be ten times that.
 inline constexpr double kStretchRatio = 2;
 // Twisted about its own axis by up to 120 degrees a limb keeps its girth; linear blending halves it (cos 60).

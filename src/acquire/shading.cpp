@@ -43,8 +43,8 @@ Shading find_shading(const meshing::Surface& surface, const std::vector<Vector3d
   for (const auto& t : surface.triangles)
     for (int k = 0; k < 3; ++k) {
       const int i = t[k], j = t[(k + 1) % 3];
-      if (known[i] && known[j]) pairs.emplace_back(basis_at(normals[j]) - basis_at(normals[i]),
-                                                   log_light(colors[j]) - log_light(colors[i]));
+      if (known[i] && known[j])
+        pairs.emplace_back(basis_at(normals[j]) - basis_at(normals[i]), log_light(colors[j]) - log_light(colors[i]));
     }
   Shading shading;
   if (pairs.size() < kFewestPairs) return shading;
@@ -65,9 +65,8 @@ Shading find_shading(const meshing::Surface& surface, const std::vector<Vector3d
   }
   double sum = 0, area = 0;
   for (const auto& t : surface.triangles) {
-    const double a = (surface.vertices[t[1]] - surface.vertices[t[0]])
-                         .cross(surface.vertices[t[2]] - surface.vertices[t[0]])
-                         .norm();
+    const double a =
+        (surface.vertices[t[1]] - surface.vertices[t[0]]).cross(surface.vertices[t[2]] - surface.vertices[t[0]]).norm();
     for (int k = 0; k < 3; ++k) sum += a * shading.coefficients.dot(basis_at(normals[t[k]]));
     area += 3 * a;
   }

@@ -20,8 +20,8 @@ struct Shading {
   double at(const Eigen::Vector3d& normal) const;
 };
 
-// From the differences of brightness between neighbours: few of them are borders of a pattern (Cauchy-robust), the others
-// are light. colors: sRGB in [0,1] per vertex; known: 1 where they were seen. Too few known: no shading.
+// From the differences of brightness between neighbours: few of them are borders of a pattern (Cauchy-robust), the
+// others are light. colors: sRGB in [0,1] per vertex; known: 1 where they were seen. Too few known: no shading.
 Shading find_shading(const meshing::Surface& surface, const std::vector<Eigen::Vector3d>& colors,
                      const std::vector<char>& known);
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "image/silhouette.h"
 #include "acquire/shading.h"
+#include "image/silhouette.h"
 #include "meshing/surface_parts.h"
 
 namespace livecap::acquire {

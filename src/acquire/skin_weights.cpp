@@ -20,17 +20,27 @@ struct Segment {
   Vector3d a, b;
 };
 
-// The line of flesh each bone moves.
+// The line of flesh each bone moves. The chest is a cage, not a line: without the ribs out to the sides the collarbones
+// and upper arms own up to half of it (the nearest lines), and a twist of the trunk is taken for one of theirs.
 std::vector<Segment> bone_segments(const BodyJoints& j) {
+  constexpr double kRibsDown[] = {0.1, 0.25};  // below the neck, of neck to hips: under the collarbones, at the armpits
+  constexpr double kRibsWide = 0.75;           // of the way to the shoulder joints
+  constexpr double kFree = 0.3;                // of collarbone and neck: the inner part is the cage's
   const double head = (j[kHeadBone] - j[kNeckBone]).norm();
   const Vector3d crown = j[kHeadBone] + 1.2 * head * Vector3d::UnitY();
   std::vector<Segment> segments = {{kHipsBone, j[kHipsBone], j[kSpineBone]},
                                    {kHipsBone, j[kLeftUpLegBone], j[kRightUpLegBone]},
                                    {kSpineBone, j[kSpineBone], j[kNeckBone]},
-                                   {kNeckBone, j[kNeckBone], j[kHeadBone]},
+                                   {kNeckBone, j[kNeckBone] + kFree * (j[kHeadBone] - j[kNeckBone]), j[kHeadBone]},
                                    {kHeadBone, j[kHeadBone], crown}};
+  for (double down : kRibsDown) {
+    const Vector3d middle = j[kNeckBone] + down * (j[kHipsBone] - j[kNeckBone]);
+    const Vector3d half = 0.5 * kRibsWide * (j[kLeftArmBone] - j[kRightArmBone]);
+    segments.push_back({kSpineBone, middle - half, middle + half});
+  }
   for (int first : {kLeftClavicleBone, kRightClavicleBone}) {
-    for (int i = 0; i < 3; ++i) segments.push_back({first + i, j[first + i], j[first + i + 1]});
+    segments.push_back({first, j[first] + kFree * (j[first + 1] - j[first]), j[first + 1]});
+    for (int i = 1; i < 3; ++i) segments.push_back({first + i, j[first + i], j[first + i + 1]});
     const Vector3d hand = j[first + 4] - j[first + 3];
     segments.push_back({first + 3, j[first + 3], Vector3d(j[first + 4] + 0.6 * hand)});
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "acquire/shading.h"
 #include "image/silhouette.h"
 #include "meshing/surface_parts.h"
 
@@ -113,6 +114,8 @@ BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atl
   BlendedTexture result;
   spread_colors(neighbors, known, colors);
   result.seen = known;
+  const std::vector<Vector3d> normals = meshing::vertex_normals(surface);
+  const Shading light = find_shading(surface, colors, result.seen);
   const auto color = [&](const Vector3d& p, int triangle) {
     const auto& t = surface.triangles[triangle];
     const Vector3d &a = surface.vertices[t[0]], &b = surface.vertices[t[1]], &c = surface.vertices[t[2]];
@@ -124,8 +127,9 @@ BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atl
       bary[2] = (b - a).cross(p - a).dot(normal) / area;
       bary[0] = 1 - bary[1] - bary[2];
     }
-    Vector3d sum = Vector3d::Zero();
+    Vector3d sum = Vector3d::Zero(), facing = Vector3d::Zero();
     for (int k = 0; k < 3; ++k) {
+      facing += bary[k] * normals[t[k]];
       if (shares[t[k]].empty()) sum += bary[k] * colors[t[k]];
       for (const auto& [view, weight] : shares[t[k]]) {
         // A view that does not show the whole triangle stands back for the corner's own colour.
@@ -137,7 +141,7 @@ BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atl
           sum += bary[k] * weight * colors[t[k]];
       }
     }
-    return sum;
+    return Vector3d((sum / light.at(facing.normalized())).cwiseMin(1.0));
   };
   result.image = meshing::bake_texture(surface, atlas, size, color);
   return result;

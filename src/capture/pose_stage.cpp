@@ -157,6 +157,7 @@ PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& pre
   try_exchanged_legs(input, predicted, previous, alternatives, best);
   try_turned(input, previous, best);
   try_detected_legs(input, previous, best);
+  try_bent_back(input, previous, best);
   try_mirrored_forearms(input, previous, best);
   if (best.exchanged) ++exchanged_frames_;
   if (best.pose.status == SolveStatus::kOk) shading_.learn(best.skin);
@@ -210,6 +211,13 @@ void PoseStage::try_mirrored_forearms(const PoseStageInput& input, const Pose& p
     Solution solved = solve_in_rounds(input, input.detections, other->pose, &previous, last_rounds);
     if (solved.pose.status == SolveStatus::kOk && cost(solved) < cost(best)) best = std::move(solved);
   }
+}
+
+void PoseStage::try_bent_back(const PoseStageInput& input, const Pose& previous, Solution& best) {
+  if (best.pose.status != SolveStatus::kOk) return;
+  const std::optional<Pose> bent =
+      with_hinges_bent_back(actor_.skeleton, best.pose.pose, options_.least_past_limit_rad);
+  if (bent) try_from(input, *bent, previous, best);
 }
 
 void PoseStage::try_from(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best) {

@@ -131,12 +131,14 @@ EvalReport evaluate(const EvalOptions& options) {
       continue;
     }
     const std::vector<float> vertices = captured_vertices(capture, row);
-    if (truth_actor && !vertices.empty() && !expected.vertices_mm.empty()) {
-      const auto distances = surface_distances(vertices, expected.vertices_mm, truth_actor->mesh.triangles);
+    const std::vector<float> true_surface = expected.vertices_mm;
+    if (other_mesh && !expected.vertices_mm.empty())
+      expected.vertices_mm = resample(overlay, truth_actor->mesh.triangles, true_surface);
+    if (truth_actor && !vertices.empty() && !true_surface.empty()) {
+      const auto distances =
+          surface_distances(vertices, expected.vertices_mm, true_surface, truth_actor->mesh.triangles);
       surface.insert(surface.end(), distances.begin(), distances.end());
     }
-    if (other_mesh && !expected.vertices_mm.empty())
-      expected.vertices_mm = resample(overlay, truth_actor->mesh.triangles, expected.vertices_mm);
     report.n_person += 1;
     report.n_tracked += frame.tracked;
     report.n_without_result += vertices.empty();

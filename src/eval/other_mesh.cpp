@@ -68,8 +68,8 @@ std::vector<float> resample(const RestOverlay& overlay, std::span<const int32_t>
   return positions;
 }
 
-std::vector<double> surface_distances(std::span<const float> vertices, std::span<const float> truth,
-                                      std::span<const int32_t> truth_triangles) {
+std::vector<double> surface_distances(std::span<const float> vertices, std::span<const float> paired,
+                                      std::span<const float> truth, std::span<const int32_t> truth_triangles) {
   meshing::Surface surface;
   for (size_t i = 0; i < truth.size() / 3; ++i) surface.vertices.push_back(point(truth, i));
   for (size_t t = 0; t + 2 < truth_triangles.size(); t += 3)
@@ -77,10 +77,8 @@ std::vector<double> surface_distances(std::span<const float> vertices, std::span
   const meshing::NearestSurface near(surface, kCellMm);
   std::vector<Vector3d> points;
   Vector3d shift = Vector3d::Zero();
-  for (const Vector3d& p : surface.vertices) shift += p / static_cast<double>(surface.vertices.size());
-  Vector3d middle = Vector3d::Zero();
-  for (size_t i = 0; i < vertices.size() / 3; ++i) middle += point(vertices, i) / (vertices.size() / 3.0);
-  shift -= middle;
+  for (size_t i = 0; i < vertices.size() / 3; ++i)
+    shift += (point(paired, i) - point(vertices, i)) / (static_cast<double>(vertices.size()) / 3);
   for (size_t i = 0; i < vertices.size() / 3; i += 5) points.push_back(point(vertices, i));
   constexpr int kRounds = 5, kStride = 5;
   for (int round = 0; round < kRounds; ++round) {

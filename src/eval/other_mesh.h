@@ -26,8 +26,10 @@ std::vector<float> resample(const RestOverlay& overlay, std::span<const int32_t>
                             std::span<const float> truth);
 
 // Distances of every fifth captured vertex to the true surface, mm, after the translation that lays them on it: what
-// differs in shape and pose, whatever slides along the surface. vertices: [3*n] mm; truth: of another mesh or the same.
-std::vector<double> surface_distances(std::span<const float> vertices, std::span<const float> truth,
-                                      std::span<const int32_t> truth_triangles);
+// differs in shape and pose, whatever slides along the surface. vertices: [3*n] mm; paired: [3*n] the true points that
+// they should lie on, where the translation starts (the vertices' centroid would tell how densely places are meshed);
+// truth: of another mesh or the same.
+std::vector<double> surface_distances(std::span<const float> vertices, std::span<const float> paired,
+                                      std::span<const float> truth, std::span<const int32_t> truth_triangles);
 
 }  // namespace livecap

@@ -131,4 +131,19 @@ std::optional<MirroredForearm> mirrored_forearm(const Actor& actor, const Pose& 
   return MirroredForearm{bone, turn.toRotationMatrix(), *bent};
 }
 
+std::optional<Pose> with_hinges_bent_back(const Skeleton& skeleton, const Pose& pose, double least_rad) {
+  std::vector<int> n_angles(skeleton.n_bones(), 0);
+  for (const Dof& dof : skeleton.dofs) ++n_angles[dof.bone];
+  Pose bent = pose;
+  bool any = false;
+  for (int k = 0; k < skeleton.n_dofs(); ++k) {
+    const Dof& dof = skeleton.dofs[k];
+    const double limit = std::clamp(pose.angles_rad[k], dof.min_rad, dof.max_rad);
+    if (n_angles[dof.bone] != 1 || !(std::abs(pose.angles_rad[k] - limit) >= least_rad)) continue;
+    bent.angles_rad[k] = std::clamp(2 * limit - pose.angles_rad[k], dof.min_rad, dof.max_rad);
+    any = true;
+  }
+  return any ? std::optional(bent) : std::nullopt;
+}
+
 }  // namespace livecap

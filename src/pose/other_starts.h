@@ -37,4 +37,9 @@ struct MirroredForearm {
 std::optional<MirroredForearm> mirrored_forearm(const Actor& actor, const Pose& pose, Keypoint elbow,
                                                 double least_turn_rad);
 
+// `pose` with every hinge (elbow, knee: a bone of one angle) that is past its limit by at least least_rad bent as far
+// to the other side of the limit. In a picture a nearly straight limb that bends towards the camera looks as one that
+// bends away, and the way back leads through the straight limb. nullopt when there is none.
+std::optional<Pose> with_hinges_bent_back(const Skeleton& skeleton, const Pose& pose, double least_rad);
+
 }  // namespace livecap

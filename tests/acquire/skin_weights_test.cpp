@@ -36,7 +36,8 @@ SkinWeights own_weights(const Actor& actor) {
 }
 
 struct PosedError {
-  double mean = 0, body_mean = 0;        // mm; body: without skirt
+  double mean = 0, body_mean = 0;                // mm; body: without skirt
+  double collarbones = 0, true_collarbones = 0;  // their share of the upper clothes; ours and the rig's
   double stretch = 0, true_stretch = 0;  // the most an edge of over 5 mm grows, times its length; ours and the rig's
 };
 
@@ -61,6 +62,20 @@ PosedError posed_error(const Actor& actor, const SkinWeights& own) {
       }
     }
   }
+  int n_upper = 0;
+  for (int i = 0; i < actor.n_vertices(); ++i) {
+    if (actor.labels[i] != 5) continue;
+    ++n_upper;
+    for (int k = 4 * i; k < 4 * i + 4; ++k) {
+      const auto share = [&](const SkinWeights& skin) {
+        return actor.skeleton.bones[skin.bones[k]].name.ends_with("clavicle") ? skin.weights[k] : 0;
+      };
+      error.collarbones += share(own);
+      error.true_collarbones += share(actor.skin);
+    }
+  }
+  error.collarbones /= n_upper;
+  error.true_collarbones /= n_upper;
   error.mean /= static_cast<double>(n);
   error.body_mean /= static_cast<double>(n_body);
   return error;
@@ -68,10 +83,14 @@ PosedError posed_error(const Actor& actor, const SkinWeights& own) {
 
 void check(const Actor& actor, const std::string& name, double mean_bound) {
   const PosedError error = posed_error(actor, own_weights(actor));
-  std::printf("%s: %.1f mm, without skirt %.1f mm, longest edge x %.1f (true rig: x %.1f)\n", name.c_str(), error.mean,
-              error.body_mean, error.stretch, error.true_stretch);
+  std::printf(
+      "%s: %.1f mm, without skirt %.1f mm, collarbones %.3f of the upper clothes (true rig: %.3f), "
+      "longest edge x %.1f (x %.1f)\n",
+      name.c_str(), error.mean, error.body_mean, error.collarbones, error.true_collarbones, error.stretch,
+      error.true_stretch);
   EXPECT_LT(error.mean, mean_bound) << name;
   EXPECT_LT(error.body_mean, test::kPosedBodyMm) << name;
+  EXPECT_LT(std::abs(error.collarbones - error.true_collarbones), test::kCollarboneShare) << name;
   EXPECT_LT(error.stretch, test::kStretchRatio * error.true_stretch) << name;
 }
 

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
+#include "livecap/error.h"
 #include "support/pose_scene.h"
 #include "support/tolerances.h"
 
@@ -109,6 +111,42 @@ TEST(OtherStarts, AMirroredForearmLooksTheSameFromTheCamera) {
   const double angle = Eigen::AngleAxisd(mirrored->turn).angle();
   EXPECT_TRUE(mirrored_forearm(actor, pose, kLeftElbow, 0.99 * angle).has_value());
   EXPECT_FALSE(mirrored_forearm(actor, pose, kLeftElbow, 1.01 * angle).has_value());
+}
+
+// Elbows and knees; shoulders have three angles and wrap round.
+TEST(OtherStarts, HingesPastTheirLimitAreBentBack) {
+  const Skeleton skeleton = test::make_test_actor().skeleton;
+  const auto angle = [&](Pose& pose, const std::string& name) -> double& {
+    for (int k = 0; k < skeleton.n_dofs(); ++k)
+      if (skeleton.dofs[k].name == name) return pose.angles_rad[k];
+    throw LogicError(name);
+  };
+  constexpr double kDegree = std::numbers::pi / 180, kLeast = 7 * kDegree;
+  Pose pose = test::standing_pose(test::make_test_actor(), 0);
+  angle(pose, "left_elbow_y") = 8 * kDegree;    // to 2
+  angle(pose, "right_elbow_y") = 40 * kDegree;  // from -2
+  angle(pose, "right_knee_x") = -9 * kDegree;   // from -5
+  angle(pose, "left_shoulder_x") = 170 * kDegree;
+  EXPECT_FALSE(with_hinges_bent_back(skeleton, pose, kLeast).has_value());
+
+  Pose strayed = pose;
+  angle(strayed, "left_elbow_y") = 24 * kDegree;
+  angle(strayed, "right_knee_x") = -25 * kDegree;
+  auto bent = with_hinges_bent_back(skeleton, strayed, kLeast);
+  ASSERT_TRUE(bent.has_value());
+  EXPECT_NEAR(angle(*bent, "left_elbow_y"), -20 * kDegree, test::kWeightSum);
+  EXPECT_NEAR(angle(*bent, "right_knee_x"), 15 * kDegree, test::kWeightSum);
+  angle(*bent, "left_elbow_y") = angle(strayed, "left_elbow_y");
+  angle(*bent, "right_knee_x") = angle(strayed, "right_knee_x");
+  EXPECT_EQ(bent->angles_rad, strayed.angles_rad);
+  EXPECT_EQ(bent->root_rotation, strayed.root_rotation);
+  EXPECT_EQ(bent->root_translation_mm, strayed.root_translation_mm);
+
+  // Never past the other limit.
+  angle(strayed, "left_elbow_y") = 178 * kDegree;
+  bent = with_hinges_bent_back(skeleton, strayed, kLeast);
+  ASSERT_TRUE(bent.has_value());
+  EXPECT_NEAR(angle(*bent, "left_elbow_y"), -150 * kDegree, test::kWeightSum);
 }
 
 }  // namespace

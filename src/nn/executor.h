@@ -1,10 +1,12 @@
-// Runs a graph on one device: constants packed and uploaded once, activations in one arena, one launch per operator.
+// Runs a graph on one device: constants packed and uploaded once, activations in one arena. CPUs launch each operator;
+// GPUs launch runs of layers at once (kernels/nn/layers.cl).
 //   Executor net(device, graph, {0, 2});
 //   net.set_input(pixels);
 //   net.run();
 //   net.read_output(0, landmarks);
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -36,7 +38,9 @@ class Executor {
   const Shape& output_shape(size_t i) const { return graph_.tensors[graph_.outputs.at(i)].shape; }
   const Shape& input_shape() const { return graph_.tensors[graph_.inputs.front()].shape; }
 
-  size_t launch_count() const { return steps_.size(); }
+  size_t step_count() const { return steps_.size(); }
+  // Whether layers are launched together. No longer after a launch in which work-groups did not run at once.
+  bool together() const { return together_; }
   size_t arena_bytes() const { return arena_.size() * sizeof(float); }
 
  private:
@@ -45,15 +49,27 @@ class Executor {
     NnOp op{};
     size_t local = 1;
     bool has_weights = false;
+    int layer = -1;  // index into layers_, or a kernel of its own
   };
 
   size_t kernel(const char* file, const char* name);
   void add_step(const Op& op, const std::vector<int64_t>& offsets, std::vector<float>& weights);
+  void add_layer(Step& step, int kind);
+  size_t launch_layers(size_t first);
+  bool arrived_everywhere();
 
   ocl::DeviceContext& device_;
   Graph graph_;  // pruned and fused, without constants
   std::vector<ocl::Kernel> kernels_;
   std::vector<Step> steps_;
+  std::vector<NnLayer> layers_;
+  ocl::Buffer<NnLayer> layers_on_device_;
+  ocl::Buffer<int32_t> state_;  // of all_arrived
+  std::array<int32_t, 2> state_read_{};
+  uint32_t arrivals_ = 0;  // state_[0] when all that was enqueued has run
+  size_t n_groups_ = 1;    // that run at once
+  bool together_ = false;
+  size_t run_layers_ = 0;
   ocl::Buffer<float> weights_;
   ocl::Buffer<float> arena_;
   ocl::Buffer<uint8_t> input_u8_;

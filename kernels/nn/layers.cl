@@ -45,8 +45,7 @@ static void pointwise(NnOp op, int slices, global const float* restrict weights,
   for (int group = get_group_id(0); group * group_tiles < n_tiles; group += get_num_groups(0)) {
     const int tile = group * group_tiles + id % group_tiles;
     const int lane = tile % n_lanes, first = min(tile / n_lanes * PIXELS, n_pixels - 1);
-    global const float* restrict w =
-        weights + op.weight_offset + lane / 4 * n * NN_PANEL + lane % 4 * 4;
+    global const float* restrict w = weights + op.weight_offset + lane / 4 * n * NN_PANEL + lane % 4 * 4;
     global const float* x0 = arena + op.in_offset + first * n;
     global const float* x1 = arena + op.in_offset + min(first + 1, n_pixels - 1) * n;
     global const float* x2 = arena + op.in_offset + min(first + 2, n_pixels - 1) * n;
@@ -107,8 +106,7 @@ static void pointwise(NnOp op, int slices, global const float* restrict weights,
 }
 
 // Any convolution, a pixel x 4 channels a tile; each slice sums every `slices`-th input channel of each tap.
-static void window(NnOp op, int slices, global const float* restrict weights, global float* arena,
-                   local float4* sums) {
+static void window(NnOp op, int slices, global const float* restrict weights, global float* arena, local float4* sums) {
   const int id = get_local_id(0);
   const int group_tiles = NN_GROUP / slices;
   const int slice = id / group_tiles;
@@ -147,12 +145,12 @@ static void window(NnOp op, int slices, global const float* restrict weights, gl
 }
 
 // Taps of a row of a window, read at once: those outside the image from inside it, then not counted. KW 0: any width.
-#define DEPTHWISE_ROW(KW)                                                                    \
-  _Pragma("unroll") for (int kx = 0; kx < (KW ? KW : op.kernel_w); ++kx) {                   \
-    const int in_x = x0 + kx * op.dilation_w;                                                \
-    const float4 v = load_aligned(row + clamp(in_x, 0, op.in_width - 1) * op.in_channels);   \
+#define DEPTHWISE_ROW(KW)                                                                                     \
+  _Pragma("unroll") for (int kx = 0; kx < (KW ? KW : op.kernel_w); ++kx) {                                    \
+    const int in_x = x0 + kx * op.dilation_w;                                                                 \
+    const float4 v = load_aligned(row + clamp(in_x, 0, op.in_width - 1) * op.in_channels);                    \
     const float4 counts = in_x >= 0 && in_x < op.in_width ? load_aligned(w + kx * NN_PANEL) : (float4)(0.0f); \
-    sum += v * counts;                                                                       \
+    sum += v * counts;                                                                                        \
   }
 
 // Four channels of a pixel a work-item.

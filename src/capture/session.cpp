@@ -31,10 +31,10 @@ namespace livecap {
 namespace {
 
 constexpr std::string_view kBuiltin = "builtin:";
-// Frames between the beginning of segmentation and the end of the solvers: one in segmentation, one handed over, and
-// those in the solvers, of which as many wait as there are passes.
+// Frames between the beginning of segmentation and the end of the solvers: one in segmentation, in the pose solver and
+// in the surface solver, one handed over to either, and those that wait for later poses, as many as there are passes.
 constexpr int kLagPasses = 2;
-constexpr int kFramesUnderWay = 3 + kLagPasses;
+constexpr int kFramesUnderWay = 5 + kLagPasses;
 // Weight of either neighbour in a pose that the surface is fitted to, and in the paper's filter of finished videos.
 constexpr double kLagShare = 0.25;
 constexpr double kPaperShare = 0.15;
@@ -134,12 +134,15 @@ class Segmenter {
   int64_t missed_frames_ = std::numeric_limits<int32_t>::max();  // nobody yet
 };
 
-// Thread 4: both stages. Between them each pose waits for the next two, so that the surface is fitted to a steady one.
+// Threads 4 and 5: both stages. Between them each pose waits for the next two, so that the surface is fitted to a
+// steady one.
 class Solver {
  public:
-  Solver(const CaptureOptions& options, ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
-         double lag_share)
-      : tracker_(device, actor, camera, tracker_options(options)), poses_(actor.skeleton, lag_share, kLagPasses) {
+  // surface_device: the same, with a queue of its own.
+  Solver(const CaptureOptions& options, ocl::DeviceContext& device, ocl::DeviceContext& surface_device,
+         const Actor& actor, const Camera& camera, double lag_share)
+      : tracker_(device, surface_device, actor, camera, tracker_options(options)),
+        poses_(actor.skeleton, lag_share, kLagPasses) {
     warm_up_tracker(tracker_, actor, camera);
   }
 
@@ -149,29 +152,29 @@ class Solver {
       item.result = tracker_.solve_pose(input_of(item));
       item.report.status = item.result.status;
     }
-    return finished(poses_.push(std::move(item)));
+    return poses_.push(std::move(item));
   }
 
-  std::optional<WorkItem> flush() { return finished(poses_.flush()); }
+  std::optional<WorkItem> flush() { return poses_.flush(); }
+
+  // May run beside solve() of later frames.
+  void solve_surface(WorkItem& item) {
+    if (item.report.status == TrackStatus::kDamaged) return;
+    const TraceSpan span("surface", "surface", item.report.index);
+    const TrackResult& result = item.result;
+    tracker_.solve_surface(input_of(item), item.result);
+    item.frame.reset();
+    item.report.stage_ms[static_cast<int>(CaptureStage::kPose)] = result.pose_ms;
+    item.report.stage_ms[static_cast<int>(CaptureStage::kSurface)] = result.surface_ms;
+    item.report.iou = result.iou;
+    item.report.pose_energy = result.pose_energy;
+    item.report.surface_energy = result.surface_energy;
+    item.report.keypoint_error_px = result.keypoint_error_px;
+  }
 
  private:
   static TrackInput input_of(const WorkItem& item) {
     return {item.image, item.detections, item.silhouette, item.mask, item.frame.get()};
-  }
-
-  std::optional<WorkItem> finished(std::optional<WorkItem> item) {
-    if (!item || item->report.status == TrackStatus::kDamaged) return item;
-    const TraceSpan span("solve", "surface", item->report.index);
-    const TrackResult& result = item->result;
-    tracker_.solve_surface(input_of(*item), item->result);
-    item->frame.reset();
-    item->report.stage_ms[static_cast<int>(CaptureStage::kPose)] = result.pose_ms;
-    item->report.stage_ms[static_cast<int>(CaptureStage::kSurface)] = result.surface_ms;
-    item->report.iou = result.iou;
-    item->report.pose_energy = result.pose_energy;
-    item->report.surface_energy = result.surface_energy;
-    item->report.keypoint_error_px = result.keypoint_error_px;
-    return item;
   }
 
   static TrackerOptions tracker_options(const CaptureOptions& options) {
@@ -203,18 +206,26 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   };
 
   const ocl::DevicePair devices = ocl::select_device_pair(options.cnn_device, options.solver_device);
-  ocl::DeviceContext cnn(devices.cnn, "network's device");
   ocl::DeviceContext solver_device(devices.solver, "solvers' device");
+  ocl::DeviceContext surface_device(solver_device, ocl::SharedMemory{}, "solvers' device, surface");
   ocl::DeviceContext segmenter_device(
       solver_device, ocl::SharedMemory{},
       "solvers' device, segmentation");  // outlives the solver, which holds frames of it
-  // The network's kernels are compiled or loaded beside the solvers': the contexts share nothing.
+  // On one GPU in one context: a GPU that changes between contexts lets each wait for hundreds of microseconds.
+  const bool one_gpu = devices.cnn.is_gpu && devices.cnn.device == devices.solver.device;
+  std::optional<ocl::DeviceContext> cnn;
+  if (one_gpu) {
+    cnn.emplace(solver_device, ocl::SharedMemory{}, "network's device");
+  } else {
+    cnn.emplace(devices.cnn, "network's device");
+  }
+  // The network's kernels are compiled or loaded beside the solvers': the queues share nothing.
   std::optional<DetectionSource> detection;
   std::future<void> network_ready = std::async(std::launch::async, [&] {
-    detection.emplace(options, cnn);
+    detection.emplace(options, *cnn);
     detection->warm_up(reader.camera());
   });
-  Solver solver(options, solver_device, actor, reader.camera(), with(kFixedLag) ? kLagShare : 0);
+  Solver solver(options, solver_device, surface_device, actor, reader.camera(), with(kFixedLag) ? kLagShare : 0);
   Segmenter segmenter(segmenter_device, background, reader.camera(), with(kMaskGating));
   network_ready.get();
 
@@ -237,6 +248,7 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   };
   stages.solve = [&](WorkItem&& item) { return solver.solve(std::move(item)); };
   stages.flush = [&] { return solver.flush(); };
+  stages.surface = [&](WorkItem& item) { solver.solve_surface(item); };
   const int64_t buffers_before = ocl::BufferMemory::made;
   bool stopped_early = false;
   const auto publish = [&](WorkItem& item) {

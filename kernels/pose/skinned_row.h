@@ -22,9 +22,9 @@ LC_FN LaneInt gather_int(global const int* restrict p, LaneInt i) {
 #endif
 }
 
-// The lanes' vertices; lanes beyond the last of n repeat it.
-LC_FN LaneInt lane_vertices(global const int* restrict vertices, int n) {
-  return gather_int(vertices, min(FIRST_ROW + LANE_IDS, (LaneInt)(n - 1)));
+// The vertices of the lanes from `first` on; lanes beyond the last of n repeat it.
+LC_FN LaneInt lane_vertices(global const int* restrict vertices, int first, int n) {
+  return gather_int(vertices, min(first + LANE_IDS, (LaneInt)(n - 1)));
 }
 
 LC_FN Vec3 gather_vec3(global const float* restrict p, LaneInt i) {
@@ -56,10 +56,12 @@ LC_FN SkinnedVertex skinned_vertex(LaneInt vertex, Vec3 rest, global const float
   return s;
 }
 
-// g: the row's gradient by the vertex. counts: where false, the row is zero. record: the slice's, see pose/layout.h.
-LC_FN void write_skinned_row(global float* restrict record, const SkinnedVertex* s, Vec3 g, LaneInt counts) {
+// g: the row's gradient by the vertex. counts: where false, the row is zero. record: the slice's, see pose/layout.h;
+// first: of the lanes.
+LC_FN void write_skinned_row(global float* restrict record, int first, const SkinnedVertex* s, Vec3 g,
+                             LaneInt counts) {
   const DualQuat c = dual_quat_transform_gradient(s->blend, s->rest, s->position, g);
-  record += FIRST_ROW % SLICE;
+  record += first % SLICE;
 #pragma unroll
   for (int j = 0; j < 4; ++j) {
     const Wrench w = dual_quat_turn_wrench(c, s->part[j]);

@@ -5,15 +5,7 @@
 #include "nn/panel.h"
 #include "nn/resize_sample.h"
 
-// What all work-groups wrote before is seen by all after. OpenCL C 1.2 has this for one work-group only.
-#ifdef __NV_CL_C_VERSION
-#define FENCE_OF_DEVICE() asm volatile("membar.gl;" ::: "memory")
-#endif
-
 #define PIXELS 4  // of a tile: 4 pixels x 4 channels
-
-// How often a work-group looks for the others, about a second.
-#define MOST_LOOKS (1 << 21)
 
 static inline float4 load_aligned(global const float* p) {  // a multiple of 16 bytes; vload4 makes four loads of it
   return *(global const float4*)p;
@@ -247,32 +239,6 @@ static void elements(NnOp op, int kind, global float* arena) {
       arena[op.out_offset + i] = 1.0f / (1.0f + exp(-arena[op.in_offset + i]));
     }
   }
-}
-
-// True in all work-items when all groups have come here. state: how many arrivals there were, and whether a wait was
-// given up.
-static int all_arrived(volatile global int* state, int arrivals, local int* given_up) {
-  barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-#ifdef FENCE_OF_DEVICE
-  if (get_local_id(0) == 0) {
-    FENCE_OF_DEVICE();
-    atomic_inc(state);
-    *given_up = 0;
-    for (int looks = 1; (int)((uint)atomic_or(state, 0) - (uint)arrivals) < 0; ++looks) {  // the count may wrap around
-      if (looks < MOST_LOOKS && !state[1]) continue;
-      atomic_xchg(state + 1, 1);
-      *given_up = 1;
-      break;
-    }
-    FENCE_OF_DEVICE();
-  }
-  barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-  return !*given_up;
-#else
-  if (get_num_groups(0) == 1) return 1;
-  state[1] = 1;
-  return 0;
-#endif
 }
 
 // Layers first..end-1, in work-groups of NN_GROUP. arrived: state[0] before the launch.

@@ -35,8 +35,8 @@ LC_FN DistanceSample sample_bilinear(global const float* restrict image, int wid
   return sample;
 }
 
-// The lanes from contour vertex `first` on. camera: fx, fy, cx, cy. step: layout.h. vertices [contour.n] vertex indices.
-// rest, rest_normals, displacement [3*n_vertices] mm, template frame (displacement is read when
+// The lanes from contour vertex `first` on. camera: fx, fy, cx, cy. step: layout.h. vertices [contour.n] vertex
+// indices. rest, rest_normals, displacement [3*n_vertices] mm, template frame (displacement is read when
 // contour.has_displacement). bones, weights [4*n_vertices]. distance [width*height] px, positive outside. records,
 // residuals: the first contour row's. Out: distances_px the sampled distance; NaN, and a zero row, for a vertex that is
 // not inside the image. Everything that is written has room for whole slices.

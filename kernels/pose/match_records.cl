@@ -6,9 +6,9 @@
 #include "pose/skinned_row.h"
 #include "terms/match.cl"
 
-// The lanes from match `first` on. camera: fx, fy, cx, cy. step: layout.h. vertices [n]. targets [5*n] u, v (px), root a, b,
-// c of the distance's weight. rest [3*n_vertices] mm, bones, weights [4*n_vertices]. records, residuals (pairs): the
-// first match row's, both with room for whole slices.
+// The lanes from match `first` on. camera: fx, fy, cx, cy. step: layout.h. vertices [n]. targets [5*n] u, v (px), root
+// a, b, c of the distance's weight. rest [3*n_vertices] mm, bones, weights [4*n_vertices]. records, residuals (pairs):
+// the first match row's, both with room for whole slices.
 static inline void match_records(int first, PoseLayout layout, float4 camera, int n, float huber_px,
                                  global const float* restrict step, global const int* restrict vertices,
                                  global const float* restrict targets, global const float* restrict rest,

@@ -13,8 +13,8 @@
 
 // Groups over the point rows, then over contour vertices, then over matches (two rows each); counts: point rows,
 // matches, and whether J is written as well. Other arguments: see the functions that are called. Out: the records of
-// each kind; residuals: of all rows, then the contour's distances_px; J [n_rows*n_columns]; parts [n_groups][n_tiles][8]
-// [8]. rows: ROWS * n_columns floats.
+// each kind; residuals: of all rows, then the contour's distances_px; J [n_rows*n_columns]; parts
+// [n_groups][n_tiles][8] [8]. rows: ROWS * n_columns floats.
 kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_normal_equations(
     PoseLayout layout, float4 camera, int4 counts, PoseContour contour, float keypoint_huber_px, float match_huber_px,
     float sqrt_anatomic, global const float* restrict step, global const float* restrict moves,

@@ -58,8 +58,7 @@ LC_FN SkinnedVertex skinned_vertex(LaneInt vertex, Vec3 rest, global const float
 
 // g: the row's gradient by the vertex. counts: where false, the row is zero. record: the slice's, see pose/layout.h;
 // first: of the lanes.
-LC_FN void write_skinned_row(global float* restrict record, int first, const SkinnedVertex* s, Vec3 g,
-                             LaneInt counts) {
+LC_FN void write_skinned_row(global float* restrict record, int first, const SkinnedVertex* s, Vec3 g, LaneInt counts) {
   const DualQuat c = dual_quat_transform_gradient(s->blend, s->rest, s->position, g);
   record += first % SLICE;
 #pragma unroll

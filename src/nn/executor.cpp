@@ -4,7 +4,6 @@
 #include <limits>
 #include <string_view>
 
-#include "base/log.h"
 #include "base/text.h"
 #include "livecap/error.h"
 #include "nn/memory_plan.h"
@@ -108,10 +107,7 @@ Executor::Executor(ocl::DeviceContext& device, const Graph& graph, const std::ve
   convert_u8_ = kernel("nn/elementwise.cl", "convert_u8");
   if (!device.is_cpu()) {
     run_layers_ = kernel("nn/layers.cl", "run_layers");
-    n_groups_ = std::max<size_t>(1, device.info().compute_units);
-    together_ = true;
-    state_ = ocl::Buffer<int32_t>(device, state_read_.size());
-    state_.fill(0);
+    groups_ = ocl::GroupsTogether(device, std::numeric_limits<size_t>::max());
   }
   std::vector<float> weights;
   for (const Op& op : graph_.ops) {
@@ -130,7 +126,7 @@ Executor::Executor(ocl::DeviceContext& device, const Graph& graph, const std::ve
   set_input_u8(std::vector<uint8_t>(input_u8_.size(), 0), 0, 0);
   run();
   device.finish();
-  arrived_everywhere();
+  groups_.gave_up(graph_.name);
 }
 
 size_t Executor::kernel(const char* file, const char* name) {
@@ -333,11 +329,11 @@ size_t Executor::launch_layers(size_t first) {
   while (end < steps_.size() && steps_[end].layer >= 0) ++end;
   const int first_layer = steps_[first].layer;
   const int n = static_cast<int>(end - first);
-  const int at_once = together_ ? n : 1;
+  const int at_once = groups_.work() ? n : 1;
   for (int i = 0; i < n; i += at_once) {
-    kernels_[run_layers_].launch(n_groups_ * NN_GROUP, NN_GROUP, first_layer + i, first_layer + i + at_once,
-                                 static_cast<int32_t>(arrivals_), layers_on_device_, weights_, arena_, state_);
-    arrivals_ += static_cast<uint32_t>(n_groups_ * (at_once - 1));
+    kernels_[run_layers_].launch(groups_.n() * NN_GROUP, NN_GROUP, first_layer + i, first_layer + i + at_once,
+                                 groups_.arrived(), layers_on_device_, weights_, arena_, groups_.state());
+    groups_.launched(at_once - 1);
   }
   return end;
 }
@@ -357,16 +353,7 @@ void Executor::run() {
     }
     ++i;
   }
-  if (together_) state_.read_later(state_read_);
-}
-
-// Whether the last run, which has ended, did all of its layers. If not, no later one tries it.
-bool Executor::arrived_everywhere() {
-  if (!together_ || state_read_[1] == 0) return true;
-  log_warning(graph_.name + ": work-groups do not run at once on " + device_.info().label() +
-              "; each layer is launched by itself, which is slower");
-  together_ = false;
-  return false;
+  groups_.read_later();
 }
 
 void Executor::read_output(size_t i, std::span<float> values) {
@@ -375,7 +362,7 @@ void Executor::read_output(size_t i, std::span<float> values) {
                      to_string(output_shape(i)));
   const auto read = [&] { arena_.read(values, static_cast<size_t>(offsets_[graph_.outputs[i]])); };
   read();
-  if (arrived_everywhere()) return;
+  if (!groups_.gave_up(graph_.name)) return;
   run();
   read();
 }

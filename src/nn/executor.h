@@ -6,7 +6,6 @@
 //   net.read_output(0, landmarks);
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -14,6 +13,7 @@
 #include "nn/graph.h"
 #include "nn/op_params.h"
 #include "ocl/buffer.h"
+#include "ocl/groups_together.h"
 #include "ocl/kernel.h"
 
 namespace livecap::nn {
@@ -40,7 +40,7 @@ class Executor {
 
   size_t step_count() const { return steps_.size(); }
   // Whether layers are launched together. No longer after a launch in which work-groups did not run at once.
-  bool together() const { return together_; }
+  bool together() const { return groups_.work(); }
   size_t arena_bytes() const { return arena_.size() * sizeof(float); }
 
  private:
@@ -56,7 +56,6 @@ class Executor {
   void add_step(const Op& op, const std::vector<int64_t>& offsets, std::vector<float>& weights);
   void add_layer(Step& step, int kind);
   size_t launch_layers(size_t first);
-  bool arrived_everywhere();
 
   ocl::DeviceContext& device_;
   Graph graph_;  // pruned and fused, without constants
@@ -64,11 +63,7 @@ class Executor {
   std::vector<Step> steps_;
   std::vector<NnLayer> layers_;
   ocl::Buffer<NnLayer> layers_on_device_;
-  ocl::Buffer<int32_t> state_;  // of all_arrived
-  std::array<int32_t, 2> state_read_{};
-  uint32_t arrivals_ = 0;  // state_[0] when all that was enqueued has run
-  size_t n_groups_ = 1;    // that run at once
-  bool together_ = false;
+  ocl::GroupsTogether groups_;
   size_t run_layers_ = 0;
   ocl::Buffer<float> weights_;
   ocl::Buffer<float> arena_;

@@ -107,8 +107,8 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
   gram_ = ocl::Buffer<float>(device, gram_host_.size());
   if (!is_cpu_) {
     const auto groups = [](size_t n_rows) { return round_up(n_rows, LC_POSE_GROUP_ROWS) / LC_POSE_GROUP_ROWS; };
-    parts_ = ocl::Buffer<float>(device,
-                                (groups(n_point_rows_) + groups(n_contour) + groups(2 * n_matches)) * gram_.size());
+    parts_ =
+        ocl::Buffer<float>(device, (groups(n_point_rows_) + groups(n_contour) + groups(2 * n_matches)) * gram_.size());
     residuals_ = ocl::Buffer<float>(device, n_point_rows_ + 2 * n_contour + 2 * n_matches);
     normal_equations_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_normal_equations");
     sum_parts_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_sum_parts");
@@ -237,9 +237,9 @@ void PoseSystem::launch_records() {
                                float(options_.keypoint_2d_huber_px), step_, targets_, keypoint_bones_, limits_,
                                float(std::sqrt(options_.weights.anatomic)), point_records_, point_residuals_);
   if (n_matches_ > 0)
-    match_records_kernel_.launch(n_slices(n_matches_), 1, layout_, pinhole_, n_matches_,
-                                 float(options_.match_huber_px), step_, match_vertices_, match_targets_, rest_, bones_,
-                                 weights_, match_records_, match_residuals_);
+    match_records_kernel_.launch(n_slices(n_matches_), 1, layout_, pinhole_, n_matches_, float(options_.match_huber_px),
+                                 step_, match_vertices_, match_targets_, rest_, bones_, weights_, match_records_,
+                                 match_residuals_);
   if (n_contour_ == 0) return;
   contour_records_kernel_.launch(n_slices(n_contour_), 1, layout_, pinhole_, contour_arg(), step_, contour_vertices_,
                                  rest_, rest_normals_, displacement_ ? *displacement_ : rest_, bones_, weights_,
@@ -282,11 +282,10 @@ size_t PoseSystem::launch_normal_equations(bool write_rows) {
   normal_equations_kernel_.launch(
       n_groups * LC_POSE_GROUP, LC_POSE_GROUP, layout_, pinhole_, Counts{n_point_rows_, n_matches_, write_rows, 0},
       contour_arg(), float(options_.keypoint_2d_huber_px), float(options_.match_huber_px),
-      float(std::sqrt(options_.weights.anatomic)), step_, moves_, targets_, keypoint_bones_, limits_,
-      contour_vertices_, match_vertices_, match_targets_, rest_, rest_normals_,
-      displacement_ ? *displacement_ : rest_, bones_, weights_, n_contour_ > 0 ? frame_->signed_distance : rest_,
-      point_records_, contour_records_, match_records_, residuals_, J_, parts_,
-      ocl::LocalMemory{sizeof(float) * LC_POSE_GROUP_ROWS * layout_.n_columns});
+      float(std::sqrt(options_.weights.anatomic)), step_, moves_, targets_, keypoint_bones_, limits_, contour_vertices_,
+      match_vertices_, match_targets_, rest_, rest_normals_, displacement_ ? *displacement_ : rest_, bones_, weights_,
+      n_contour_ > 0 ? frame_->signed_distance : rest_, point_records_, contour_records_, match_records_, residuals_,
+      J_, parts_, ocl::LocalMemory{sizeof(float) * LC_POSE_GROUP_ROWS * layout_.n_columns});
   return n_groups;
 }
 

@@ -1,9 +1,8 @@
 // A network's layers on GPUs, all of them in one launch: its work-groups share each layer's outputs and wait for each
-// other before the next. For that they all must run at once, which OpenCL does not promise and GPUs do when there are
-// not more of them than compute units. A wait that lasts too long ends the launch and is told to the host, which then
-// launches the layers one by one.
+// other before the next.
 #include "nn/panel.h"
 #include "nn/resize_sample.h"
+#include "shared/all_arrived.h"
 
 #define PIXELS 4  // of a tile: 4 pixels x 4 channels
 

@@ -50,7 +50,8 @@ std::string actor_bytes(const CaptureOptions& options) {
 // Thread 2: the network, or detections from a file.
 class DetectionSource {
  public:
-  DetectionSource(const CaptureOptions& options, ocl::DeviceContext& device)
+  // lay_mask: see PoseDetectorOptions.
+  DetectionSource(const CaptureOptions& options, ocl::DeviceContext& device, bool lay_mask)
       : missed_share_(options.missed_detections) {
     if (!options.detections.empty()) {
       recorded_ = detect::load_detections(options.detections);
@@ -58,6 +59,7 @@ class DetectionSource {
     }
     detect::PoseDetectorOptions detector;
     detector.model = options.model;
+    detector.lay_mask = lay_mask;
     network_.emplace(device, detector);
   }
 
@@ -113,7 +115,10 @@ class Segmenter {
     if (person || (foreground_.has_background() && missed_frames_ <= kMaxMissedFrames)) {
       item.frame = frames_.take();
       const PersonMask& network_mask = gated_ ? item.detections.mask : no_mask_;
-      const ForegroundResult found = foreground_.segment(item.image, network_mask, *item.frame, item.mask);
+      const ForegroundResult found =
+          gated_ && item.detections.crop_mask
+              ? foreground_.segment(item.image, *item.detections.crop_mask, *item.frame, item.mask)
+              : foreground_.segment(item.image, network_mask, *item.frame, item.mask);
       item.silhouette.width = item.mask.width;
       item.silhouette.height = item.mask.height;
       item.silhouette.area_px = found.area_px;
@@ -222,7 +227,7 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   // The network's kernels are compiled or loaded beside the solvers': the queues share nothing.
   std::optional<DetectionSource> detection;
   std::future<void> network_ready = std::async(std::launch::async, [&] {
-    detection.emplace(options, *cnn);
+    detection.emplace(options, *cnn, devices.solver.is_cpu);
     detection->warm_up(reader.camera());
   });
   Solver solver(options, solver_device, surface_device, actor, reader.camera(), with(kFixedLag) ? kLagShare : 0);

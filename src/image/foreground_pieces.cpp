@@ -1,6 +1,7 @@
 #include "image/foreground_pieces.h"
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -12,6 +13,8 @@ namespace {
 constexpr int kHalf = 128;
 // A stranger's share beyond the gate, of what is looked at, is at least this.
 constexpr double kShareBeyond = 0.1;
+// Of a crop's person, in the picture for sure.
+constexpr double kSeenShare = 0.25;
 // A piece that touches less than this many pixels is noise whatever the largest one is.
 constexpr int kMinPiecePx = 16;
 
@@ -41,6 +44,16 @@ int least_area(const StrangerSearch& search, const cv::Mat& known) {
 
 bool may_be_strangers(const StrangerSearch& search, int n_beyond) {
   return n_beyond > 0 && n_beyond > kShareBeyond * least_area(search, known_person(search));
+}
+
+bool few_beyond(const CropMask& network, float least_share, int n_beyond) {
+  if (n_beyond == 0) return true;
+  const AffineMap& map = network.mask_from_image;
+  const auto& probability = network.probability.pixels;
+  const auto known = std::count_if(probability.begin(), probability.end(), [](uint8_t p) { return p >= kHalf; });
+  // A part of the crop's person may lie outside of the picture.
+  const double known_px = kSeenShare * static_cast<double>(known) / std::abs(map.xx * map.yy - map.xy * map.yx);
+  return n_beyond <= kShareBeyond * least_share * known_px;
 }
 
 void drop_strangers(const StrangerSearch& search, const uint8_t* beyond, int stride, ImageGray& mask) {

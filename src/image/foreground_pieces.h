@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/image_rgb.h"
+#include "image/crop_mask.h"
 #include "image/foreground.h"
 #include "livecap/detections.h"
 
@@ -19,6 +20,9 @@ struct StrangerSearch {
 
 // n_beyond: pixels in the box that are neither the background nor in the gate.
 bool may_be_strangers(const StrangerSearch& search, int n_beyond);
+
+// True when so few surely are no stranger, told from the crop alone.
+bool few_beyond(const CropMask& network, float least_share, int n_beyond);
 
 // beyond: nonzero where a pixel is neither the background nor in the gate; the first one belongs to column 0 of the
 // box's first row, rows are `stride` apart.

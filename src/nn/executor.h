@@ -38,6 +38,14 @@ class Executor {
   const Shape& output_shape(size_t i) const { return graph_.tensors[graph_.outputs.at(i)].shape; }
   const Shape& input_shape() const { return graph_.tensors[graph_.inputs.front()].shape; }
 
+  // For kernels that write the input or look at outputs on the device: all values, and where each begins.
+  ocl::Buffer<float>& arena() { return arena_; }
+  int input_at() const { return static_cast<int>(offsets_[graph_.inputs.front()]); }
+  int output_at(size_t i) const { return static_cast<int>(offsets_[graph_.outputs.at(i)]); }
+  // After a blocking read behind run(): true once when the device did not do all of the run, which is then to be
+  // enqueued again. read_output does so itself.
+  bool gave_up() { return groups_.gave_up(graph_.name); }
+
   size_t step_count() const { return steps_.size(); }
   // Whether layers are launched together. No longer after a launch in which work-groups did not run at once.
   bool together() const { return groups_.work(); }

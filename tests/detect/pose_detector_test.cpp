@@ -60,7 +60,8 @@ TEST(PoseDetector, LandmarksAreTheNetworksOwn) {
   test::on_every_device([&](ocl::DeviceContext& device) {
     detect::BlazePose network(device, model, false);
     detect::PoseEstimate estimate;
-    network.estimate(image, detect::whole_image_crop(256, 256), 2.0f, false, estimate);
+    network.set_picture(image);
+    network.estimate(detect::whole_image_crop(256, 256), 2.0f, false, estimate);
     EXPECT_GT(estimate.score, 0.5f);
     for (int i = 0; i < 33; ++i) {
       EXPECT_NEAR(estimate.landmarks[i].x_px, landmarks[5 * i] - 0.5, test::kLandmarkPx) << i;
@@ -156,9 +157,12 @@ TEST(PoseDetector, MirroredEstimateIsThatOfTheMirroredPicture) {
       flipped_crop.angle_rad = -crop.angle_rad;
       for (float refine : {0.0f, 2.0f}) {  // every landmark, none
         detect::PoseEstimate mirrored, expected;
-        network.estimate(from_mat(picture), crop, refine, true, mirrored);
+        const ImageRgb seen = from_mat(picture), seen_flipped = from_mat(flipped);
+        network.set_picture(seen);
+        network.estimate(crop, refine, true, mirrored);
         const std::vector<uint8_t> mirrored_mask = network.mask_probability().pixels;
-        network.estimate(from_mat(flipped), flipped_crop, refine, false, expected);
+        network.set_picture(seen_flipped);
+        network.estimate(flipped_crop, refine, false, expected);
         const std::vector<uint8_t>& expected_mask = network.mask_probability().pixels;
 
         EXPECT_TRUE(mirrored.finite);
@@ -202,7 +206,8 @@ TEST(PoseDetector, EverySecondTrackedPictureIsMirrored) {
         ASSERT_TRUE(alternating.detect(image, camera, frame, frame / 30.0).person);
         ASSERT_TRUE(plain.detect(image, camera, frame, frame / 30.0).person);
         detect::PoseEstimate estimate;
-        network.estimate(image, alternating.crop(), options.refine_threshold, frame == 2, estimate);
+        network.set_picture(image);
+        network.estimate(alternating.crop(), options.refine_threshold, frame == 2, estimate);
         bool as_plain = true;
         for (int i = 0; i < detect::BlazePose::kLandmarkCount; ++i) {
           EXPECT_EQ(alternating.raw_landmarks()[i].x_px, estimate.landmarks[i].x_px) << frame << " " << i;

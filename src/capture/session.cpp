@@ -35,6 +35,8 @@ constexpr std::string_view kBuiltin = "builtin:";
 // in the surface solver, one handed over to either, and those that wait for later poses, as many as there are passes.
 constexpr int kLagPasses = 2;
 constexpr int kFramesUnderWay = 5 + kLagPasses;
+// Where the processor has nothing else to do; one thread does not keep up with a GPU.
+constexpr int kDecoderThreads = 4;
 // Weight of either neighbour in a pose that the surface is fitted to, and in the paper's filter of finished videos.
 constexpr double kLagShare = 0.25;
 constexpr double kPaperShare = 0.15;
@@ -106,7 +108,9 @@ class Segmenter {
         foreground_(device, background, camera.width, camera.height),
         distance_(device, camera.width, camera.height),
         frames_(device, camera.width, camera.height, kFramesUnderWay),
-        gated_(gated || !background.trained()) {}
+        gated_(gated || !background.trained()) {
+    foreground_.prepare_crop_masks(detect::BlazePose::kCropSize);
+  }
 
   void segment(WorkItem& item) {
     Timer timer;
@@ -197,7 +201,9 @@ class Solver {
 // The run itself. Its queues are closed when it returns.
 CaptureReport capture(const CaptureOptions& options, const CaptureProgress& progress) {
   set_image_threads(1);
-  FrameReader reader(options);
+  const ocl::DevicePair devices = ocl::select_device_pair(options.cnn_device, options.solver_device);
+  const bool gpus_only = !devices.cnn.is_cpu && !devices.solver.is_cpu;
+  FrameReader reader(options, gpus_only ? kDecoderThreads : 1);
   const std::string glb = actor_bytes(options);
   const bool builtin = options.actor.rfind(kBuiltin, 0) == 0;
   Actor actor = load_actor_bytes(glb, options.actor, builtin ? 0 : options.height_mm);
@@ -210,7 +216,6 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
     return std::count(options.without.begin(), options.without.end(), component) == 0;
   };
 
-  const ocl::DevicePair devices = ocl::select_device_pair(options.cnn_device, options.solver_device);
   ocl::DeviceContext solver_device(devices.solver, "solvers' device");
   ocl::DeviceContext surface_device(solver_device, ocl::SharedMemory{}, "solvers' device, surface");
   ocl::DeviceContext segmenter_device(

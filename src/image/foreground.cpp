@@ -118,6 +118,11 @@ void ForegroundSegmenter::require_sizes(const ImageRgb& image, const PersonMask&
   if (frame.width != width_ || frame.height != height_) throw LogicError("foreground: device frame of another size");
 }
 
+void ForegroundSegmenter::prepare_crop_masks(int size) {
+  const size_t n = size_t(size) * size;
+  if (crop_mask_.size() != n) crop_mask_ = ocl::Buffer<uint8_t>(device_, n);
+}
+
 // Into network_.
 void ForegroundSegmenter::lay_on_device(const CropMask& crop_mask) {
   const int size = crop_mask.probability.width;
@@ -128,8 +133,7 @@ void ForegroundSegmenter::lay_on_device(const CropMask& crop_mask) {
   }
   if (box.x0 < 0 || box.y0 < 0 || box.x1 > width_ || box.y1 > height_ || crop_mask.probability.height != size)
     throw LogicError("foreground: the network's mask lies outside the picture");
-  if (crop_mask_.size() != crop_mask.probability.pixels.size())
-    crop_mask_ = ocl::Buffer<uint8_t>(device_, crop_mask.probability.pixels.size());
+  prepare_crop_masks(size);
   crop_mask_.write(crop_mask.probability.pixels);
   AffineMap from_box = crop_mask.mask_from_image;
   from_box.x0 += from_box.xx * box.x0 + from_box.xy * box.y0;
@@ -230,7 +234,7 @@ ForegroundResult ForegroundSegmenter::segment(const ImageRgb& image, const Perso
   frame.mask.read(decided, begin);
   int32_t n_beyond = 0;
   if (has_network && has_background_) n_beyond_.read({&n_beyond, 1});
-  if (crop_mask ? few_beyond(*crop_mask, options_.least_stranger, n_beyond) : n_beyond == 0) n_beyond = 0;
+  if (crop_mask ? few_beyond(coarse_mask_, options_.least_stranger, n_beyond) : n_beyond == 0) n_beyond = 0;
   if (n_beyond > 0) {
     const PersonMask laid = crop_mask ? laid_over(*crop_mask) : PersonMask{};
     const StrangerSearch search{crop_mask ? laid : network_mask, gate.search, gate.seam_px, options_.least_stranger};

@@ -51,6 +51,8 @@ class ForegroundSegmenter {
   ForegroundResult segment(const ImageRgb& image, const PersonMask& network_mask, DeviceFrame& frame, ImageGray& mask) {
     return segment(image, network_mask, nullptr, frame, mask);
   }
+  // So that no frame needs to: memory for masks of crops of size x size.
+  void prepare_crop_masks(int size);
   // The network's mask is laid over the picture on the device.
   ForegroundResult segment(const ImageRgb& image, const CropMask& network_mask, DeviceFrame& frame, ImageGray& mask) {
     return segment(image, {}, &network_mask, frame, mask);

@@ -1,7 +1,6 @@
 #include "image/foreground_pieces.h"
 
 #include <algorithm>
-#include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -13,8 +12,8 @@ namespace {
 constexpr int kHalf = 128;
 // A stranger's share beyond the gate, of what is looked at, is at least this.
 constexpr double kShareBeyond = 0.1;
-// Of a crop's person, in the picture for sure.
-constexpr double kSeenShare = 0.25;
+// Of the area that cells tell.
+constexpr double kSureShare = 0.8;
 // A piece that touches less than this many pixels is noise whatever the largest one is.
 constexpr int kMinPiecePx = 16;
 
@@ -46,13 +45,9 @@ bool may_be_strangers(const StrangerSearch& search, int n_beyond) {
   return n_beyond > 0 && n_beyond > kShareBeyond * least_area(search, known_person(search));
 }
 
-bool few_beyond(const CropMask& network, float least_share, int n_beyond) {
-  if (n_beyond == 0) return true;
-  const AffineMap& map = network.mask_from_image;
-  const auto& probability = network.probability.pixels;
-  const auto known = std::count_if(probability.begin(), probability.end(), [](uint8_t p) { return p >= kHalf; });
-  // A part of the crop's person may lie outside of the picture.
-  const double known_px = kSeenShare * static_cast<double>(known) / std::abs(map.xx * map.yy - map.xy * map.yx);
+bool few_beyond(const ImageGray& cells, float least_share, int n_beyond) {
+  const auto known = std::count_if(cells.pixels.begin(), cells.pixels.end(), [](uint8_t p) { return p >= kHalf; });
+  const double known_px = kSureShare * kGateCell * kGateCell * static_cast<double>(known);
   return n_beyond <= kShareBeyond * least_share * known_px;
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "base/image_rgb.h"
-#include "image/crop_mask.h"
 #include "image/foreground.h"
 #include "livecap/detections.h"
 
@@ -21,8 +20,8 @@ struct StrangerSearch {
 // n_beyond: pixels in the box that are neither the background nor in the gate.
 bool may_be_strangers(const StrangerSearch& search, int n_beyond);
 
-// True when so few surely are no stranger, told from the crop alone.
-bool few_beyond(const CropMask& network, float least_share, int n_beyond);
+// True when so few surely are no stranger, told from the network's mask in cells (see find_person_gate) alone.
+bool few_beyond(const ImageGray& cells, float least_share, int n_beyond);
 
 // beyond: nonzero where a pixel is neither the background nor in the gate; the first one belongs to column 0 of the
 // box's first row, rows are `stride` apart.

@@ -128,6 +128,42 @@ cv::Mat blobs(int width, int height) {
   return bgr;
 }
 
+// GPUs crop the picture, look at the outputs and make the mask's bytes on the device: the same as the host's.
+TEST(PoseDetector, BothBodiesSeeTheSame) {
+  LIVECAP_MODEL_OR_SKIP(model, "lite");
+  const ImageRgb image = from_mat(blobs(700, 900));
+  ocl::DeviceInfo info = ocl::select_device(test::device_selectors().front());
+  ocl::DeviceContext own(info);
+  info.is_cpu = false;
+  ocl::DeviceContext as_gpu(info);
+  detect::BlazePose host(own, model, true), device(as_gpu, model, true);
+  host.set_picture(image);
+  device.set_picture(image);
+  detect::PoseEstimate a, b;
+  // Shrunk by 1, 2 and 4; turned; partly and wholly outside.
+  for (const detect::CropRegion& crop : {detect::CropRegion{300, 400, 230, 0.4},
+                                         {350, 450, 520, -2},
+                                         {340, 470, 1010, 0.1},
+                                         {20, 880, 300, 1},
+                                         {-900, 0, 300, 0}}) {
+    for (const bool mirrored : {false, true}) {
+      host.estimate(crop, 0.0f, mirrored, a);
+      device.estimate(crop, 0.0f, mirrored, b);
+      EXPECT_NEAR(a.score, b.score, test::kNetworkRelative);
+      for (int i = 0; i < detect::BlazePose::kLandmarkCount; ++i) {
+        EXPECT_NEAR(a.landmarks[i].x_px, b.landmarks[i].x_px, test::kLandmarkPx) << i;
+        EXPECT_NEAR(a.landmarks[i].y_px, b.landmarks[i].y_px, test::kLandmarkPx) << i;
+        EXPECT_NEAR(a.landmarks[i].z_mm, b.landmarks[i].z_mm, test::kLandmarkMm) << i;
+      }
+      const ImageGray of_host = host.mask_probability(), &of_device = device.mask_probability();
+      int most = 0;
+      for (size_t p = 0; p < of_host.pixels.size(); ++p)
+        most = std::max(most, std::abs(of_host.pixels[p] - of_device.pixels[p]));
+      EXPECT_LE(most, test::kMaskBytes) << crop.side_px << " px, " << mirrored;
+    }
+  }
+}
+
 // Landmark i in a mirror: left and right exchanged, by the network's list (0 nose, 33 and on: the crop).
 int partner(int i) {
   constexpr std::pair<int, int> kSides[] = {{1, 4},   {2, 5},   {3, 6},   {7, 8},   {9, 10},  {11, 12},

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -59,12 +60,16 @@ struct PersonMask {
   bool empty() const { return probability.empty(); }
 };
 
+struct CropMask;
+
 struct Detections {
   int64_t frame_index = 0;
   bool person = false;  // score >= 0.5
   float score = 0;      // probability that the crop holds a person
   std::array<KeypointDetection, kKeypointCount> keypoints{};
   PersonMask mask;
+  // Instead of `mask`, between threads of a capture whose solvers run on a GPU: src/image/crop_mask.h.
+  std::shared_ptr<const CropMask> crop_mask;
 };
 
 }  // namespace livecap

@@ -1,12 +1,9 @@
 // CONV_2D, NHWC: y[p, n] = clamp(bias[n] + sum over kernel taps and input channels of x[p + tap, k] * w[n, tap, k] +
-// residual). On a CPU one work-item is a register tile of NN_TILE pixels x NN_PANEL channels; on a GPU 4 work-items
-// share a panel (see also conv_split.cl).
+// residual). On CPUs (GPUs: layers.cl) one work-item is a register tile of NN_TILE pixels x NN_PANEL channels.
 #include "nn/panel.h"
 
 // Written out: compilers contract the expression to one instruction; PoCL's mad() is a multiplication and an addition.
 #define NN_MAD(x, w, sum) ((float16)(x) * (w) + (sum))
-
-#if LC_CPU
 
 // The register tile: NN_TILE pixels of one panel (a) or of two neighbours (a, b), which halves the reads of inputs.
 #define NN_EACH_PIXEL(M) M(0) M(1) M(2) M(3) M(4) M(5) M(6) M(7)
@@ -167,51 +164,3 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_narrow(NnOp op, 
     }
   }
 }
-
-#else
-
-#define NN_PIXELS_GPU 4  // pixels of one work-item
-
-// One work-item = 4 pixels x 4 channels. count = ceil(pixels / 4) * panels * 4.
-kernel void conv_pointwise(NnOp op, global const float* restrict weights, global float* arena) {
-  const int id = get_global_id(0);
-  if (id >= op.count) return;
-  const int n_pixels = op.out_height * op.out_width;
-  const int n_lanes = (op.out_channels + NN_PANEL - 1) / NN_PANEL * NN_LANES;
-  const int lane = id % n_lanes;
-  const int first = id / n_lanes * NN_PIXELS_GPU;
-  const int panel = lane / NN_LANES;
-  const int channel = lane * 4;
-  const int k_count = op.in_channels;
-  global const float* restrict w = weights + op.weight_offset + panel * k_count * NN_PANEL + lane % NN_LANES * 4;
-  global const float* x0 = arena + op.in_offset + first * k_count;
-  global const float* x1 = arena + op.in_offset + min(first + 1, n_pixels - 1) * k_count;
-  global const float* x2 = arena + op.in_offset + min(first + 2, n_pixels - 1) * k_count;
-  global const float* x3 = arena + op.in_offset + min(first + 3, n_pixels - 1) * k_count;
-  const float4 bias = vload4(lane, weights + op.bias_offset);
-  float4 a0 = bias, a1 = bias, a2 = bias, a3 = bias;
-  for (int k = 0; k < k_count; ++k) {
-    const float4 wk = vload4(0, w + k * NN_PANEL);
-    a0 = nn_broadcast_mad(x0[k], wk, a0);
-    a1 = nn_broadcast_mad(x1[k], wk, a1);
-    a2 = nn_broadcast_mad(x2[k], wk, a2);
-    a3 = nn_broadcast_mad(x3[k], wk, a3);
-  }
-  nn_store4(op, arena, first, channel, a0);
-  if (first + 1 < n_pixels) nn_store4(op, arena, first + 1, channel, a1);
-  if (first + 2 < n_pixels) nn_store4(op, arena, first + 2, channel, a2);
-  if (first + 3 < n_pixels) nn_store4(op, arena, first + 3, channel, a3);
-}
-
-// One work-item = 1 pixel x 4 channels. count = pixels * panels * 4.
-kernel void conv_window(NnOp op, global const float* restrict weights, global float* arena) {
-  const int id = get_global_id(0);
-  if (id >= op.count) return;
-  const int n_lanes = (op.out_channels + NN_PANEL - 1) / NN_PANEL * NN_LANES;
-  const int lane = id % n_lanes;
-  const int pixel = id / n_lanes;
-  const float4 bias = vload4(lane, weights + op.bias_offset);
-  nn_store4(op, arena, pixel, lane * 4, nn_window_sum(op, weights, arena, pixel, lane, 0, 1, bias));
-}
-
-#endif

@@ -1,8 +1,7 @@
 // DEPTHWISE_CONV_2D, NHWC: y[p, c] = clamp(bias[c] + sum over kernel taps of x[p + tap, c] * w[tap, c] + residual).
-// On a CPU one work-item is one output row x NN_PANEL channels, 4 pixels at a time, the weights in registers.
+// On CPUs (GPUs: layers.cl) one work-item is one output row x NN_PANEL channels, 4 pixels at a time, the weights in
+// registers.
 #include "nn/panel.h"
-
-#if LC_CPU
 
 // KxK, dilation 1, stride STEP along rows. A vector holds NN_PANEL channels of one pixel, or with PIXELS = 2 all eight
 // channels of two neighbours (weights and biases are then packed twice). Four vectors at a time share the inputs their
@@ -93,33 +92,3 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void depthwise_any(NnOp op
   }
   nn_store_panel(op, arena, pixel * op.out_channels + panel * NN_PANEL, sum, op.out_channels - panel * NN_PANEL);
 }
-
-#else
-
-// One work-item = one output element; neighbours are channels. count = pixels * channels.
-#define NN_DEPTHWISE_GPU(NAME)                                                                                   \
-  kernel void NAME(NnOp op, global const float* restrict weights, global float* arena) {                         \
-    const int id = get_global_id(0);                                                                             \
-    if (id >= op.count) return;                                                                                  \
-    const int pixel = id / op.out_channels;                                                                      \
-    const int c = id % op.out_channels;                                                                          \
-    const int taps = op.kernel_h * op.kernel_w;                                                                  \
-    global const float* restrict w = weights + op.weight_offset + c / NN_PANEL * taps * NN_PANEL + c % NN_PANEL; \
-    float sum = weights[op.bias_offset + c];                                                                     \
-    for (int ky = 0; ky < op.kernel_h; ++ky) {                                                                   \
-      const int in_y = pixel / op.out_width * op.stride_h - op.pad_top + ky * op.dilation_h;                     \
-      if (in_y < 0 || in_y >= op.in_height) continue;                                                            \
-      for (int kx = 0; kx < op.kernel_w; ++kx) {                                                                 \
-        const int in_x = pixel % op.out_width * op.stride_w - op.pad_left + kx * op.dilation_w;                  \
-        if (in_x < 0 || in_x >= op.in_width) continue;                                                           \
-        sum = arena[op.in_offset + (in_y * op.in_width + in_x) * op.in_channels + c] *                           \
-                  w[(ky * op.kernel_w + kx) * NN_PANEL] +                                                        \
-              sum;                                                                                               \
-      }                                                                                                          \
-    }                                                                                                            \
-    nn_store(op, arena, id, sum);                                                                                \
-  }
-
-NN_DEPTHWISE_GPU(depthwise_any)
-
-#endif

@@ -34,4 +34,23 @@ typedef struct {
   float low, high;      // the activation clamps to these
 } NnOp;
 
+// A step of layers.cl.
+#define NN_POINTWISE 0
+#define NN_WINDOW 1
+#define NN_DEPTHWISE_LAYER 2
+#define NN_ADD 3
+#define NN_MAX_POOL 4
+#define NN_RESIZE 5
+#define NN_LOGISTIC 6
+// Work-items of its work-groups.
+#define NN_GROUP 256
+// Most parts of a sum of a convolution, a power of two.
+#define NN_MOST_SLICES 32
+
+typedef struct {
+  NnOp op;
+  int kind;
+  int slices;  // work-items that share a sum of a convolution: a power of two
+} NnLayer;
+
 #endif

@@ -1,26 +1,7 @@
-// RESIZE_BILINEAR, NHWC. On a CPU one work-item is one output row, on a GPU one output element.
+// RESIZE_BILINEAR, NHWC, on CPUs (GPUs: layers.cl). One work-item = one output row. count = rows.
 #include "nn/panel.h"
+#include "nn/resize_sample.h"
 
-typedef struct {
-  int i0, i1;  // the two neighbours, inside the image
-  float t;     // weight of i1
-} NnSample;
-
-static inline NnSample nn_sample(NnOp op, int i, int in_size, int out_size) {
-  const float scale = op.align_corners && out_size > 1 ? (float)(in_size - 1) / (float)(out_size - 1)
-                                                       : (float)in_size / (float)out_size;
-  const float at = op.half_pixel_centers ? ((float)i + 0.5f) * scale - 0.5f : (float)i * scale;
-  const float below = floor(at);
-  NnSample s;
-  s.t = at - below;
-  s.i0 = clamp((int)below, 0, in_size - 1);
-  s.i1 = clamp((int)below + 1, 0, in_size - 1);
-  return s;
-}
-
-#if LC_CPU
-
-// count = rows.
 kernel __attribute__((reqd_work_group_size(1, 1, 1))) void resize_bilinear(NnOp op, global float* arena) {
   const int y = get_global_id(0);
   if (y >= op.count) return;
@@ -43,25 +24,3 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void resize_bilinear(NnOp 
     }
   }
 }
-
-#else
-
-// count = elements.
-kernel void resize_bilinear(NnOp op, global float* arena) {
-  const int id = get_global_id(0);
-  if (id >= op.count) return;
-  const int c = id % op.out_channels;
-  const int pixel = id / op.out_channels;
-  const NnSample sx = nn_sample(op, pixel % op.out_width, op.in_width, op.out_width);
-  const NnSample sy = nn_sample(op, pixel / op.out_width, op.in_height, op.out_height);
-  global const float* image = arena + op.in_offset + c;
-  const float v00 = image[(sy.i0 * op.in_width + sx.i0) * op.in_channels];
-  const float v01 = image[(sy.i0 * op.in_width + sx.i1) * op.in_channels];
-  const float v10 = image[(sy.i1 * op.in_width + sx.i0) * op.in_channels];
-  const float v11 = image[(sy.i1 * op.in_width + sx.i1) * op.in_channels];
-  const float top = v00 + sx.t * (v01 - v00);
-  const float bottom = v10 + sx.t * (v11 - v10);
-  nn_store(op, arena, id, top + sy.t * (bottom - top));
-}
-
-#endif

@@ -35,21 +35,20 @@ LC_FN DistanceSample sample_bilinear(global const float* restrict image, int wid
   return sample;
 }
 
-// Over slices of the contour vertices. camera: fx, fy, cx, cy. step: layout.h. vertices [contour.n] vertex indices.
-// rest, rest_normals, displacement [3*n_vertices] mm, template frame (displacement is read when
+// The lanes from contour vertex `first` on. camera: fx, fy, cx, cy. step: layout.h. vertices [contour.n] vertex
+// indices. rest, rest_normals, displacement [3*n_vertices] mm, template frame (displacement is read when
 // contour.has_displacement). bones, weights [4*n_vertices]. distance [width*height] px, positive outside. records,
 // residuals: the first contour row's. Out: distances_px the sampled distance; NaN, and a zero row, for a vertex that is
 // not inside the image. Everything that is written has room for whole slices.
-kernel void pose_contour_records(PoseLayout layout, float4 camera, PoseContour contour,
-                                 global const float* restrict step, global const int* restrict vertices,
-                                 global const float* restrict rest, global const float* restrict rest_normals,
-                                 global const float* restrict displacement, global const int* restrict bones,
-                                 global const float* restrict weights, global const float* restrict distance,
-                                 global float* restrict records, global float* restrict residuals,
-                                 global float* restrict distances_px) {
-  if (FIRST_ROW >= contour.n) return;
+static inline void contour_records(int first, PoseLayout layout, float4 camera, PoseContour contour,
+                                   global const float* restrict step, global const int* restrict vertices,
+                                   global const float* restrict rest, global const float* restrict rest_normals,
+                                   global const float* restrict displacement, global const int* restrict bones,
+                                   global const float* restrict weights, global const float* restrict distance,
+                                   global float* restrict records, global float* restrict residuals,
+                                   global float* restrict distances_px) {
   const Pinhole cam = {camera.x, camera.y, camera.z, camera.w};
-  const LaneInt vertex = lane_vertices(vertices, contour.n);
+  const LaneInt vertex = lane_vertices(vertices, first, contour.n);
   Vec3 v_rest = gather_vec3(rest, vertex);
   if (contour.has_displacement) v_rest = add3(v_rest, gather_vec3(displacement, vertex));
 
@@ -69,8 +68,23 @@ kernel void pose_contour_records(PoseLayout layout, float4 camera, PoseContour c
   const SilhouetteRow row = silhouette_row(v_camera, cam, sample.value, sample.gradient,
                                            silhouette_direction(sample.value, sample.gradient, normal_px));
   const REAL s = contour.sqrt_weight * huber_factor(fabs(row.r), contour.huber_px);
-  STORE(inside ? row.r : (REAL)nan(0u), distances_px, FIRST_ROW);
-  STORE(inside ? s * row.r : (REAL)0.0f, residuals, FIRST_ROW);
-  write_skinned_row(records + FIRST_ROW / SLICE * SLICE * LC_POSE_RECORD, &skinned,
+  STORE(inside ? row.r : (REAL)nan(0u), distances_px, first);
+  STORE(inside ? s * row.r : (REAL)0.0f, residuals, first);
+  write_skinned_row(records + first / SLICE * SLICE * LC_POSE_RECORD, first, &skinned,
                     point_gradient(&skinned, scale3(vec3(row.J[0], row.J[1], row.J[2]), s)), inside);
 }
+
+#if LC_CPU
+// Over slices of the contour vertices.
+kernel void pose_contour_records(PoseLayout layout, float4 camera, PoseContour contour,
+                                 global const float* restrict step, global const int* restrict vertices,
+                                 global const float* restrict rest, global const float* restrict rest_normals,
+                                 global const float* restrict displacement, global const int* restrict bones,
+                                 global const float* restrict weights, global const float* restrict distance,
+                                 global float* restrict records, global float* restrict residuals,
+                                 global float* restrict distances_px) {
+  if (FIRST_ROW >= contour.n) return;
+  contour_records(FIRST_ROW, layout, camera, contour, step, vertices, rest, rest_normals, displacement, bones, weights,
+                  distance, records, residuals, distances_px);
+}
+#endif

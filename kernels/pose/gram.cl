@@ -1,6 +1,5 @@
 // [J | F]^T [J | F] in 8x8 tiles of the upper triangle: J^T J and J^T F at once, rows summed in fixed order.
-// Tile t = (tile row a, tile column b >= a), counted along the rows. CPU: one work-item per four tiles and slice of
-// rows with the tiles in registers. GPU: one work-item per entry. Slices are added by the host.
+// Tile t = (tile row a, tile column b >= a), counted along the rows.
 #include "pose/layout.h"
 
 // The tile's place, as first column of its rows and of its columns.
@@ -13,27 +12,20 @@ inline int2 tile_corner(int tile, int n_tiles_per_side) {
   return (int2)(8 * a, 8 * (a + tile));
 }
 
-// n_items: CPU n_tiles*n_slices, GPU 64 times that. J [n_rows*n_columns]. Out: gram [n_slices][n_tiles][8][8].
-kernel void pose_gram(int n_items, int n_rows, int n_columns, int n_tiles, int n_slices, global const float* restrict J,
+#if LC_CPU
+
+// One work-item per tile, of which every fourth makes four with the sums in registers. J [n_rows*n_columns]. Out: gram
+// [n_tiles][8][8].
+kernel void pose_gram(int n_tiles, int n_rows, int n_columns, global const float* restrict J,
                       global float* restrict gram) {
-  const int i = get_global_id(0);
-  if (i >= n_items) return;
-#if LC_CPU
-  const int block = i;
-#else
-  const int block = i / 64;
-#endif
-  const int slice = block / n_tiles;
-  const int2 corner = tile_corner(block % n_tiles, n_columns / 8);
-  const int rows_per_slice = (n_rows + n_slices - 1) / n_slices;
-  const int begin = slice * rows_per_slice;
-  const int end = min(n_rows, begin + rows_per_slice);
-#if LC_CPU
+  const int block = get_global_id(0);
+  if (block >= n_tiles) return;
+  const int2 corner = tile_corner(block, n_columns / 8);
   // Four tiles at once: 16 x 16 entries, those below the diagonal for nothing.
   if (corner.x % 16 || corner.y % 16) return;
   float16 s0 = 0.0f, s1 = 0.0f, s2 = 0.0f, s3 = 0.0f, s4 = 0.0f, s5 = 0.0f, s6 = 0.0f, s7 = 0.0f;
   float16 s8 = 0.0f, s9 = 0.0f, sa = 0.0f, sb = 0.0f, sc = 0.0f, sd = 0.0f, se = 0.0f, sf = 0.0f;
-  for (int row = begin; row < end; ++row) {
+  for (int row = 0; row < n_rows; ++row) {
     global const float* left = J + row * n_columns + corner.x;
     const float16 right = vload16(0, J + row * n_columns + corner.y);
     s0 += left[0] * right;
@@ -64,11 +56,6 @@ kernel void pose_gram(int n_items, int n_rows, int n_columns, int n_tiles, int n
     if (corner.y > corner.x) vstore8(lower[k].lo, k, out_below);
     vstore8(lower[k].hi, 8 + k, out_below);
   }
-#else
-  const int left = corner.x + i % 64 / 8;
-  const int right = corner.y + i % 8;
-  float sum = 0.0f;
-  for (int row = begin; row < end; ++row) sum += J[row * n_columns + left] * J[row * n_columns + right];
-  gram[i] = sum;
-#endif
 }
+
+#endif

@@ -26,9 +26,13 @@
 // One vertex of skin: light 9, brightness, root of the weight.
 #define LC_POSE_SHADED 11
 
-// What a work-item of fill_rows.cl makes.
+// Columns that fill_rows.cl makes at a time, and rows of a work-item on CPUs.
 #define LC_POSE_FILL_COLUMNS(is_cpu) ((is_cpu) ? 16 : 8)
-#define LC_POSE_FILL_ROWS(is_cpu) ((is_cpu) ? 16 : 1)
+#define LC_POSE_FILL_ROWS 16
+
+// Of normal_equations.cl: rows of a work-group and its work-items.
+#define LC_POSE_GROUP_ROWS 32
+#define LC_POSE_GROUP 256
 
 // One keypoint of the frame, in 12 floats: target u, v (px); target x, y, z (mm); square roots of the 2D, 3D and
 // temporal weights, 0 = no such row; position in the previous frame (mm); unused.

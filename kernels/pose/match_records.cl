@@ -6,18 +6,17 @@
 #include "pose/skinned_row.h"
 #include "terms/match.cl"
 
-// Over slices of the matches. camera: fx, fy, cx, cy. step: layout.h. vertices [n]. targets [5*n] u, v (px), root a, b,
-// c of the distance's weight. rest [3*n_vertices] mm, bones, weights [4*n_vertices]. records, residuals (pairs): the
-// first match row's, both with room for whole slices.
-kernel void pose_match_records(PoseLayout layout, float4 camera, int n, float huber_px,
-                               global const float* restrict step, global const int* restrict vertices,
-                               global const float* restrict targets, global const float* restrict rest,
-                               global const int* restrict bones, global const float* restrict weights,
-                               global float* restrict records, global float* restrict residuals) {
-  if (FIRST_ROW >= n) return;
+// The lanes from match `first` on. camera: fx, fy, cx, cy. step: layout.h. vertices [n]. targets [5*n] u, v (px), root
+// a, b, c of the distance's weight. rest [3*n_vertices] mm, bones, weights [4*n_vertices]. records, residuals (pairs):
+// the first match row's, both with room for whole slices.
+static inline void match_records(int first, PoseLayout layout, float4 camera, int n, float huber_px,
+                                 global const float* restrict step, global const int* restrict vertices,
+                                 global const float* restrict targets, global const float* restrict rest,
+                                 global const int* restrict bones, global const float* restrict weights,
+                                 global float* restrict records, global float* restrict residuals) {
   const Pinhole cam = {camera.x, camera.y, camera.z, camera.w};
-  const LaneInt vertex = lane_vertices(vertices, n);
-  const LaneInt target = 5 * min(FIRST_ROW + LANE_IDS, (LaneInt)(n - 1));
+  const LaneInt vertex = lane_vertices(vertices, first, n);
+  const LaneInt target = 5 * min(first + LANE_IDS, (LaneInt)(n - 1));
   const SkinnedVertex s =
       skinned_vertex(vertex, gather_vec3(rest, vertex), step + LC_POSE_STEP_DUAL_QUATS(layout), bones, weights);
   global const float* root = step + LC_POSE_STEP_ROOT(layout);
@@ -32,11 +31,24 @@ kernel void pose_match_records(PoseLayout layout, float4 camera, int n, float hu
 #if LC_CPU
     float lanes[LANES];
     vstore16(residual, 0, lanes);
-    for (int k = 0; k < LANES; ++k) residuals[2 * (FIRST_ROW + k) + j] = lanes[k];
+    for (int k = 0; k < LANES; ++k) residuals[2 * (first + k) + j] = lanes[k];
 #else
-    residuals[2 * FIRST_ROW + j] = residual;
+    residuals[2 * first + j] = residual;
 #endif
-    write_skinned_row(records + (2 * (FIRST_ROW / SLICE) + j) * SLICE * LC_POSE_RECORD, &s,
+    write_skinned_row(records + (2 * (first / SLICE) + j) * SLICE * LC_POSE_RECORD, first, &s,
                       point_gradient(&s, scale3(vec3(row.J[j][0], row.J[j][1], row.J[j][2]), huber)), before);
   }
 }
+
+#if LC_CPU
+// Over slices of the matches.
+kernel void pose_match_records(PoseLayout layout, float4 camera, int n, float huber_px,
+                               global const float* restrict step, global const int* restrict vertices,
+                               global const float* restrict targets, global const float* restrict rest,
+                               global const int* restrict bones, global const float* restrict weights,
+                               global float* restrict records, global float* restrict residuals) {
+  if (FIRST_ROW >= n) return;
+  match_records(FIRST_ROW, layout, camera, n, huber_px, step, vertices, targets, rest, bones, weights, records,
+                residuals);
+}
+#endif

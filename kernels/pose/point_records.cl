@@ -24,15 +24,14 @@ LC_FN Vec3 load_vec3(global const float* p) {
   return vec3(p[0], p[1], p[2]);
 }
 
-// Work-item i < LC_POSE_KEYPOINTS: the 8 rows of keypoint i; then one work-item per joint angle.
+// i < LC_POSE_KEYPOINTS: the 8 rows of keypoint i; from there on a joint angle each.
 // step, targets: see layout.h. keypoint_bones [LC_POSE_KEYPOINTS], any valid bone for a keypoint without anchor.
 // limits [2*n_dofs] min, max. Out: records [LC_POSE_RECORD * rows], residuals [rows].
-kernel void pose_point_records(PoseLayout layout, Pinhole cam, float huber_px, global const float* restrict step,
-                               global const float* restrict targets, global const int* restrict keypoint_bones,
-                               global const float* restrict limits, float sqrt_anatomic, global float* restrict records,
-                               global float* restrict residuals) {
-  const int i = get_global_id(0);
-  if (i >= LC_POSE_KEYPOINTS + layout.n_dofs) return;
+static inline void point_records(int i, PoseLayout layout, Pinhole cam, float huber_px,
+                                 global const float* restrict step, global const float* restrict targets,
+                                 global const int* restrict keypoint_bones, global const float* restrict limits,
+                                 float sqrt_anatomic, global float* restrict records,
+                                 global float* restrict residuals) {
   const Vec3 zero = vec3(0.0f, 0.0f, 0.0f);
 
   if (i >= LC_POSE_KEYPOINTS) {
@@ -80,3 +79,15 @@ kernel void pose_point_records(PoseLayout layout, Pinhole cam, float huber_px, g
                       s * a.r[j], p, scale3(vec3(a.J[j][0], a.J[j][1], a.J[j][2]), s), bone, t_prime_column, zero);
   }
 }
+
+#if LC_CPU
+// Over the keypoints and joint angles.
+kernel void pose_point_records(PoseLayout layout, Pinhole cam, float huber_px, global const float* restrict step,
+                               global const float* restrict targets, global const int* restrict keypoint_bones,
+                               global const float* restrict limits, float sqrt_anatomic, global float* restrict records,
+                               global float* restrict residuals) {
+  const int i = get_global_id(0);
+  if (i >= LC_POSE_KEYPOINTS + layout.n_dofs) return;
+  point_records(i, layout, cam, huber_px, step, targets, keypoint_bones, limits, sqrt_anatomic, records, residuals);
+}
+#endif

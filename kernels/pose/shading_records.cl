@@ -6,17 +6,16 @@
 #include "pose/skinned_row.h"
 #include "terms/shading.cl"
 
-// Over slices of the shaded vertices. step: layout.h. vertices [n]. targets [LC_POSE_SHADED*n]: light, brightness, root
-// of the weight. rest_normals [3*n_vertices], bones, weights [4*n_vertices]. records, residuals: the first shading
+// The lanes from shaded vertex `first` on. step: layout.h. vertices [n]. targets [LC_POSE_SHADED*n]: light, brightness,
+// root of the weight. rest_normals [3*n_vertices], bones, weights [4*n_vertices]. records, residuals: the first shading
 // row's, both with room for whole slices.
-kernel void pose_shading_records(PoseLayout layout, int n, float huber, global const float* restrict step,
-                                 global const int* restrict vertices, global const float* restrict targets,
-                                 global const float* restrict rest_normals, global const int* restrict bones,
-                                 global const float* restrict weights, global float* restrict records,
-                                 global float* restrict residuals) {
-  if (FIRST_ROW >= n) return;
-  const LaneInt vertex = lane_vertices(vertices, n);
-  const LaneInt target = LC_POSE_SHADED * min(FIRST_ROW + LANE_IDS, (LaneInt)(n - 1));
+static inline void shading_records(int first, PoseLayout layout, int n, float huber, global const float* restrict step,
+                                   global const int* restrict vertices, global const float* restrict targets,
+                                   global const float* restrict rest_normals, global const int* restrict bones,
+                                   global const float* restrict weights, global float* restrict records,
+                                   global float* restrict residuals) {
+  const LaneInt vertex = lane_vertices(vertices, first, n);
+  const LaneInt target = LC_POSE_SHADED * min(first + LANE_IDS, (LaneInt)(n - 1));
   const Vec3 rest = gather_vec3(rest_normals, vertex);
   const SkinnedVertex s = skinned_vertex(vertex, rest, step + LC_POSE_STEP_DUAL_QUATS(layout), bones, weights);
   const Vec3 normal = dual_quat_rotate(s.blend, rest);
@@ -25,8 +24,21 @@ kernel void pose_shading_records(PoseLayout layout, int n, float huber, global c
   for (int k = 0; k < LC_LIGHT; ++k) light.of[k] = gather(targets, target + k);
   const ShadingRow row = shading_row(normal, light, gather(targets, target + LC_LIGHT));
   const REAL scale = gather(targets, target + LC_LIGHT + 1) * huber_factor(fabs(row.r), huber);
-  STORE(scale * row.r, residuals, FIRST_ROW);
-  write_skinned_row(records + FIRST_ROW / SLICE * SLICE * LC_POSE_RECORD, &s,
+  STORE(scale * row.r, residuals, first);
+  write_skinned_row(records + first / SLICE * SLICE * LC_POSE_RECORD, first, &s,
                     direction_gradient(s.blend, rest, normal, scale3(vec3(row.J[0], row.J[1], row.J[2]), scale)),
                     scale > 0.0f);
 }
+
+#if LC_CPU
+// Over slices of the shaded vertices.
+kernel void pose_shading_records(PoseLayout layout, int n, float huber, global const float* restrict step,
+                                 global const int* restrict vertices, global const float* restrict targets,
+                                 global const float* restrict rest_normals, global const int* restrict bones,
+                                 global const float* restrict weights, global float* restrict records,
+                                 global float* restrict residuals) {
+  if (FIRST_ROW >= n) return;
+  shading_records(FIRST_ROW, layout, n, huber, step, vertices, targets, rest_normals, bones, weights, records,
+                  residuals);
+}
+#endif

@@ -22,9 +22,9 @@ LC_FN LaneInt gather_int(global const int* restrict p, LaneInt i) {
 #endif
 }
 
-// The lanes' vertices; lanes beyond the last of n repeat it.
-LC_FN LaneInt lane_vertices(global const int* restrict vertices, int n) {
-  return gather_int(vertices, min(FIRST_ROW + LANE_IDS, (LaneInt)(n - 1)));
+// The vertices of the lanes from `first` on; lanes beyond the last of n repeat it.
+LC_FN LaneInt lane_vertices(global const int* restrict vertices, int first, int n) {
+  return gather_int(vertices, min(first + LANE_IDS, (LaneInt)(n - 1)));
 }
 
 LC_FN Vec3 gather_vec3(global const float* restrict p, LaneInt i) {
@@ -69,9 +69,11 @@ LC_FN DualQuat direction_gradient(DualQuat blend, Vec3 rest, Vec3 turned, Vec3 g
   return c;
 }
 
-// c: one of the gradients above. counts: where false, the row is zero. record: the slice's, see pose/layout.h.
-LC_FN void write_skinned_row(global float* restrict record, const SkinnedVertex* s, DualQuat c, LaneInt counts) {
-  record += FIRST_ROW % SLICE;
+// c: one of the gradients above. counts: where false, the row is zero. record: the slice's, see pose/layout.h;
+// first: of the lanes.
+LC_FN void write_skinned_row(global float* restrict record, int first, const SkinnedVertex* s, DualQuat c,
+                             LaneInt counts) {
+  record += first % SLICE;
 #pragma unroll
   for (int j = 0; j < 4; ++j) {
     const Wrench w = dual_quat_turn_wrench(c, s->part[j]);

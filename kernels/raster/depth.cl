@@ -106,13 +106,13 @@ kernel void raster_clear(int n_pixels, global uint* restrict depth, global uint*
   ids[p] = 0xffffffffu;
 }
 
-// One work-item per triangle.
+// LC_RASTER_SHARE work-items per triangle, every so many rows each.
 kernel void raster_nearest(int n_triangles, int width, int height, int cull, global const float* restrict projected,
                            global const int* restrict triangles, global uint* restrict depth) {
-  const int t = get_global_id(0);
+  const int t = get_global_id(0) / LC_RASTER_SHARE;
   if (t >= n_triangles) return;
   const RasterTriangle tri = raster_triangle(t, width, height, cull, projected, triangles);
-  for (int y = tri.y0; y <= tri.y1; ++y) {
+  for (int y = tri.y0 + get_global_id(0) % LC_RASTER_SHARE; y <= tri.y1; y += LC_RASTER_SHARE) {
     for (int x = tri.x0; x <= tri.x1; ++x) {
       const float z = raster_depth(&tri, (float)x, (float)y);
       if (z < INFINITY) atomic_min(depth + y * width + x, as_uint(z));
@@ -124,10 +124,10 @@ kernel void raster_nearest(int n_triangles, int width, int height, int cull, glo
 kernel void raster_ids(int n_triangles, int width, int height, int cull, global const float* restrict projected,
                        global const int* restrict triangles, global const uint* restrict depth,
                        global uint* restrict ids) {
-  const int t = get_global_id(0);
+  const int t = get_global_id(0) / LC_RASTER_SHARE;
   if (t >= n_triangles) return;
   const RasterTriangle tri = raster_triangle(t, width, height, cull, projected, triangles);
-  for (int y = tri.y0; y <= tri.y1; ++y) {
+  for (int y = tri.y0 + get_global_id(0) % LC_RASTER_SHARE; y <= tri.y1; y += LC_RASTER_SHARE) {
     for (int x = tri.x0; x <= tri.x1; ++x) {
       const float z = raster_depth(&tri, (float)x, (float)y);
       if (z < INFINITY && as_uint(z) == depth[y * width + x]) atomic_min(ids + y * width + x, (uint)t);
@@ -136,8 +136,11 @@ kernel void raster_ids(int n_triangles, int width, int height, int cull, global 
 }
 
 #endif
-// overlap: [2*h] per row the pixels in both the mesh and the mask ([w*h], more than 127 = set) and those in either. One
-// work-item per row.
+
+// overlap: [2*h] per row the pixels in both the mesh and the mask ([w*h], more than 127 = set) and those in either.
+#if LC_CPU
+
+// One work-item per row.
 kernel void row_overlaps(int width, int height, global const int* restrict ids, global const uchar* restrict mask,
                          global int* restrict overlap) {
   const int y = get_global_id(0);
@@ -164,5 +167,28 @@ kernel void row_overlaps(int width, int height, global const int* restrict ids, 
   overlap[2 * y] = n_both;
   overlap[2 * y + 1] = n_either;
 }
+
+#else
+
+// One work-group per row.
+kernel void row_overlaps(int width, int height, global const int* restrict ids, global const uchar* restrict mask,
+                         global int* restrict overlap) {
+  local int sums[2];
+  const int y = get_group_id(0);
+  for (int k = get_local_id(0); k < 2; k += get_local_size(0)) sums[k] = 0;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  int n_both = 0, n_either = 0;
+  for (int x = get_local_id(0); x < width; x += get_local_size(0)) {
+    const int drawn = ids[y * width + x] >= 0, set = mask[y * width + x] > 127;
+    n_both += drawn & set;
+    n_either += drawn | set;
+  }
+  atomic_add(sums, n_both);
+  atomic_add(sums + 1, n_either);
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (int k = get_local_id(0); k < 2; k += get_local_size(0)) overlap[2 * y + k] = sums[k];
+}
+
+#endif
 
 #endif

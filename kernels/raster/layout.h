@@ -5,4 +5,7 @@
 // Rows that share a record of which columns were drawn.
 #define LC_STRIP_ROWS 8
 
+// Work-items of a GPU that share a triangle.
+#define LC_RASTER_SHARE 8
+
 #endif

@@ -1,10 +1,11 @@
 // Preconditioned conjugate gradients on (J^T J + damping) step = -J^T F, matrix-free over SELL-16 slices; one row is a
-// vertex (3 unknowns), the preconditioner is the inverse 3x3 diagonal block. All scalars stay on the device:
+// vertex (3 unknowns), the preconditioner is the inverse 3x3 diagonal block. CPUs launch each of the kernels (GPUs: all
+// iterations at once, pcg_phases.cl). All scalars stay on the device:
 //   scalars[0] = r.z, [1] = alpha, [2] = beta, [3] = 1 when anything was not finite since the solve began.
 // Sums run in a fixed order, so results repeat bit for bit.
 #include "shared/lanes.h"
 //
-#include "surface/system.h"
+#include "surface/pcg_rows.h"
 
 #if LC_CPU
 // One work-item; four accumulators hide the latency of the additions. n is a multiple of 16.
@@ -43,14 +44,25 @@ static float sum_plane(global const float* restrict values, int n, local float* 
 #define SUM_PLANE(values, n) sum_plane(values, n, scratch)
 #endif
 
-// The four sum kernels run as one work-group (of one work-item on a CPU).
+// The sum kernels run as one work-group (of one work-item on a CPU).
+
+// totals[first + k] = sum of plane k of n_planes energies.
+kernel void sum_energies(int n_rows, int stride, int n_planes, int first, global const float* restrict energies,
+                         global float* restrict totals) {
+#if !LC_CPU
+  local float scratch[256];
+#endif
+  for (int k = 0; k < n_planes; ++k) {
+    float sum = SUM_PLANE(energies + k * stride, n_rows);
+    if (get_local_id(0) == 0) totals[first + k] = sum;
+  }
+}
+
+#if LC_CPU
 
 // r.z at the start. first = 1 clears the failure flag.
 kernel void start_scalars(int n_rows, int first, global const float* restrict products,
                           global float* restrict scalars) {
-#if !LC_CPU
-  local float scratch[256];
-#endif
   float sum = SUM_PLANE(products, n_rows);
   if (get_local_id(0) != 0) return;
   scalars[0] = sum;
@@ -61,9 +73,6 @@ kernel void start_scalars(int n_rows, int first, global const float* restrict pr
 
 // alpha = r.z / p.Ap
 kernel void alpha_scalar(int n_rows, global const float* restrict products, global float* restrict scalars) {
-#if !LC_CPU
-  local float scratch[256];
-#endif
   float sum = SUM_PLANE(products, n_rows);
   if (get_local_id(0) != 0) return;
   float alpha = sum > 0.0f ? scalars[0] / sum : 0.0f;
@@ -76,9 +85,6 @@ kernel void alpha_scalar(int n_rows, global const float* restrict products, glob
 
 // beta = new r.z / old r.z
 kernel void beta_scalar(int n_rows, global const float* restrict products, global float* restrict scalars) {
-#if !LC_CPU
-  local float scratch[256];
-#endif
   float sum = SUM_PLANE(products, n_rows);
   if (get_local_id(0) != 0) return;
   float beta = scalars[0] > 0.0f ? sum / scalars[0] : 0.0f;
@@ -90,92 +96,34 @@ kernel void beta_scalar(int n_rows, global const float* restrict products, globa
   scalars[2] = beta;
 }
 
-// totals[k] = sum of plane k of n_planes energies.
-kernel void sum_energies(int n_rows, int stride, int n_planes, global const float* restrict energies,
-                         global float* restrict totals) {
-#if !LC_CPU
-  local float scratch[256];
-#endif
-  for (int k = 0; k < n_planes; ++k) {
-    float sum = SUM_PLANE(energies + k * stride, n_rows);
-    if (get_local_id(0) == 0) totals[k] = sum;
-  }
-}
-
-// q = A p, products = p . q per row. blocks: 6 planes; edges: see regularizer_system.cl.
+// q = A p, products = p . q per row.
 kernel void apply_system(int n_rows, int stride, float w_smooth, global const int* restrict slice_offsets,
                          global const int* restrict neighbors, global const float* restrict edge_weights,
                          global const float* restrict edges, global const float* restrict blocks,
                          global const float* restrict p, global float* restrict q, global float* restrict products) {
-  int row = FIRST_ROW;
+  const int row = FIRST_ROW;
   if (row >= n_rows) return;
-  global const float* px = p;
-  global const float* py = p + stride;
-  global const float* pz = p + 2 * stride;
-  REAL x = LOAD(px, row), y = LOAD(py, row), z = LOAD(pz, row);
-  REAL xy = LOAD(blocks, row + stride), xz = LOAD(blocks, row + 2 * stride), yz = LOAD(blocks, row + 4 * stride);
-  REAL qx = LOAD(blocks, row) * x + xy * y + xz * z;
-  REAL qy = xy * x + LOAD(blocks, row + 3 * stride) * y + yz * z;
-  REAL qz = xz * x + yz * y + LOAD(blocks, row + 5 * stride) * z;
-  int begin = slice_offsets[row / SLICE];
-  int end = slice_offsets[row / SLICE + 1];
-  for (int base = begin; base < end; base += SLICE) {
-    int at = base + row % SLICE;
-    int e = 3 * base + row % SLICE;
-    LaneInt j = LOAD(neighbors, at);
-    REAL k = w_smooth * LOAD(edge_weights, at);
-    REAL jx = gather(px, j), jy = gather(py, j), jz = gather(pz, j);
-    REAL ex = LOAD(edges, e), ey = LOAD(edges, e + SLICE), ez = LOAD(edges, e + 2 * SLICE);
-    REAL along = ex * jx + ey * jy + ez * jz;
-    qx -= k * jx + ex * along;
-    qy -= k * jy + ey * along;
-    qz -= k * jz + ez * along;
-  }
-  STORE(qx, q, row);
-  STORE(qy, q, row + stride);
-  STORE(qz, q, row + 2 * stride);
-  REAL product = x * qx + y * qy + z * qz;
+  const REAL product = apply_row(row, stride, w_smooth, slice_offsets, neighbors, edge_weights, edges, blocks, p, q);
   STORE(product, products, row);
 }
 
-// step += alpha p, r -= alpha q, z = M^-1 r, products = r . z per row. All of 3 planes, inverse 6.
+// step += alpha p, r -= alpha q, z = M^-1 r, products = r . z per row.
 kernel void advance(int n_rows, int stride, global const float* restrict scalars, global const float* restrict inverse,
                     global const float* restrict p, global const float* restrict q, global float* restrict step,
                     global float* restrict r, global float* restrict z, global float* restrict products) {
-  int row = FIRST_ROW;
+  const int row = FIRST_ROW;
   if (row >= n_rows) return;
-  float alpha = scalars[1];
-  REAL rv[3];
-  for (int a = 0; a < 3; ++a) {
-    int at = row + a * stride;
-    REAL moved = LOAD(step, at) + alpha * LOAD(p, at);
-    STORE(moved, step, at);
-    rv[a] = LOAD(r, at) - alpha * LOAD(q, at);
-    STORE(rv[a], r, at);
-  }
-  REAL xy = LOAD(inverse, row + stride), xz = LOAD(inverse, row + 2 * stride), yz = LOAD(inverse, row + 4 * stride);
-  REAL zx = LOAD(inverse, row) * rv[0] + xy * rv[1] + xz * rv[2];
-  REAL zy = xy * rv[0] + LOAD(inverse, row + 3 * stride) * rv[1] + yz * rv[2];
-  REAL zz = xz * rv[0] + yz * rv[1] + LOAD(inverse, row + 5 * stride) * rv[2];
-  STORE(zx, z, row);
-  STORE(zy, z, row + stride);
-  STORE(zz, z, row + 2 * stride);
-  REAL product = rv[0] * zx + rv[1] * zy + rv[2] * zz;
+  const REAL product = advance_row(row, stride, scalars[1], inverse, p, q, step, r, z);
   STORE(product, products, row);
 }
 
 // p = z + beta p
 kernel void turn_direction(int n_rows, int stride, global const float* restrict scalars, global const float* restrict z,
                            global float* restrict p) {
-  int row = FIRST_ROW;
-  if (row >= n_rows) return;
-  float beta = scalars[2];
-  for (int a = 0; a < 3; ++a) {
-    int at = row + a * stride;
-    REAL turned = LOAD(z, at) + beta * LOAD(p, at);
-    STORE(turned, p, at);
-  }
+  if (FIRST_ROW < n_rows) turn_row(FIRST_ROW, stride, scalars[2], z, p);
 }
+
+#endif
 
 // v += step, each vertex by at most max_move mm.
 kernel void move_vertices(int n_rows, int stride, float max_move, global const float* restrict step,

@@ -42,20 +42,24 @@ void run_sequential(const PipelineStages& stages) {
     stages.detect(item);
     stages.segment(item);
     std::optional<WorkItem> solved = stages.solve(std::move(item));
-    if (solved && !stages.publish(*solved)) return;
+    if (!solved) continue;
+    stages.surface(*solved);
+    if (!stages.publish(*solved)) return;
   }
   while (std::optional<WorkItem> waited = stages.flush()) {
+    stages.surface(*waited);
     if (!stages.publish(*waited)) return;
   }
 }
 
 void run_pipelined(const PipelineStages& stages, bool newest_wins) {
-  Channel<WorkItem> to_detect, to_segment, to_solve, to_publish;
+  Channel<WorkItem> to_detect, to_segment, to_solve, to_surface, to_publish;
   FirstError error;
   auto abort_all = [&] {
     to_detect.abort();
     to_segment.abort();
     to_solve.abort();
+    to_surface.abort();
     to_publish.abort();
   };
   auto guarded = [&](auto&& body) {
@@ -96,14 +100,15 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins) {
   std::thread solver = guarded([&] {
     while (auto item = to_solve.pop()) {
       std::optional<WorkItem> solved = stages.solve(std::move(*item));
-      if (solved && !to_publish.push(std::move(*solved))) return;
+      if (solved && !to_surface.push(std::move(*solved))) return;
     }
     if (to_solve.aborted()) return;
     while (std::optional<WorkItem> waited = stages.flush()) {
-      if (!to_publish.push(std::move(*waited))) return;
+      if (!to_surface.push(std::move(*waited))) return;
     }
-    to_publish.close();
+    to_surface.close();
   });
+  std::thread surface = between(stages.surface, to_surface, to_publish);
 
   try {
     while (auto item = to_publish.pop()) {
@@ -117,6 +122,7 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins) {
   detector.join();
   segmenter.join();
   solver.join();
+  surface.join();
   error.rethrow();
 }
 

@@ -42,9 +42,6 @@ class PoseStage {
 
   // Skins the template and renders it.
   void render(const Pose& pose);
-  // [3*n_vertices] mm, camera frame, of the last render.
-  const ocl::Buffer<float>& skinned() const { return skinned_; }
-
   // Forgets what it knew of the last frames.
   void reset() { exchanged_frames_ = 0; }
 

@@ -31,10 +31,12 @@ namespace livecap {
 namespace {
 
 constexpr std::string_view kBuiltin = "builtin:";
-// Frames between the beginning of segmentation and the end of the solvers: one in segmentation, one handed over, and
-// those in the solvers, of which as many wait as there are passes.
+// Frames between the beginning of segmentation and the end of the solvers: one in segmentation, in the pose solver and
+// in the surface solver, one handed over to either, and those that wait for later poses, as many as there are passes.
 constexpr int kLagPasses = 2;
-constexpr int kFramesUnderWay = 3 + kLagPasses;
+constexpr int kFramesUnderWay = 5 + kLagPasses;
+// Where the processor has nothing else to do; one thread does not keep up with a GPU.
+constexpr int kDecoderThreads = 4;
 // Weight of either neighbour in a pose that the surface is fitted to, and in the paper's filter of finished videos.
 constexpr double kLagShare = 0.25;
 constexpr double kPaperShare = 0.15;
@@ -50,7 +52,8 @@ std::string actor_bytes(const CaptureOptions& options) {
 // Thread 2: the network, or detections from a file.
 class DetectionSource {
  public:
-  DetectionSource(const CaptureOptions& options, ocl::DeviceContext& device)
+  // lay_mask: see PoseDetectorOptions.
+  DetectionSource(const CaptureOptions& options, ocl::DeviceContext& device, bool lay_mask)
       : missed_share_(options.missed_detections) {
     if (!options.detections.empty()) {
       recorded_ = detect::load_detections(options.detections);
@@ -58,6 +61,7 @@ class DetectionSource {
     }
     detect::PoseDetectorOptions detector;
     detector.model = options.model;
+    detector.lay_mask = lay_mask;
     network_.emplace(device, detector);
   }
 
@@ -104,7 +108,9 @@ class Segmenter {
         foreground_(device, background, camera.width, camera.height),
         distance_(device, camera.width, camera.height),
         frames_(device, camera.width, camera.height, kFramesUnderWay),
-        gated_(gated || !background.trained()) {}
+        gated_(gated || !background.trained()) {
+    foreground_.prepare_crop_masks(detect::BlazePose::kCropSize);
+  }
 
   void segment(WorkItem& item) {
     Timer timer;
@@ -113,7 +119,10 @@ class Segmenter {
     if (person || (foreground_.has_background() && missed_frames_ <= kMaxMissedFrames)) {
       item.frame = frames_.take();
       const PersonMask& network_mask = gated_ ? item.detections.mask : no_mask_;
-      const ForegroundResult found = foreground_.segment(item.image, network_mask, *item.frame, item.mask);
+      const ForegroundResult found =
+          gated_ && item.detections.crop_mask
+              ? foreground_.segment(item.image, *item.detections.crop_mask, *item.frame, item.mask)
+              : foreground_.segment(item.image, network_mask, *item.frame, item.mask);
       item.silhouette.width = item.mask.width;
       item.silhouette.height = item.mask.height;
       item.silhouette.area_px = found.area_px;
@@ -134,12 +143,15 @@ class Segmenter {
   int64_t missed_frames_ = std::numeric_limits<int32_t>::max();  // nobody yet
 };
 
-// Thread 4: both stages. Between them each pose waits for the next two, so that the surface is fitted to a steady one.
+// Threads 4 and 5: both stages. Between them each pose waits for the next two, so that the surface is fitted to a
+// steady one.
 class Solver {
  public:
-  Solver(const CaptureOptions& options, ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
-         double lag_share)
-      : tracker_(device, actor, camera, tracker_options(options)), poses_(actor.skeleton, lag_share, kLagPasses) {
+  // surface_device: the same, with a queue of its own.
+  Solver(const CaptureOptions& options, ocl::DeviceContext& device, ocl::DeviceContext& surface_device,
+         const Actor& actor, const Camera& camera, double lag_share)
+      : tracker_(device, surface_device, actor, camera, tracker_options(options)),
+        poses_(actor.skeleton, lag_share, kLagPasses) {
     warm_up_tracker(tracker_, actor, camera);
   }
 
@@ -149,29 +161,29 @@ class Solver {
       item.result = tracker_.solve_pose(input_of(item));
       item.report.status = item.result.status;
     }
-    return finished(poses_.push(std::move(item)));
+    return poses_.push(std::move(item));
   }
 
-  std::optional<WorkItem> flush() { return finished(poses_.flush()); }
+  std::optional<WorkItem> flush() { return poses_.flush(); }
+
+  // May run beside solve() of later frames.
+  void solve_surface(WorkItem& item) {
+    if (item.report.status == TrackStatus::kDamaged) return;
+    const TraceSpan span("surface", "surface", item.report.index);
+    const TrackResult& result = item.result;
+    tracker_.solve_surface(input_of(item), item.result);
+    item.frame.reset();
+    item.report.stage_ms[static_cast<int>(CaptureStage::kPose)] = result.pose_ms;
+    item.report.stage_ms[static_cast<int>(CaptureStage::kSurface)] = result.surface_ms;
+    item.report.iou = result.iou;
+    item.report.pose_energy = result.pose_energy;
+    item.report.surface_energy = result.surface_energy;
+    item.report.keypoint_error_px = result.keypoint_error_px;
+  }
 
  private:
   static TrackInput input_of(const WorkItem& item) {
     return {item.image, item.detections, item.silhouette, item.mask, item.frame.get()};
-  }
-
-  std::optional<WorkItem> finished(std::optional<WorkItem> item) {
-    if (!item || item->report.status == TrackStatus::kDamaged) return item;
-    const TraceSpan span("solve", "surface", item->report.index);
-    const TrackResult& result = item->result;
-    tracker_.solve_surface(input_of(*item), item->result);
-    item->frame.reset();
-    item->report.stage_ms[static_cast<int>(CaptureStage::kPose)] = result.pose_ms;
-    item->report.stage_ms[static_cast<int>(CaptureStage::kSurface)] = result.surface_ms;
-    item->report.iou = result.iou;
-    item->report.pose_energy = result.pose_energy;
-    item->report.surface_energy = result.surface_energy;
-    item->report.keypoint_error_px = result.keypoint_error_px;
-    return item;
   }
 
   static TrackerOptions tracker_options(const CaptureOptions& options) {
@@ -189,7 +201,9 @@ class Solver {
 // The run itself. Its queues are closed when it returns.
 CaptureReport capture(const CaptureOptions& options, const CaptureProgress& progress) {
   set_image_threads(1);
-  FrameReader reader(options);
+  const ocl::DevicePair devices = ocl::select_device_pair(options.cnn_device, options.solver_device);
+  const bool gpus_only = !devices.cnn.is_cpu && !devices.solver.is_cpu;
+  FrameReader reader(options, gpus_only ? kDecoderThreads : 1);
   const std::string glb = actor_bytes(options);
   const bool builtin = options.actor.rfind(kBuiltin, 0) == 0;
   Actor actor = load_actor_bytes(glb, options.actor, builtin ? 0 : options.height_mm);
@@ -202,19 +216,26 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
     return std::count(options.without.begin(), options.without.end(), component) == 0;
   };
 
-  const ocl::DevicePair devices = ocl::select_device_pair(options.cnn_device, options.solver_device);
-  ocl::DeviceContext cnn(devices.cnn, "network's device");
   ocl::DeviceContext solver_device(devices.solver, "solvers' device");
+  ocl::DeviceContext surface_device(solver_device, ocl::SharedMemory{}, "solvers' device, surface");
   ocl::DeviceContext segmenter_device(
       solver_device, ocl::SharedMemory{},
       "solvers' device, segmentation");  // outlives the solver, which holds frames of it
-  // The network's kernels are compiled or loaded beside the solvers': the contexts share nothing.
+  // On one GPU in one context: a GPU that changes between contexts lets each wait for hundreds of microseconds.
+  const bool one_gpu = devices.cnn.is_gpu && devices.cnn.device == devices.solver.device;
+  std::optional<ocl::DeviceContext> cnn;
+  if (one_gpu) {
+    cnn.emplace(solver_device, ocl::SharedMemory{}, "network's device");
+  } else {
+    cnn.emplace(devices.cnn, "network's device");
+  }
+  // The network's kernels are compiled or loaded beside the solvers': the queues share nothing.
   std::optional<DetectionSource> detection;
   std::future<void> network_ready = std::async(std::launch::async, [&] {
-    detection.emplace(options, cnn);
+    detection.emplace(options, *cnn, devices.solver.is_cpu);
     detection->warm_up(reader.camera());
   });
-  Solver solver(options, solver_device, actor, reader.camera(), with(kFixedLag) ? kLagShare : 0);
+  Solver solver(options, solver_device, surface_device, actor, reader.camera(), with(kFixedLag) ? kLagShare : 0);
   Segmenter segmenter(segmenter_device, background, reader.camera(), with(kMaskGating));
   network_ready.get();
 
@@ -237,6 +258,7 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   };
   stages.solve = [&](WorkItem&& item) { return solver.solve(std::move(item)); };
   stages.flush = [&] { return solver.flush(); };
+  stages.surface = [&](WorkItem& item) { solver.solve_surface(item); };
   const int64_t buffers_before = ocl::BufferMemory::made;
   bool stopped_early = false;
   const auto publish = [&](WorkItem& item) {

@@ -12,6 +12,7 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
       options_(options),
       hanging_(actor, options.hanging),
       skinner_(device, actor, hanging_.weights(), actor.skeleton.n_bones() + 1),
+      template_skinner_(device, actor),
       rasterizer_(rasterizer),
       visibility_(visibility),
       part_mask_(device, actor.mesh, body_parts_of_vertices(actor.skeleton, actor.skin), camera.width, camera.height),
@@ -32,6 +33,11 @@ void SurfaceStage::reset() {
   n_history_ = 0;
   displacement_rest_.fill(0);
   before_displacement_rest_.fill(0);
+}
+
+void SurfaceStage::skin_template(const Pose& pose) {
+  template_skinner_.set_pose(bone_dual_quats(forward_kinematics(actor_.skeleton, pose)));
+  template_skinner_.skin(zero_, vertices_);
 }
 
 double SurfaceStage::solve(const Pose& pose, const DeviceFrame* picture) {

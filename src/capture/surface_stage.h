@@ -24,7 +24,10 @@ class SurfaceStage {
   // picture: nullptr where nothing is segmented: the skinned template then. Returns the energy.
   double solve(const Pose& pose, const DeviceFrame* picture);
 
-  // [3*n_vertices] mm, camera frame, of the last solve.
+  // The skinned template instead of a solve.
+  void skin_template(const Pose& pose);
+
+  // [3*n_vertices] mm, camera frame, of the last solve or template.
   const ocl::Buffer<float>& vertices() const { return vertices_; }
 
   // Forgets the displacement.
@@ -35,7 +38,8 @@ class SurfaceStage {
   Camera camera_;
   TrackerOptions options_;
   HangingCloth hanging_;
-  Skinner skinner_;
+  Skinner skinner_;           // of the template with hanging cloth
+  Skinner template_skinner_;  // of the template as it is
   DepthRasterizer& rasterizer_;
   SurfaceVisibility& visibility_;
   PartMask part_mask_;

@@ -17,15 +17,18 @@ constexpr float kExpectedConfidence = 0.3f;
 
 }  // namespace
 
-Tracker::Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const TrackerOptions& options)
+Tracker::Tracker(ocl::DeviceContext& device, ocl::DeviceContext& surface_device, const Actor& actor,
+                 const Camera& camera, const TrackerOptions& options)
     : actor_(actor),
       camera_(camera),
       options_(options),
       rasterizer_(device, actor.mesh, camera.width, camera.height),
       visibility_(device, actor.mesh, options.visibility),
       pose_stage_(device, actor, camera, options, rasterizer_, visibility_),
-      surface_stage_(device, actor, camera, options, rasterizer_, visibility_),
-      frame_(device, camera.width, camera.height) {}
+      frame_(device, camera.width, camera.height),
+      surface_rasterizer_(surface_device, actor.mesh, camera.width, camera.height),
+      surface_visibility_(surface_device, actor.mesh, options.visibility),
+      surface_stage_(surface_device, actor, camera, options, surface_rasterizer_, surface_visibility_) {}
 
 void Tracker::reset() {
   last_pose_.reset();
@@ -137,15 +140,15 @@ void Tracker::solve_surface(const TrackInput& given, TrackResult& result) {
     if (result.status == TrackStatus::kInitialized) surface_stage_.reset();
     result.surface_energy = surface_stage_.solve(result.pose, picture);
   } else {
-    pose_stage_.render(result.pose);
+    surface_stage_.skin_template(result.pose);
   }
-  const ocl::Buffer<float>& vertices = options_.enable_surface ? surface_stage_.vertices() : pose_stage_.skinned();
+  const ocl::Buffer<float>& vertices = surface_stage_.vertices();
   result.vertices_mm.resize(vertices.size());
   vertices.read(result.vertices_mm);
   result.surface_ms = timer.elapsed_ms();
   if (!picture) return;
-  rasterizer_.render(vertices, camera_);
-  result.iou = rasterizer_.intersection_over_union(picture->mask);
+  surface_rasterizer_.render(vertices, camera_);
+  result.iou = surface_rasterizer_.intersection_over_union(picture->mask);
 }
 
 TrackResult Tracker::track(const TrackInput& given) {

@@ -42,7 +42,12 @@ struct TrackResult {
 class Tracker {
  public:
   // camera: undistorted. Builds every program and allocates every buffer. The actor must outlive the tracker.
-  Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const TrackerOptions& options);
+  Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const TrackerOptions& options)
+      : Tracker(device, device, actor, camera, options) {}
+  // surface_device: for stage II. With a queue of its own to the same memory (SharedMemory) solve_surface may run
+  // beside solve_pose of later frames.
+  Tracker(ocl::DeviceContext& device, ocl::DeviceContext& surface_device, const Actor& actor, const Camera& camera,
+          const TrackerOptions& options);
 
   // Stage I of the next frame: status, pose, and what concerns them. Throws LogicError when there is a person or a
   // silhouette and the mask is not of the camera's size.
@@ -74,8 +79,11 @@ class Tracker {
   DepthRasterizer rasterizer_;
   SurfaceVisibility visibility_;
   PoseStage pose_stage_;
-  SurfaceStage surface_stage_;
   DeviceFrame frame_;  // where what comes from the host is uploaded to
+  // Of stage II.
+  DepthRasterizer surface_rasterizer_;
+  SurfaceVisibility surface_visibility_;
+  SurfaceStage surface_stage_;
 
   int doubtful_frames_ = 0;  // on end until the last frame
   int missed_frames_ = 0;    // on end until the last frame, those in which the silhouette was followed included

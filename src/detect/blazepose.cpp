@@ -11,6 +11,8 @@ namespace {
 
 constexpr int kHeatmapSize = 64;
 constexpr int kRefineReach = 3;  // half of the 7x7 window
+constexpr int kWindow = 2 * kRefineReach + 1;
+constexpr char kProgram[] = "detect/crop.cl";
 
 // Outputs in the file's order.
 enum Output { kLandmarks, kScore, kMask, kHeatmap, kWorld };
@@ -94,13 +96,74 @@ void mirror(std::span<uint8_t> image, int width, int channels) {
 }  // namespace
 
 BlazePose::BlazePose(ocl::DeviceContext& device, const std::filesystem::path& model, bool with_mask)
-    : net_(device, load_checked(model), requested(with_mask)),
+    : device_(device),
+      net_(device, load_checked(model), requested(with_mask)),
       landmarks_(kLandmarkCount * 5),
       score_(1),
       heatmap_(kHeatmapSize * kHeatmapSize * kLandmarkCount),
       world_(kLandmarkCount * 3),
       mask_(with_mask ? kCropSize * kCropSize : 0),
-      mask_probability_{kCropSize, kCropSize, std::vector<uint8_t>(mask_.size())} {}
+      mask_probability_{kCropSize, kCropSize, std::vector<uint8_t>(mask_.size())} {
+  if (device.is_cpu()) return;
+  heatmap_.resize(kLandmarkCount * kWindow * kWindow);
+  outputs_.resize(landmarks_.size() + score_.size() + world_.size() + heatmap_.size());
+  outputs_on_device_ = ocl::Buffer<float>(device, outputs_.size());
+  mask_on_device_ = ocl::Buffer<uint8_t>(device, mask_.size());
+  steps_ = ocl::Buffer<int32_t>(device, size_t(4) * kCropSize);
+  crop_picture_ = {device, kProgram, "crop_picture"};
+  pose_outputs_ = {device, kProgram, "pose_outputs"};
+  mask_bytes_ = {device, kProgram, "mask_bytes"};
+}
+
+void BlazePose::set_picture(const ImageRgb& image) {
+  image_ = &image;
+  if (device_.is_cpu()) return;
+  if (picture_on_device_.size() != image.pixels.size())
+    picture_on_device_ = ocl::Buffer<uint8_t>(device_, image.pixels.size());
+  picture_on_device_.write_from(image.pixels);
+}
+
+// From the picture to landmarks_, score_, world_ and the heat maps' windows, with one read.
+void BlazePose::run_on_gpu(const CropRegion& crop) {
+  struct Blocks {  // of the kernel
+    int32_t picture_width, x0, y0, width, height, factor;
+    float share;
+  };
+  struct Offsets {
+    int32_t landmarks, score, heatmap, world;
+  };
+  const CropBlocks b = crop_blocks(image_->width, image_->height, crop, kCropSize);
+  const Blocks blocks{image_->width,
+                      b.x_begin,
+                      b.y_begin,
+                      (b.x_end - b.x_begin) / b.factor,
+                      (b.y_end - b.y_begin) / b.factor,
+                      b.factor,
+                      1.0f / static_cast<float>(b.factor * b.factor)};
+  steps_.write_later(fixed_steps(b.from_crop, kCropSize, kCropSize));
+  crop_picture_.launch(ocl::Range{kCropSize, kCropSize, 32, 2}, kCropSize, mirrored_ ? 1 : 0, blocks, net_.input_at(),
+                       picture_on_device_, steps_, net_.arena());
+  do {
+    net_.run();
+    pose_outputs_.launch(heatmap_.size(), 64,
+                         Offsets{net_.output_at(0), net_.output_at(1), net_.output_at(2), net_.output_at(3)},
+                         net_.arena(), outputs_on_device_);
+    if (!mask_.empty())
+      mask_bytes_.launch(mask_.size(), 64, net_.output_at(4), mirrored_ ? 1 : 0, net_.arena(), mask_on_device_);
+    outputs_on_device_.read(outputs_);
+  } while (net_.gave_up());
+  auto from = outputs_.begin();
+  for (auto* values : {&landmarks_, &score_, &world_, &heatmap_}) {
+    std::copy_n(from, values->size(), values->begin());
+    from += static_cast<std::ptrdiff_t>(values->size());
+  }
+}
+
+// The logit at (x, y) of a landmark's heat map; the landmark lies in (column, row).
+float BlazePose::heat(int landmark, int x, int y, int column, int row) const {
+  if (device_.is_cpu()) return heatmap_[(size_t(y) * kHeatmapSize + x) * kLandmarkCount + landmark];
+  return heatmap_[(size_t(landmark) * kWindow + y - row + kRefineReach) * kWindow + x - column + kRefineReach];
+}
 
 // As MediaPipe's "refine landmarks from heatmap": the centre of mass of the probabilities in a window around the
 // landmark. positions: fractions of the crop.
@@ -113,7 +176,7 @@ void BlazePose::refine(float threshold, std::array<Point2, kLandmarkCount>& posi
     float best = 0;
     for (int y = std::max(row - kRefineReach, 0); y <= std::min(row + kRefineReach, kHeatmapSize - 1); ++y) {
       for (int x = std::max(column - kRefineReach, 0); x <= std::min(column + kRefineReach, kHeatmapSize - 1); ++x) {
-        const float probability = sigmoid(heatmap_[(size_t(y) * kHeatmapSize + x) * kLandmarkCount + i]);
+        const float probability = sigmoid(heat(i, x, y, column, row));
         best = std::max(best, probability);
         sum += probability;
         sum_x += probability * x;
@@ -125,17 +188,21 @@ void BlazePose::refine(float threshold, std::array<Point2, kLandmarkCount>& posi
   }
 }
 
-void BlazePose::estimate(const ImageRgb& image, const CropRegion& crop, float refine_threshold, bool mirrored,
-                         PoseEstimate& result) {
-  sampler_.sample(image, crop, kCropSize, input_);
+void BlazePose::estimate(const CropRegion& crop, float refine_threshold, bool mirrored, PoseEstimate& result) {
+  if (!image_) throw LogicError("detect::BlazePose: estimate() before set_picture()");
   mirrored_ = mirrored;
-  if (mirrored) mirror(input_.pixels, kCropSize, 3);
-  net_.set_input_u8(input_.pixels, 1.0f / 255, 0);
-  net_.run();
-  net_.read_output(0, landmarks_);
-  net_.read_output(1, score_);
-  net_.read_output(2, heatmap_);
-  net_.read_output(3, world_);
+  if (device_.is_cpu()) {
+    sampler_.sample(*image_, crop, kCropSize, input_);
+    if (mirrored) mirror(input_.pixels, kCropSize, 3);
+    net_.set_input_u8(input_.pixels, 1.0f / 255, 0);
+    net_.run();
+    net_.read_output(0, landmarks_);
+    net_.read_output(1, score_);
+    net_.read_output(2, heatmap_);
+    net_.read_output(3, world_);
+  } else {
+    run_on_gpu(crop);
+  }
 
   std::array<Point2, kLandmarkCount> positions;
   for (int i = 0; i < kLandmarkCount; ++i)
@@ -165,6 +232,10 @@ void BlazePose::estimate(const ImageRgb& image, const CropRegion& crop, float re
 
 const ImageGray& BlazePose::mask_probability() {
   if (mask_.empty()) throw LogicError("detect::BlazePose: made without the mask");
+  if (!device_.is_cpu()) {
+    mask_on_device_.read(mask_probability_.pixels);
+    return mask_probability_;
+  }
   net_.read_output(4, mask_);
   for (size_t i = 0; i < mask_.size(); ++i)
     mask_probability_.pixels[i] = static_cast<uint8_t>(255 * sigmoid(mask_[i]) + 0.5f);

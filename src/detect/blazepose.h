@@ -40,10 +40,12 @@ class BlazePose {
   // Throws IoError naming the file when it is not this network.
   BlazePose(ocl::DeviceContext& device, const std::filesystem::path& model, bool with_mask);
 
+  // The picture of the estimates that follow, which must stay as it is until the last of them.
+  void set_picture(const ImageRgb& image);
+
   // refine_threshold: heatmap probability from which a landmark is moved to its heatmap's centre of mass.
   // mirrored: the network is shown the crop's mirror image. The result is turned back: its errors differ, nothing else.
-  void estimate(const ImageRgb& image, const CropRegion& crop, float refine_threshold, bool mirrored,
-                PoseEstimate& result);
+  void estimate(const CropRegion& crop, float refine_threshold, bool mirrored, PoseEstimate& result);
 
   // Person probability over the last estimated crop, kCropSize x kCropSize, 255 = 1. Only with_mask.
   const ImageGray& mask_probability();
@@ -52,18 +54,29 @@ class BlazePose {
   static CropRegion next_crop(const PoseEstimate& estimate);
 
  private:
+  void run_on_gpu(const CropRegion& crop);
+  float heat(int landmark, int x, int y, int column, int row) const;
   void refine(float threshold, std::array<Point2, kLandmarkCount>& positions) const;
 
+  ocl::DeviceContext& device_;
   nn::Executor net_;
+  const ImageRgb* image_ = nullptr;
   CropSampler sampler_;
   ImageRgb input_;
   std::vector<float> landmarks_;  // [39*5] x, y, z in crop px, visibility and presence logits
   std::vector<float> score_;      // [1]
-  std::vector<float> heatmap_;    // [64*64*39] logits
+  std::vector<float> heatmap_;    // [64*64*39] logits; GPUs: [39*7*7] around each landmark
   std::vector<float> world_;      // [39*3] m
   bool mirrored_ = false;         // the last estimate
   std::vector<float> mask_;       // [256*256] logits
   ImageGray mask_probability_;    // of the last estimate
+  // GPUs crop the picture and look at the outputs on the device.
+  std::vector<float> outputs_;
+  ocl::Buffer<uint8_t> picture_on_device_;
+  ocl::Buffer<int32_t> steps_;
+  ocl::Buffer<float> outputs_on_device_;
+  ocl::Buffer<uint8_t> mask_on_device_;
+  ocl::Kernel crop_picture_, pose_outputs_, mask_bytes_;
 };
 
 // The 23 observation keypoints from the network's landmarks: positions and confidences are means and minima of the

@@ -2,6 +2,8 @@
 #pragma once
 
 #include "base/image_rgb.h"
+#include "image/affine_warp.h"
+#include "image/crop_mask.h"
 #include "livecap/detections.h"
 
 namespace livecap::detect {
@@ -26,6 +28,14 @@ struct CropRegion {
 // The smallest square that holds the whole image.
 CropRegion whole_image_crop(int width, int height);
 
+// The blocks of factor x factor pixels that a crop is read from, and where among them its pixels lie.
+struct CropBlocks {
+  int factor = 1;
+  int x_begin = 0, y_begin = 0, x_end = 0, y_end = 0;  // px of the image
+  AffineMap from_crop;
+};
+CropBlocks crop_blocks(int width, int height, const CropRegion& crop, int size);
+
 // Reads crops of an image; keeps its work memory between frames.
 class CropSampler {
  public:
@@ -38,7 +48,10 @@ class CropSampler {
   ImageRgb blocks_;
 };
 
-// probability: square, over the crop, 255 = 1. Writes the whole image's mask (bilinear; 0 outside the crop).
+// probability: square, over the crop, 255 = 1.
+CropMask place_mask(const ImageGray& probability, const CropRegion& crop, int width, int height);
+
+// The same laid over the image: writes the whole image's mask (bilinear; 0 outside the crop).
 void warp_mask(const ImageGray& probability, const CropRegion& crop, int width, int height, PersonMask& mask);
 
 }  // namespace livecap::detect

@@ -90,22 +90,22 @@ bool PoseDetector::accept(const ImageRgb& image) {
 bool PoseDetector::find_person(const ImageRgb& image) {
   if (tracking_) {
     mirrored_ = mirror_next_;
-    network_.estimate(image, followed_, options_.refine_threshold, mirrored_, estimate_);
+    network_.estimate(followed_, options_.refine_threshold, mirrored_, estimate_);
     mirror_next_ = options_.alternate_mirror && !mirror_next_;
     if (accept(image)) return true;
     if (missed_ == 0) return false;  // one frame is often just missed
   }
   // The whole image; if nobody is there a closer look at a part of it, another one each frame.
-  network_.estimate(image, whole_image_crop(image.width, image.height), options_.refine_threshold, false, estimate_);
+  network_.estimate(whole_image_crop(image.width, image.height), options_.refine_threshold, false, estimate_);
   bool found = accept(image);
   if (!found && !tracking_ && image.width != image.height) {
-    network_.estimate(image, search_window(image.width, image.height, search_step_++), options_.refine_threshold, false,
+    network_.estimate(search_window(image.width, image.height, search_step_++), options_.refine_threshold, false,
                       estimate_);
     found = accept(image);
   }
   if (!found) return false;
   // A second look with the person's own crop.
-  network_.estimate(image, next_crop_, options_.refine_threshold, false, estimate_);
+  network_.estimate(next_crop_, options_.refine_threshold, false, estimate_);
   if (!accept(image)) return false;
   forget_person();  // found elsewhere: the filters' past is of no use
   return true;
@@ -159,6 +159,7 @@ Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camer
                              camera.height));
   Detections detections;
   detections.frame_index = frame_index;
+  network_.set_picture(undistorted);
   const bool found = find_person(undistorted);
   detections.score = estimate_.score;
   if (!found) {
@@ -178,8 +179,12 @@ Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camer
   if (options_.keep_sides) sides_.update(options_.sides, dt_s, kCropMm / estimate_.crop.side_px, detections.keypoints);
   if (options_.correct_posture) posture_.update(options_.posture, dt_s, detections.keypoints);
   if (options_.filter) filter_keypoints(dt_s, detections);
-  if (options_.mask)
+  if (options_.mask && options_.lay_mask) {
     warp_mask(network_.mask_probability(), estimate_.crop, undistorted.width, undistorted.height, detections.mask);
+  } else if (options_.mask) {
+    detections.crop_mask = std::make_shared<const CropMask>(
+        place_mask(network_.mask_probability(), estimate_.crop, undistorted.width, undistorted.height));
+  }
   tracking_ = true;
   missed_ = 0;
   followed_ = next_crop_;

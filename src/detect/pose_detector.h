@@ -21,6 +21,7 @@ namespace livecap::detect {
 struct PoseDetectorOptions {
   std::string model = "full";     // lite, full, heavy, or the path of a .tflite file
   bool mask = true;               // also the person mask
+  bool lay_mask = true;           // over the whole image; else Detections::crop_mask
   float score_threshold = 0.5f;   // below: nobody
   float refine_threshold = 0.5f;  // heatmap probability from which landmarks are refined; > 1 switches it off
   // The network takes every crop for the picture of a camera that looks straight at it. On: its 3D points are also

@@ -48,6 +48,21 @@ void warp_affine(const ImageGray& in, const AffineMap& map, int x_begin, int y_b
                  cv::BORDER_CONSTANT);
 }
 
+std::vector<int32_t> fixed_steps(const AffineMap& map, int width, int height) {
+  constexpr int kOne = 1024, kHalfOf32nd = 16;
+  std::vector<int32_t> steps;
+  steps.reserve(size_t(2) * (width + height));
+  for (int x = 0; x < width; ++x) {
+    steps.push_back(cv::saturate_cast<int>(map.xx * x * kOne));
+    steps.push_back(cv::saturate_cast<int>(map.yx * x * kOne));
+  }
+  for (int y = 0; y < height; ++y) {
+    steps.push_back(cv::saturate_cast<int>((map.xy * y + map.x0) * kOne) + kHalfOf32nd);
+    steps.push_back(cv::saturate_cast<int>((map.yy * y + map.y0) * kOne) + kHalfOf32nd);
+  }
+  return steps;
+}
+
 void shrink(const ImageRgb& in, int x_begin, int y_begin, int x_end, int y_end, int factor, ImageRgb& out) {
   if (x_begin < 0 || y_begin < 0 || x_end > in.width || y_end > in.height || factor < 1)
     throw LogicError("shrink: the rectangle is not inside the picture");

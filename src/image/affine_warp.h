@@ -1,6 +1,9 @@
 // Turned, scaled and shifted copies of pictures.
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "base/image_rgb.h"
 
 namespace livecap {
@@ -19,6 +22,10 @@ void warp_affine(const ImageGray& in, const AffineMap& in_from_out, ImageGray& o
 // The same for the pixels [x_begin, x_end) x [y_begin, y_end) of `out`, which lie in it (LogicError); the others stay.
 void warp_affine(const ImageGray& in, const AffineMap& in_from_out, int x_begin, int y_begin, int x_end, int y_end,
                  ImageGray& out);
+
+// The positions that warp_affine looks at for the pixels of a width x height picture, for kernels/image/warp_point.h:
+// x and y of each column, then of each row, whose sums they are.
+std::vector<int32_t> fixed_steps(const AffineMap& in_from_out, int width, int height);
 
 // A rectangle of a picture, shrunk by a whole factor: means of factor x factor pixels. The rectangle lies in the
 // picture (LogicError); columns and rows that do not fill a block are left out.

@@ -59,7 +59,8 @@ void ForegroundOptions::validate() const {
 
 ForegroundSegmenter::ForegroundSegmenter(ocl::DeviceContext& device, const BackgroundModel& background, int width,
                                          int height, const ForegroundOptions& options)
-    : background_(background),
+    : device_(device),
+      background_(background),
       options_(options),
       has_background_(background.trained()),
       width_(width),
@@ -93,6 +94,8 @@ ForegroundSegmenter::ForegroundSegmenter(ocl::DeviceContext& device, const Backg
   smoothed_ = ocl::Buffer<uint16_t>(device, padded);
   smoothed_.fill(0);
   n_beyond_ = ocl::Buffer<int32_t>(device, 1);
+  crop_steps_ = ocl::Buffer<int32_t>(device, size_t(2) * (width + height));
+  lay_mask_ = ocl::Kernel(device, "image/lay_mask.cl", "lay_mask");
   coarse_means_ = ocl::Kernel(device, kFile, "coarse_means");
   foreground_score_ = ocl::Kernel(device, kFile, "foreground_score");
   network_score_ = ocl::Kernel(device, kFile, "network_score");
@@ -115,8 +118,44 @@ void ForegroundSegmenter::require_sizes(const ImageRgb& image, const PersonMask&
   if (frame.width != width_ || frame.height != height_) throw LogicError("foreground: device frame of another size");
 }
 
-PersonGate ForegroundSegmenter::find_gate(const PersonMask& network_mask) {
-  network_.write(network_mask.probability);
+void ForegroundSegmenter::prepare_crop_masks(int size) {
+  const size_t n = size_t(size) * size;
+  if (crop_mask_.size() != n) crop_mask_ = ocl::Buffer<uint8_t>(device_, n);
+}
+
+// Into network_.
+void ForegroundSegmenter::lay_on_device(const CropMask& crop_mask) {
+  const int size = crop_mask.probability.width;
+  const PixelBox& box = crop_mask.box;
+  if (box.empty() || size == 0) {
+    network_.fill(0);
+    return;
+  }
+  if (box.x0 < 0 || box.y0 < 0 || box.x1 > width_ || box.y1 > height_ || crop_mask.probability.height != size)
+    throw LogicError("foreground: the network's mask lies outside the picture");
+  prepare_crop_masks(size);
+  crop_mask_.write(crop_mask.probability.pixels);
+  AffineMap from_box = crop_mask.mask_from_image;
+  from_box.x0 += from_box.xx * box.x0 + from_box.xy * box.y0;
+  from_box.y0 += from_box.yx * box.x0 + from_box.yy * box.y0;
+  crop_steps_.write_later(fixed_steps(from_box, box.width(), box.height()));
+  struct MaskArg {  // of the kernel
+    int32_t width, height, x0, y0, x1, y1, size;
+  };
+  const auto columns = (static_cast<size_t>(width_) + kLocal - 1) / kLocal * kLocal;
+  lay_mask_.launch(ocl::Range{columns, static_cast<size_t>(height_), kLocal, 1},
+                   MaskArg{width_, height_, box.x0, box.y0, box.x1, box.y1, size}, crop_mask_, crop_steps_, network_);
+}
+
+PersonMask ForegroundSegmenter::laid_over(const CropMask& crop_mask) const {
+  ImageGray whole{width_, height_, std::vector<uint8_t>(size_t(width_) * height_, 0)};
+  const PixelBox& box = crop_mask.box;
+  warp_affine(crop_mask.probability, crop_mask.mask_from_image, box.x0, box.y0, box.x1, box.y1, whole);
+  return {width_, height_, std::move(whole.pixels)};
+}
+
+// Of network_.
+PersonGate ForegroundSegmenter::find_gate() {
   const int n_groups = groups_of(width_);
   coarse_means_.launch(ocl::Range{groups_of(n_groups) * kLocal, static_cast<size_t>(coarse_height_), kLocal, 1},
                        n_groups, width_, height_, coarse_width_, coarse_height_, network_, coarse_);
@@ -166,17 +205,22 @@ void ForegroundSegmenter::decide(const ImageRgb& image, const PersonGate& gate, 
                       frame.mask);
 }
 
-ForegroundResult ForegroundSegmenter::segment(const ImageRgb& image, const PersonMask& network_mask, DeviceFrame& frame,
-                                              ImageGray& mask) {
+ForegroundResult ForegroundSegmenter::segment(const ImageRgb& image, const PersonMask& network_mask,
+                                              const CropMask* crop_mask, DeviceFrame& frame, ImageGray& mask) {
   require_sizes(image, network_mask, frame);
-  const bool has_network = !network_mask.empty();
+  const bool has_network = crop_mask || !network_mask.empty();
   mask.width = width_;
   mask.height = height_;
   mask.pixels.assign(size_t(width_) * height_, 0);
   frame.rgb.write(image.pixels);
   PersonGate gate;
   if (has_network) {
-    gate = find_gate(network_mask);
+    if (crop_mask) {
+      lay_on_device(*crop_mask);
+    } else {
+      network_.write(network_mask.probability);
+    }
+    gate = find_gate();
   } else if (has_background_) {
     gate.search = {0, 0, width_, height_};
   }
@@ -188,10 +232,12 @@ ForegroundResult ForegroundSegmenter::segment(const ImageRgb& image, const Perso
   const size_t begin = size_t(width_) * rows.y0, size = size_t(width_) * rows.height();
   const std::span<uint8_t> decided(mask.pixels.data() + begin, size);
   frame.mask.read(decided, begin);
-  if (has_network && has_background_) {
-    int32_t n_beyond = 0;
-    n_beyond_.read({&n_beyond, 1});
-    const StrangerSearch search{network_mask, gate.search, gate.seam_px, options_.least_stranger};
+  int32_t n_beyond = 0;
+  if (has_network && has_background_) n_beyond_.read({&n_beyond, 1});
+  if (crop_mask ? few_beyond(coarse_mask_, options_.least_stranger, n_beyond) : n_beyond == 0) n_beyond = 0;
+  if (n_beyond > 0) {
+    const PersonMask laid = crop_mask ? laid_over(*crop_mask) : PersonMask{};
+    const StrangerSearch search{crop_mask ? laid : network_mask, gate.search, gate.seam_px, options_.least_stranger};
     if (may_be_strangers(search, n_beyond)) {
       beyond_rows_.resize(size_t(stride_) * rows.height());
       beyond_.read(beyond_rows_, size_t(stride_) * (rows.y0 + kPad));

@@ -6,6 +6,7 @@
 
 #include "base/image_rgb.h"
 #include "image/background_model.h"
+#include "image/crop_mask.h"
 #include "image/device_frame.h"
 #include "image/person_gate.h"
 #include "livecap/detections.h"
@@ -47,12 +48,25 @@ class ForegroundSegmenter {
   // of the frame's size, or empty where the network gave none (then the whole picture is looked at). A mask without
   // anybody, or neither mask nor plate, gives an empty (all zero) result, not an error. Throws ConfigError when sizes
   // differ. Blocking.
-  ForegroundResult segment(const ImageRgb& image, const PersonMask& network_mask, DeviceFrame& frame, ImageGray& mask);
+  ForegroundResult segment(const ImageRgb& image, const PersonMask& network_mask, DeviceFrame& frame, ImageGray& mask) {
+    return segment(image, network_mask, nullptr, frame, mask);
+  }
+  // So that no frame needs to: memory for masks of crops of size x size.
+  void prepare_crop_masks(int size);
+  // The network's mask is laid over the picture on the device.
+  ForegroundResult segment(const ImageRgb& image, const CropMask& network_mask, DeviceFrame& frame, ImageGray& mask) {
+    return segment(image, {}, &network_mask, frame, mask);
+  }
 
  private:
   struct KernelArg;
+  ocl::DeviceContext& device_;
   void require_sizes(const ImageRgb& image, const PersonMask& network_mask, const DeviceFrame& frame) const;
-  PersonGate find_gate(const PersonMask& network_mask);
+  ForegroundResult segment(const ImageRgb& image, const PersonMask& network_mask, const CropMask* crop_mask,
+                           DeviceFrame& frame, ImageGray& mask);
+  void lay_on_device(const CropMask& crop_mask);
+  PersonMask laid_over(const CropMask& crop_mask) const;
+  PersonGate find_gate();
   void decide(const ImageRgb& image, const PersonGate& gate, bool has_network, DeviceFrame& frame);
 
   BackgroundModel background_;
@@ -71,6 +85,9 @@ class ForegroundSegmenter {
   ocl::Buffer<uint16_t> smoothed_;                            // padded
   ocl::Buffer<uint16_t> weights_;                             // [reach+1]
   ocl::Buffer<int32_t> n_beyond_;
+  ocl::Buffer<uint8_t> crop_mask_;
+  ocl::Buffer<int32_t> crop_steps_;
+  ocl::Kernel lay_mask_;
   ocl::Kernel coarse_means_, foreground_score_, network_score_, score_border_, smooth_rows_, decide_, trim_border_;
   ImageGray coarse_mask_;
   std::vector<uint8_t> beyond_rows_;

@@ -12,6 +12,8 @@ namespace {
 constexpr int kHalf = 128;
 // A stranger's share beyond the gate, of what is looked at, is at least this.
 constexpr double kShareBeyond = 0.1;
+// Of the area that cells tell.
+constexpr double kSureShare = 0.8;
 // A piece that touches less than this many pixels is noise whatever the largest one is.
 constexpr int kMinPiecePx = 16;
 
@@ -41,6 +43,12 @@ int least_area(const StrangerSearch& search, const cv::Mat& known) {
 
 bool may_be_strangers(const StrangerSearch& search, int n_beyond) {
   return n_beyond > 0 && n_beyond > kShareBeyond * least_area(search, known_person(search));
+}
+
+bool few_beyond(const ImageGray& cells, float least_share, int n_beyond) {
+  const auto known = std::count_if(cells.pixels.begin(), cells.pixels.end(), [](uint8_t p) { return p >= kHalf; });
+  const double known_px = kSureShare * kGateCell * kGateCell * static_cast<double>(known);
+  return n_beyond <= kShareBeyond * least_share * known_px;
 }
 
 void drop_strangers(const StrangerSearch& search, const uint8_t* beyond, int stride, ImageGray& mask) {

@@ -20,6 +20,9 @@ struct StrangerSearch {
 // n_beyond: pixels in the box that are neither the background nor in the gate.
 bool may_be_strangers(const StrangerSearch& search, int n_beyond);
 
+// True when so few surely are no stranger, told from the network's mask in cells (see find_person_gate) alone.
+bool few_beyond(const ImageGray& cells, float least_share, int n_beyond);
+
 // beyond: nonzero where a pixel is neither the background nor in the gate; the first one belongs to column 0 of the
 // box's first row, rows are `stride` apart.
 void drop_strangers(const StrangerSearch& search, const uint8_t* beyond, int stride, ImageGray& mask);

@@ -46,6 +46,10 @@ std::vector<ocl::SelfTestResult> image_self_test(ocl::DeviceContext& device) {
   const ForegroundResult found = with_plate.segment(picture, network, frame, mask);
   results.push_back(counted("coarse_means, foreground_score, score_border, smooth_rows, decide, trim_border", kArea - 4,
                             found.area_px));
+  // The same mask as a crop of half the size, its pixels in the middle of 2 x 2.
+  CropMask crop{
+      {35, 35, std::vector<uint8_t>(size_t(35) * 35, 200)}, {0.5, 0, -0.25, 0, 0.5, -0.25}, {kFrom, kFrom, kTo, kTo}};
+  results.push_back(counted("lay_mask", kArea - 4, without_plate.segment(picture, crop, frame, mask).area_px));
   results.push_back(counted("network_score", kArea - 4, without_plate.segment(picture, network, frame, mask).area_px));
 
   for (int y = 0; y < kHeight; ++y) {

@@ -17,10 +17,9 @@ constexpr int kCacheFloats = 6 * 1024;  // weights up to this size stay in a CPU
 
 constexpr int kNarrow = 3;  // output channels up to which a CPU vectorises over the input channels instead
 
-// A GPU with fewer work-items than this mostly waits for memory: sums of this many terms are then shared by a
-// work-group.
-constexpr int kFewItems = 16384;
-constexpr int kManyTerms = 64;
+// A GPU with fewer work-items than this mostly waits for memory: several then share a sum, of this many terms each.
+constexpr int kManyItems = 32768;
+constexpr int kFewTerms = 8;
 
 int panels(int channels) {
   return (channels + NN_PANEL - 1) / NN_PANEL;
@@ -106,6 +105,10 @@ Executor::Executor(ocl::DeviceContext& device, const Graph& graph, const std::ve
   offsets_ = plan.offsets;
 
   convert_u8_ = kernel("nn/elementwise.cl", "convert_u8");
+  if (!device.is_cpu()) {
+    run_layers_ = kernel("nn/layers.cl", "run_layers");
+    groups_ = ocl::GroupsTogether(device, std::numeric_limits<size_t>::max());
+  }
   std::vector<float> weights;
   for (const Op& op : graph_.ops) {
     add_step(op, plan.offsets, weights);
@@ -117,11 +120,13 @@ Executor::Executor(ocl::DeviceContext& device, const Graph& graph, const std::ve
   arena_ = ocl::Buffer<float>(device, static_cast<size_t>(plan.size));
   arena_.fill(0.0f);
   input_u8_ = ocl::Buffer<uint8_t>(device, static_cast<size_t>(element_count(input_shape())));
+  layers_on_device_ = ocl::Buffer<NnLayer>(device, layers_);
   for (Tensor& tensor : graph_.tensors) tensor.values = {};
   // The first launch compiles on some devices: pay before the first frame.
   set_input_u8(std::vector<uint8_t>(input_u8_.size(), 0), 0, 0);
   run();
   device.finish();
+  gave_up();
 }
 
 size_t Executor::kernel(const char* file, const char* name) {
@@ -165,19 +170,15 @@ void Executor::add_step(const Op& op, const std::vector<int64_t>& offsets, std::
     }
     p.bias_offset = pack_bias(graph_, op.inputs[2], p.out_channels, weights);
     p.panels_innermost = element_count(w.shape) <= kCacheFloats;
-    step.kernel = kernel("nn/conv2d.cl", narrow ? "conv_narrow" : pointwise ? "conv_pointwise" : "conv_window");
-    const int n_panels = panels(p.out_channels);
-    if (cpu) {
+    if (!cpu) {
+      add_layer(step, pointwise ? NN_POINTWISE : NN_WINDOW);
+    } else {
+      step.kernel = kernel("nn/conv2d.cl", narrow ? "conv_narrow" : pointwise ? "conv_pointwise" : "conv_window");
+      const int n_panels = panels(p.out_channels);
       const int tiles =
           pointwise ? (pixels + NN_STRIP - 1) / NN_STRIP : p.out_height * ((p.out_width + NN_TILE - 1) / NN_TILE);
       p.count = narrow ? p.out_height : tiles * ((n_panels + 1) / 2);
       step.local = 1;
-    } else {
-      p.count = (pointwise ? (pixels + 3) / 4 : pixels) * n_panels * 4;
-      if (p.count < kFewItems && p.kernel_h * p.kernel_w * p.in_channels >= kManyTerms) {
-        step.kernel = kernel("nn/conv_split.cl", "conv_split");
-        p.count = pixels * n_panels * static_cast<int>(kLocal);
-      }
     }
     step.has_weights = true;
   } else if (const auto* depthwise = std::get_if<DepthwiseConv2d>(&op.attributes)) {
@@ -185,7 +186,7 @@ void Executor::add_step(const Op& op, const std::vector<int64_t>& offsets, std::
     set_window(p, depthwise->window, w.shape[1], w.shape[2]);
     p.weight_offset = pack_depthwise(w, weights);
     p.bias_offset = pack_bias(graph_, op.inputs[2], p.out_channels, weights);
-    if (p.out_channels == NN_PANEL / 2) {  // for vectors of two pixels
+    if (cpu && p.out_channels == NN_PANEL / 2) {  // for vectors of two pixels
       const auto repeat = [&](int offset, int n_vectors) {
         for (int v = 0; v < n_vectors; ++v)
           std::copy_n(&weights[offset + v * NN_PANEL], NN_PANEL / 2, &weights[offset + v * NN_PANEL + NN_PANEL / 2]);
@@ -207,15 +208,23 @@ void Executor::add_step(const Op& op, const std::vector<int64_t>& offsets, std::
       p.count = panels(p.out_channels) * (by_row ? p.out_height : pixels);
       step.local = 1;
     } else {
-      step.kernel = kernel("nn/depthwise.cl", "depthwise_any");
+      add_layer(step, NN_DEPTHWISE_LAYER);
     }
     step.has_weights = true;
   } else if (std::holds_alternative<Add>(op.attributes)) {
     p.residual_offset = static_cast<int>(offsets[op.inputs[1]]);
-    step.kernel = kernel("nn/elementwise.cl", "add");
+    if (cpu) {
+      step.kernel = kernel("nn/elementwise.cl", "add");
+    } else {
+      add_layer(step, NN_ADD);
+    }
   } else if (const auto* pool = std::get_if<MaxPool2d>(&op.attributes)) {
     set_window(p, pool->window, pool->kernel_h, pool->kernel_w);
-    step.kernel = kernel("nn/elementwise.cl", "max_pool");
+    if (cpu) {
+      step.kernel = kernel("nn/elementwise.cl", "max_pool");
+    } else {
+      add_layer(step, NN_MAX_POOL);
+    }
   } else if (const auto* mean = std::get_if<AveragePool2d>(&op.attributes)) {
     set_window(p, mean->window, mean->kernel_h, mean->kernel_w);
     p.mode = mean->count_padding;
@@ -263,13 +272,19 @@ void Executor::add_step(const Op& op, const std::vector<int64_t>& offsets, std::
   } else if (const auto* resize = std::get_if<ResizeBilinear>(&op.attributes)) {
     p.align_corners = resize->align_corners;
     p.half_pixel_centers = resize->half_pixel_centers;
-    step.kernel = kernel("nn/resize.cl", "resize_bilinear");
     if (cpu) {
+      step.kernel = kernel("nn/resize.cl", "resize_bilinear");
       p.count = p.out_height;
       step.local = 1;
+    } else {
+      add_layer(step, NN_RESIZE);
     }
   } else if (std::holds_alternative<Logistic>(op.attributes)) {
-    step.kernel = kernel("nn/elementwise.cl", "logistic");
+    if (cpu) {
+      step.kernel = kernel("nn/elementwise.cl", "logistic");
+    } else {
+      add_layer(step, NN_LOGISTIC);
+    }
   } else {
     return;  // RESHAPE: shares its input's memory
   }
@@ -294,22 +309,62 @@ void Executor::set_input_u8(std::span<const uint8_t> bytes, float scale, float o
   kernels_[convert_u8_].launch(bytes.size(), kLocal, op, input_u8_, arena_);
 }
 
+// The step becomes one of run_layers; its op must be complete.
+void Executor::add_layer(Step& step, int kind) {
+  const NnOp& p = step.op;
+  int slices = 1;
+  if (kind == NN_POINTWISE || kind == NN_WINDOW) {
+    const int pixels = p.out_height * p.out_width, lanes = (p.out_channels + 3) / 4;
+    const int items = (kind == NN_POINTWISE ? (pixels + 3) / 4 : pixels) * lanes;
+    while (slices < NN_MOST_SLICES && items * slices < kManyItems && p.in_channels >= 2 * slices * kFewTerms)
+      slices *= 2;
+  }
+  step.layer = static_cast<int>(layers_.size());
+  layers_.push_back({p, kind, slices});
+}
+
+// Those of steps_ from `first` on that are layers, together or one by one. Returns the step behind them.
+size_t Executor::launch_layers(size_t first) {
+  size_t end = first;
+  while (end < steps_.size() && steps_[end].layer >= 0) ++end;
+  const int first_layer = steps_[first].layer;
+  const int n = static_cast<int>(end - first);
+  const int at_once = groups_.work() ? n : 1;
+  for (int i = 0; i < n; i += at_once) {
+    kernels_[run_layers_].launch(groups_.n() * NN_GROUP, NN_GROUP, first_layer + i, first_layer + i + at_once,
+                                 groups_.arrived(), layers_on_device_, weights_, arena_, groups_.state());
+    groups_.launched(at_once - 1);
+  }
+  return end;
+}
+
 void Executor::run() {
-  for (const Step& step : steps_) {
+  for (size_t i = 0; i < steps_.size();) {
+    const Step& step = steps_[i];
+    if (step.layer >= 0) {
+      i = launch_layers(i);
+      continue;
+    }
     ocl::Kernel& kernel = kernels_[step.kernel];
     if (step.has_weights) {
       kernel.launch(step.op.count, step.local, step.op, weights_, arena_);
     } else {
       kernel.launch(step.op.count, step.local, step.op, arena_);
     }
+    ++i;
   }
+  groups_.read_later();
 }
 
 void Executor::read_output(size_t i, std::span<float> values) {
   if (int64_t(values.size()) != element_count(output_shape(i)))
     throw LogicError(format("nn::Executor: %zu values for output of shape ", values.size()) +
                      to_string(output_shape(i)));
-  arena_.read(values, static_cast<size_t>(offsets_[graph_.outputs[i]]));
+  const auto read = [&] { arena_.read(values, static_cast<size_t>(offsets_[graph_.outputs[i]])); };
+  read();
+  if (!gave_up()) return;
+  run();
+  read();
 }
 
 }  // namespace livecap::nn

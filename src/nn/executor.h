@@ -1,4 +1,5 @@
-// Runs a graph on one device: constants packed and uploaded once, activations in one arena, one launch per operator.
+// Runs a graph on one device: constants packed and uploaded once, activations in one arena. CPUs launch each operator;
+// GPUs launch runs of layers at once (kernels/nn/layers.cl).
 //   Executor net(device, graph, {0, 2});
 //   net.set_input(pixels);
 //   net.run();
@@ -12,6 +13,7 @@
 #include "nn/graph.h"
 #include "nn/op_params.h"
 #include "ocl/buffer.h"
+#include "ocl/groups_together.h"
 #include "ocl/kernel.h"
 
 namespace livecap::nn {
@@ -36,7 +38,17 @@ class Executor {
   const Shape& output_shape(size_t i) const { return graph_.tensors[graph_.outputs.at(i)].shape; }
   const Shape& input_shape() const { return graph_.tensors[graph_.inputs.front()].shape; }
 
-  size_t launch_count() const { return steps_.size(); }
+  // For kernels that write the input or look at outputs on the device: all values, and where each begins.
+  ocl::Buffer<float>& arena() { return arena_; }
+  int input_at() const { return static_cast<int>(offsets_[graph_.inputs.front()]); }
+  int output_at(size_t i) const { return static_cast<int>(offsets_[graph_.outputs.at(i)]); }
+  // After a blocking read behind run(): true once when the device did not do all of the run, which is then to be
+  // enqueued again. read_output does so itself.
+  bool gave_up() { return groups_.gave_up(graph_.name); }
+
+  size_t step_count() const { return steps_.size(); }
+  // Whether layers are launched together. No longer after a launch in which work-groups did not run at once.
+  bool together() const { return groups_.work(); }
   size_t arena_bytes() const { return arena_.size() * sizeof(float); }
 
  private:
@@ -45,15 +57,22 @@ class Executor {
     NnOp op{};
     size_t local = 1;
     bool has_weights = false;
+    int layer = -1;  // index into layers_, or a kernel of its own
   };
 
   size_t kernel(const char* file, const char* name);
   void add_step(const Op& op, const std::vector<int64_t>& offsets, std::vector<float>& weights);
+  void add_layer(Step& step, int kind);
+  size_t launch_layers(size_t first);
 
   ocl::DeviceContext& device_;
   Graph graph_;  // pruned and fused, without constants
   std::vector<ocl::Kernel> kernels_;
   std::vector<Step> steps_;
+  std::vector<NnLayer> layers_;
+  ocl::Buffer<NnLayer> layers_on_device_;
+  ocl::GroupsTogether groups_;
+  size_t run_layers_ = 0;
   ocl::Buffer<float> weights_;
   ocl::Buffer<float> arena_;
   ocl::Buffer<uint8_t> input_u8_;

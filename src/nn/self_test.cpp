@@ -103,10 +103,10 @@ std::vector<ocl::SelfTestResult> nn_self_test(ocl::DeviceContext& device) {
   results.push_back(test_op(device, "nn/conv_pointwise",
                             one_op(Conv2d{}, {21, 1, 1, kChannels}, {1, kHeight, kWidth, 21}),
                             [&](int y, int x, int) { return channel_sum(y, x, 0); }));
-  results.push_back(test_op(device, device.is_cpu() ? "nn/conv_window" : "nn/conv_split",
+  results.push_back(test_op(device, "nn/conv_window",
                             one_op(Conv2d{same(1)}, {21, 3, 3, kChannels}, {1, kHeight, kWidth, 21}),
                             [&](int y, int x, int) { return channel_sum(y, x, 1); }));
-  results.push_back(test_op(device, device.is_cpu() ? "nn/conv_narrow" : "nn/conv_split (1 channel)",
+  results.push_back(test_op(device, "nn/conv_narrow",
                             one_op(Conv2d{same(1)}, {1, 3, 3, kChannels}, {1, kHeight, kWidth, 1}),
                             [&](int y, int x, int) { return channel_sum(y, x, 1); }));
   results.push_back(test_op(

@@ -94,6 +94,15 @@ class Buffer {
     clRetainEvent(*traced);
     staged_event_ = *traced;
   }
+  // Returns at once; the values must stay as they are until a blocking read through the same queue.
+  void write_from(std::span<const T> values) {
+    if (values.empty()) return;
+    require(values.size() <= count_);
+    QueueSpan span(queue_, "write");
+    check(clEnqueueWriteBuffer(queue_, memory_, CL_FALSE, 0, values.size_bytes(), values.data(), 0, nullptr,
+                               span.event()),
+          "clEnqueueWriteBuffer");
+  }
   // Returns at once; the values are there after the next blocking read through the same queue, and must live until
   // then.
   void read_later(std::span<T> values) const { read(values, 0, CL_FALSE); }

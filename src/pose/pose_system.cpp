@@ -13,9 +13,8 @@ namespace {
 
 constexpr const char* kProgram = "pose/pose.cl";
 constexpr const char* kSkinnedProgram = "pose/skinned_records.cl";
+constexpr const char* kGpuProgram = "pose/normal_equations.cl";
 constexpr int kTile = 8;
-// GPUs sum the rows in this many independent slices, which the host adds in order.
-constexpr int kGpuSlices = 16;
 // The bones of a contour row are packed into bytes.
 constexpr int kMaxBones = 255;
 
@@ -88,8 +87,6 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
   const int side = layout_.n_columns / kTile;
   n_tiles_ = side * (side + 1) / 2;
   is_cpu_ = device.is_cpu();
-  n_slices_ = device.is_cpu() ? 1 : kGpuSlices;
-  items_per_tile_ = device.is_cpu() ? 1 : kTile * kTile;
 
   // Every column but t' and the residual's moves bones: the root's six all of them, a joint those below it.
   std::vector<float> moves(size_t(layout_.n_bones) * layout_.n_columns, 0.0f);
@@ -109,7 +106,7 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
 
   const size_t n_contour = round_up(options.max_contour_vertices, LC_POSE_SLICE);
   step_host_.resize(LC_POSE_STEP_SIZE(layout_));
-  gram_host_.resize(size_t(n_slices_) * n_tiles_ * kTile * kTile);
+  gram_host_.resize(size_t(n_tiles_) * kTile * kTile);
   step_ = ocl::Buffer<float>(device, step_host_.size());
   targets_ = ocl::Buffer<float>(device, size_t(LC_POSE_TARGET) * kKeypointCount);
   keypoint_bones_ = ocl::Buffer<int32_t>(device, keypoint_bones);
@@ -122,21 +119,30 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
   contour_vertices_ = ocl::Buffer<int32_t>(device, n_contour);
   point_records_ = ocl::Buffer<float>(device, size_t(LC_POSE_RECORD) * n_point_rows_);
   contour_records_ = ocl::Buffer<float>(device, size_t(LC_POSE_RECORD) * n_contour);
-  point_residuals_ = ocl::Buffer<float>(device, n_point_rows_);
-  contour_residuals_ = ocl::Buffer<float>(device, n_contour);
-  distances_px_ = ocl::Buffer<float>(device, n_contour);
   const size_t n_matches = round_up(options.max_matches, LC_POSE_SLICE);
   match_vertices_ = ocl::Buffer<int32_t>(device, n_matches);
   match_targets_ = ocl::Buffer<float>(device, 5 * n_matches);
   match_records_ = ocl::Buffer<float>(device, 2 * LC_POSE_RECORD * n_matches);
-  match_residuals_ = ocl::Buffer<float>(device, 2 * n_matches);
   const size_t n_shaded = round_up(options.max_shaded, LC_POSE_SLICE);
   shaded_vertices_ = ocl::Buffer<int32_t>(device, n_shaded);
   shaded_targets_ = ocl::Buffer<float>(device, LC_POSE_SHADED * n_shaded);
   shading_records_ = ocl::Buffer<float>(device, LC_POSE_RECORD * n_shaded);
-  shading_residuals_ = ocl::Buffer<float>(device, n_shaded);
   J_ = ocl::Buffer<float>(device, (n_point_rows_ + n_contour + 2 * n_matches + n_shaded) * layout_.n_columns);
   gram_ = ocl::Buffer<float>(device, gram_host_.size());
+  if (!is_cpu_) {
+    const auto groups = [](size_t n_rows) { return round_up(n_rows, LC_POSE_GROUP_ROWS) / LC_POSE_GROUP_ROWS; };
+    parts_ = ocl::Buffer<float>(
+        device, (groups(n_point_rows_) + groups(n_contour) + groups(2 * n_matches) + groups(n_shaded)) * gram_.size());
+    residuals_ = ocl::Buffer<float>(device, n_point_rows_ + 2 * n_contour + 2 * n_matches + n_shaded);
+    normal_equations_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_normal_equations");
+    sum_parts_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_sum_parts");
+    return;
+  }
+  point_residuals_ = ocl::Buffer<float>(device, n_point_rows_);
+  contour_residuals_ = ocl::Buffer<float>(device, n_contour);
+  distances_px_ = ocl::Buffer<float>(device, n_contour);
+  match_residuals_ = ocl::Buffer<float>(device, 2 * n_matches);
+  shading_residuals_ = ocl::Buffer<float>(device, n_shaded);
   point_records_kernel_ = ocl::Kernel(device, kProgram, "pose_point_records");
   contour_records_kernel_ = ocl::Kernel(device, kSkinnedProgram, "pose_contour_records");
   match_records_kernel_ = ocl::Kernel(device, kSkinnedProgram, "pose_match_records");
@@ -253,41 +259,43 @@ void PoseSystem::upload(const PoseState& state) {
   step_.write_later(step_host_);
 }
 
+// On CPUs.
 void PoseSystem::launch_records() {
   point_records_kernel_.launch(kKeypointCount + layout_.n_dofs, 0, layout_, pinhole_,
                                float(options_.keypoint_2d_huber_px), step_, targets_, keypoint_bones_, limits_,
                                float(std::sqrt(options_.weights.anatomic)), point_records_, point_residuals_);
   if (n_matches_ > 0)
-    match_records_kernel_.launch(n_skinned_items(n_matches_), is_cpu_ ? 1 : 64, layout_, pinhole_, n_matches_,
-                                 float(options_.match_huber_px), step_, match_vertices_, match_targets_, rest_, bones_,
-                                 weights_, match_records_, match_residuals_);
+    match_records_kernel_.launch(n_slices(n_matches_), 1, layout_, pinhole_, n_matches_, float(options_.match_huber_px),
+                                 step_, match_vertices_, match_targets_, rest_, bones_, weights_, match_records_,
+                                 match_residuals_);
   if (n_shaded_ > 0)
-    shading_records_kernel_.launch(n_skinned_items(n_shaded_), is_cpu_ ? 1 : 64, layout_, n_shaded_,
-                                   float(options_.shading_huber), step_, shaded_vertices_, shaded_targets_,
-                                   rest_normals_, bones_, weights_, shading_records_, shading_residuals_);
+    shading_records_kernel_.launch(n_slices(n_shaded_), 1, layout_, n_shaded_, float(options_.shading_huber), step_,
+                                   shaded_vertices_, shaded_targets_, rest_normals_, bones_, weights_, shading_records_,
+                                   shading_residuals_);
   if (n_contour_ == 0) return;
-  const PoseContour contour{n_contour_,
-                            width_,
-                            height_,
-                            displacement_ ? 1 : 0,
-                            float(std::sqrt(contour_weight_)),
-                            float(options_.silhouette_huber_px)};
-  contour_records_kernel_.launch(n_skinned_items(n_contour_), is_cpu_ ? 1 : 64, layout_, pinhole_, contour, step_,
-                                 contour_vertices_, rest_, rest_normals_, displacement_ ? *displacement_ : rest_,
-                                 bones_, weights_, frame_->signed_distance, contour_records_, contour_residuals_,
-                                 distances_px_);
+  contour_records_kernel_.launch(n_slices(n_contour_), 1, layout_, pinhole_, contour_arg(), step_, contour_vertices_,
+                                 rest_, rest_normals_, displacement_ ? *displacement_ : rest_, bones_, weights_,
+                                 frame_->signed_distance, contour_records_, contour_residuals_, distances_px_);
 }
 
-// Work-items over the vertices of skinned rows: slices on CPUs.
-size_t PoseSystem::n_skinned_items(int n) const {
-  return is_cpu_ ? round_up(n, LC_POSE_SLICE) / LC_POSE_SLICE : size_t(n);
+PoseContour PoseSystem::contour_arg() const {
+  return {n_contour_,
+          width_,
+          height_,
+          displacement_ ? 1 : 0,
+          float(std::sqrt(contour_weight_)),
+          float(options_.silhouette_huber_px)};
 }
 
+// Slices of vertices.
+size_t PoseSystem::n_slices(int n) {
+  return round_up(n, LC_POSE_SLICE) / LC_POSE_SLICE;
+}
+
+// On CPUs.
 void PoseSystem::launch_rows() {
-  const size_t blocks = layout_.n_columns / LC_POSE_FILL_COLUMNS(is_cpu_), step = LC_POSE_FILL_ROWS(is_cpu_);
-  const auto over = [&](int n_rows) {
-    return ocl::Range{blocks, round_up(n_rows, step) / step, is_cpu_ ? 1 : blocks, 1};
-  };
+  const size_t blocks = layout_.n_columns / LC_POSE_FILL_COLUMNS(true), step = LC_POSE_FILL_ROWS;
+  const auto over = [&](int n_rows) { return ocl::Range{blocks, round_up(n_rows, step) / step, 1, 1}; };
   fill_points_kernel_.launch(over(n_point_rows_), layout_, n_point_rows_, step_, moves_, point_records_,
                              point_residuals_, J_);
   fill_skinned_kernel_.launch(over(n_contour_), layout_, n_contour_, 1, n_point_rows_, step_, moves_, contour_records_,
@@ -298,22 +306,44 @@ void PoseSystem::launch_rows() {
                               step_, moves_, shading_records_, shading_residuals_, J_);
 }
 
+// On GPUs: rows, residuals and the parts of the normal equations, whose number is returned.
+size_t PoseSystem::launch_normal_equations(bool write_rows) {
+  struct Counts {
+    int32_t point_rows, matches, shaded, write_rows;
+  };
+  const auto groups = [](int n_rows) { return round_up(n_rows, LC_POSE_GROUP_ROWS) / LC_POSE_GROUP_ROWS; };
+  const size_t n_groups = groups(n_point_rows_) + groups(n_contour_) + groups(2 * n_matches_) + groups(n_shaded_);
+  normal_equations_kernel_.launch(
+      n_groups * LC_POSE_GROUP, LC_POSE_GROUP, layout_, pinhole_,
+      Counts{n_point_rows_, n_matches_, n_shaded_, write_rows}, contour_arg(), float(options_.keypoint_2d_huber_px),
+      float(options_.match_huber_px), float(options_.shading_huber), float(std::sqrt(options_.weights.anatomic)), step_,
+      moves_, targets_, keypoint_bones_, limits_, contour_vertices_, match_vertices_, match_targets_, shaded_vertices_,
+      shaded_targets_, rest_, rest_normals_, displacement_ ? *displacement_ : rest_, bones_, weights_,
+      n_contour_ > 0 ? frame_->signed_distance : rest_, point_records_, contour_records_, match_records_,
+      shading_records_, residuals_, J_, parts_,
+      ocl::LocalMemory{sizeof(float) * LC_POSE_GROUP_ROWS * layout_.n_columns});
+  return n_groups;
+}
+
 PoseNormalEquations PoseSystem::assemble(const PoseState& state) {
   upload(state);
-  launch_records();
-  launch_rows();
-  const int n_items = n_tiles_ * n_slices_ * items_per_tile_;
-  gram_kernel_.launch(n_items, items_per_tile_, n_items, n_rows(), layout_.n_columns, n_tiles_, n_slices_, J_, gram_);
+  if (is_cpu_) {
+    launch_records();
+    launch_rows();
+    gram_kernel_.launch(n_tiles_, 1, n_tiles_, n_rows(), layout_.n_columns, J_, gram_);
+  } else {
+    const int n_parts = static_cast<int>(launch_normal_equations(false));
+    const int n_entries = static_cast<int>(gram_.size());
+    sum_parts_kernel_.launch(gram_.size(), 64, n_entries, n_parts, parts_, gram_);
+  }
   gram_.read(gram_host_);
 
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(layout_.n_columns, layout_.n_columns);
   const float* tile = gram_host_.data();
-  for (int slice = 0; slice < n_slices_; ++slice) {
-    for (int a = 0; a < layout_.n_columns; a += kTile) {
-      for (int b = a; b < layout_.n_columns; b += kTile, tile += kTile * kTile) {
-        for (int i = 0; i < kTile; ++i)
-          for (int j = 0; j < kTile; ++j) gram(a + i, b + j) += tile[i * kTile + j];
-      }
+  for (int a = 0; a < layout_.n_columns; a += kTile) {
+    for (int b = a; b < layout_.n_columns; b += kTile, tile += kTile * kTile) {
+      for (int i = 0; i < kTile; ++i)
+        for (int j = 0; j < kTile; ++j) gram(a + i, b + j) = tile[i * kTile + j];
     }
   }
   const int n = layout_.n_unknowns;
@@ -326,10 +356,18 @@ PoseNormalEquations PoseSystem::assemble(const PoseState& state) {
 
 PoseResiduals PoseSystem::residuals(const PoseState& state) {
   upload(state);
-  launch_records();
   PoseResiduals result;
   result.rows.resize(n_rows());
   result.distances_px.resize(n_contour_);
+  if (!is_cpu_) {
+    launch_normal_equations(false);
+    result.rows.resize(n_rows() + n_contour_);
+    residuals_.read(result.rows);
+    std::copy(result.rows.begin() + n_rows(), result.rows.end(), result.distances_px.begin());
+    result.rows.resize(n_rows());
+    return result;
+  }
+  launch_records();
   contour_residuals_.read_later(std::span(result.rows).subspan(n_point_rows_, n_contour_));
   match_residuals_.read_later(std::span(result.rows).subspan(n_point_rows_ + n_contour_, 2 * n_matches_));
   shading_residuals_.read_later(std::span(result.rows).last(n_shaded_));
@@ -340,8 +378,12 @@ PoseResiduals PoseSystem::residuals(const PoseState& state) {
 
 Eigen::MatrixXf PoseSystem::jacobian(const PoseState& state) {
   upload(state);
-  launch_records();
-  launch_rows();
+  if (is_cpu_) {
+    launch_records();
+    launch_rows();
+  } else {
+    launch_normal_equations(true);
+  }
   Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> J(n_rows(), layout_.n_columns);
   J_.read(std::span(J.data(), J.size()));
   return J.leftCols(layout_.n_unknowns);

@@ -70,7 +70,9 @@ class PoseSystem {
   void upload(const PoseState& state);
   void launch_records();
   void launch_rows();
-  size_t n_skinned_items(int n) const;
+  size_t launch_normal_equations(bool write_rows);
+  PoseContour contour_arg() const;
+  static size_t n_slices(int n);
 
   Skeleton skeleton_;
   std::array<KeypointAnchor, kKeypointCount> keypoints_;
@@ -87,8 +89,6 @@ class PoseSystem {
   int n_shaded_ = 0;
   bool is_cpu_ = true;
   int n_tiles_ = 0;
-  int n_slices_ = 1;
-  int items_per_tile_ = 1;
   const DeviceFrame* frame_ = nullptr;
   const ocl::Buffer<float>* displacement_ = nullptr;
   std::vector<float> step_host_;
@@ -119,6 +119,8 @@ class PoseSystem {
   ocl::Buffer<float> shading_residuals_;
   ocl::Buffer<float> J_;
   ocl::Buffer<float> gram_;
+  ocl::Buffer<float> parts_;      // of gram_, GPUs
+  ocl::Buffer<float> residuals_;  // of all rows, then distances_px, GPUs
   ocl::Kernel point_records_kernel_;
   ocl::Kernel contour_records_kernel_;
   ocl::Kernel match_records_kernel_;
@@ -126,6 +128,8 @@ class PoseSystem {
   ocl::Kernel fill_points_kernel_;
   ocl::Kernel fill_skinned_kernel_;
   ocl::Kernel gram_kernel_;
+  ocl::Kernel normal_equations_kernel_;  // GPUs, with sum_parts_kernel_
+  ocl::Kernel sum_parts_kernel_;
 };
 
 }  // namespace livecap

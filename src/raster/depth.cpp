@@ -77,14 +77,16 @@ void DepthRasterizer::render(const ocl::Buffer<float>& positions_camera, const C
     return;
   }
   clear_.launch(depth_.size(), kLocal, static_cast<int>(depth_.size()), depth_, ids_);
-  nearest_.launch(n_triangles_, kLocal, n_triangles_, width_, height_, cull_, projected_, triangles_, depth_);
-  id_.launch(n_triangles_, kLocal, n_triangles_, width_, height_, cull_, projected_, triangles_, depth_, ids_);
+  const size_t items = size_t(n_triangles_) * LC_RASTER_SHARE;
+  nearest_.launch(items, kLocal, n_triangles_, width_, height_, cull_, projected_, triangles_, depth_);
+  id_.launch(items, kLocal, n_triangles_, width_, height_, cull_, projected_, triangles_, depth_, ids_);
 }
 
 double DepthRasterizer::intersection_over_union(const ocl::Buffer<uint8_t>& mask) {
   if (mask.size() != ids_.size())
     throw LogicError(format("rasteriser: mask of %zu pixels for %dx%d", mask.size(), width_, height_));
-  overlap_kernel_.launch(ocl::Range{static_cast<size_t>(height_), 1, 1, 1}, width_, height_, ids_, mask, overlap_);
+  const size_t local = is_cpu_ ? 1 : kLocal;
+  overlap_kernel_.launch(height_ * local, local, width_, height_, ids_, mask, overlap_);
   int64_t both = 0, either = 0;
   const std::vector<int32_t> rows = overlap_.read_all();
   for (size_t i = 0; i < rows.size(); i += 2) {

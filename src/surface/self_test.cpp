@@ -175,9 +175,17 @@ class Bench {
     direction[3] = 1;  // x of vertex 1
     direction[2] = 1;  // z of vertex 0
     ocl::Buffer<float> image = zero(3);
-    kernel("pcg.cl", "apply_system")
-        .launch(lane_items_, lane_local(), rows_, stride_, 10.0f, offsets, neighbors, weights, edges, blocks,
-                planes(direction), image, products);
+    if (device_.is_cpu()) {
+      kernel("pcg.cl", "apply_system")
+          .launch(lane_items_, lane_local(), rows_, stride_, 10.0f, offsets, neighbors, weights, edges, blocks,
+                  planes(direction), image, products);
+    } else {
+      ocl::Buffer<float> p_in = planes(direction), scalars = zero(1), parts = zero(1);
+      ocl::GroupsTogether one(device_, 1);
+      kernel("pcg_phases.cl", "pcg_phases")
+          .launch(256, 256, 1, 2, one.arrived(), 1, rows_, stride_, 10.0f, offsets, neighbors, weights, edges, blocks,
+                  inverse, products, p_in, image, step, rhs, z, parts, scalars, one.state());
+    }
     found = at(image, 0, 3);
     for (const float x : at(image, 2, 3)) found.push_back(x);
     // Edge 1-2 lies along (1, -1, 0)/sqrt 2: row 2 gets -20 - 60/2 along x and +60/2 along y from it.
@@ -190,6 +198,11 @@ class Bench {
     for (int k = 0; k < kCount; ++k) values[k] = float(k % 5);
     const ocl::Buffer<float> products(device_, values);  // sum 320
     ocl::Buffer<float> scalars(device_, Floats{9, 9, 9, 1});
+    ocl::Buffer<float> totals(device_, 4);
+    totals.fill(0.0f);
+    kernel("pcg.cl", "sum_energies").launch(sum_items_, sum_items_, 80, 80, 2, 1, products, totals);
+    expect("sum_energies", totals.read_all(), {0, 160, 160, 0});
+    if (!device_.is_cpu()) return;
     kernel("pcg.cl", "start_scalars").launch(sum_items_, sum_items_, kCount, 1, products, scalars);
     expect("start_scalars", scalars.read_all(), {320, 0, 0, 0});
     scalars.write(Floats{80, 0, 0, 0});
@@ -197,10 +210,6 @@ class Bench {
     expect("alpha_scalar", scalars.read_all(), {80, 0.25f, 0, 0});
     kernel("pcg.cl", "beta_scalar").launch(sum_items_, sum_items_, kCount, products, scalars);
     expect("beta_scalar", scalars.read_all(), {320, 0.25f, 4, 0});
-    ocl::Buffer<float> totals(device_, 4);
-    totals.fill(0.0f);
-    kernel("pcg.cl", "sum_energies").launch(sum_items_, sum_items_, 80, 80, 2, products, totals);
-    expect("sum_energies", totals.read_all(), {160, 160, 0, 0});
   }
 
   void vectors() {
@@ -208,14 +217,34 @@ class Bench {
     const ocl::Buffer<float> scalars(device_, Floats{0, 2, 3, 0});
     ocl::Buffer<float> step = planes({0, 1, 0}), r = planes({3, 3, 3}), z = planes({0, 0, 0}), products = planes({0});
     ocl::Buffer<float> p = planes({1, 2, 3});
-    kernel("pcg.cl", "advance")
-        .launch(lane_items_, lane_local(), rows_, stride_, scalars, planes({0.5f, 0, 0, 0.5f, 0, 0.5f}), p,
-                planes({1, 1, 1}), step, r, z, products);
+    const ocl::Buffer<float> inverse = planes({0.5f, 0, 0, 0.5f, 0, 0.5f});
+    ocl::Buffer<float> q = planes({1, 1, 1});
+    // On GPUs: phase 2, whose alpha is 6 / 3, and phase 3, whose beta is 18 / 6. The sum of r.z is of n_rows times 1.5.
+    ocl::Buffer<float> parts(device_, Floats{6, 3, 18, 0, 0}), failed(device_, Floats{0, 0, 0, 0});
+    ocl::GroupsTogether one(device_, 1);
+    const ocl::Buffer<int32_t> nothing(device_, 1);
+    const auto phase = [&](int first) {
+      kernel("pcg_phases.cl", "pcg_phases")
+          .launch(256, 256, first, first + 1, one.arrived(), 0, rows_, stride_, 0.0f, nothing, nothing, inverse,
+                  inverse, inverse, inverse, products, p, q, step, r, z, parts, failed, one.state());
+    };
+    if (device_.is_cpu()) {
+      kernel("pcg.cl", "advance")
+          .launch(lane_items_, lane_local(), rows_, stride_, scalars, inverse, p, q, step, r, z, products);
+    } else {
+      phase(2);
+      products.fill(parts.read_all()[2] / float(rows_));
+      parts.write(Floats{18}, 2);
+    }
     Floats found = at(step, 0, 3);
     for (const float x : at(z, 1, 3)) found.push_back(x);
     found.push_back(at(products, 2, 1)[0]);
     expect("advance", found, {2, 5, 6, 0.5f, 0.5f, 0.5f, 1.5f});
-    kernel("pcg.cl", "turn_direction").launch(lane_items_, lane_local(), rows_, stride_, scalars, z, p);
+    if (device_.is_cpu()) {
+      kernel("pcg.cl", "turn_direction").launch(lane_items_, lane_local(), rows_, stride_, scalars, z, p);
+    } else {
+      phase(3);
+    }
     expect("turn_direction", at(p, 0, 3), {3.5f, 6.5f, 9.5f});
     ocl::Buffer<float> v = planes({10, 20, 30});
     kernel("pcg.cl", "move_vertices").launch(lane_items_, lane_local(), rows_, stride_, 2.5f, planes({3, 4, 0}), v);

@@ -18,6 +18,7 @@ SurfaceResult SurfaceSolver::solve(const SurfaceInput& input) {
   SurfaceResult result;
   result.vertices = &vertices_;
   result.status = system_.status();
+  if (system_.gave_up()) return solve(input);
   if (options_.evaluate_energies && result.status == SurfaceStatus::kOk) result.energies = system_.energies();
   return result;
 }

@@ -4,12 +4,14 @@
 #include <cmath>
 #include <string>
 
+#include "base/round_up.h"
 #include "livecap/error.h"
 
 namespace livecap {
 namespace {
 
-constexpr int kMaxGaussian = 15;  // 2 r + 2 taps must fit 16 lanes
+constexpr size_t kPhasesLocal = 256;  // GROUP of pcg_phases.cl
+constexpr int kMaxGaussian = 15;      // 2 r + 2 taps must fit 16 lanes
 
 void require_weight(float value, const char* name) {
   if (!(value >= 0.0f) || !std::isfinite(value)) {
@@ -93,7 +95,7 @@ SurfaceSystem::SurfaceSystem(ocl::DeviceContext& device, const Actor& actor, con
   for (auto& energy : data_energies_) energy = planes(1);
   regularizer_energies_ = planes(4);
   scalars_ = {device, std::vector<float>(4, 0.0f)};
-  totals_ = {device, std::vector<float>(4, 0.0f)};
+  totals_ = {device, std::vector<float>(6, 0.0f)};
 
   const bool cpu = device.is_cpu();
   row_local_ = 64;
@@ -104,14 +106,23 @@ SurfaceSystem::SurfaceSystem(ocl::DeviceContext& device, const Actor& actor, con
   photo_ = {device, "surface/photo_system.cl", "photo_system"};
   silhouette_ = {device, "surface/silhouette_system.cl", "silhouette_system"};
   regularizer_ = {device, "surface/regularizer_system.cl", "regularizer_system"};
-  start_scalars_ = {device, "surface/pcg.cl", "start_scalars"};
-  alpha_ = {device, "surface/pcg.cl", "alpha_scalar"};
-  beta_ = {device, "surface/pcg.cl", "beta_scalar"};
   sum_energies_ = {device, "surface/pcg.cl", "sum_energies"};
-  apply_ = {device, "surface/pcg.cl", "apply_system"};
-  advance_ = {device, "surface/pcg.cl", "advance"};
-  turn_ = {device, "surface/pcg.cl", "turn_direction"};
   move_ = {device, "surface/pcg.cl", "move_vertices"};
+  if (cpu) {
+    start_scalars_ = {device, "surface/pcg.cl", "start_scalars"};
+    alpha_ = {device, "surface/pcg.cl", "alpha_scalar"};
+    beta_ = {device, "surface/pcg.cl", "beta_scalar"};
+    apply_ = {device, "surface/pcg.cl", "apply_system"};
+    advance_ = {device, "surface/pcg.cl", "advance"};
+    turn_ = {device, "surface/pcg.cl", "turn_direction"};
+    return;
+  }
+  phases_ = {device, "surface/pcg_phases.cl", "pcg_phases"};
+  groups_ = ocl::GroupsTogether(device, round_up(domain_->graph.n_rows, kPhasesLocal) / kPhasesLocal);
+  // Over zeros: shows whether it works, and compiles it.
+  iterate_pcg(options.pcg_iterations);
+  status();
+  gave_up();
 }
 
 void SurfaceSystem::begin(const SurfaceInput& input) {
@@ -167,17 +178,41 @@ void SurfaceSystem::linearize(const SurfaceInput& input, int gaussian_kernel) {
                       domain_->slice_offsets, domain_->neighbors, edge_weights_, rest_lengths_, v_, skinned_, previous,
                       before, blocks_, residual_, edges_, inverse_, preconditioned_, direction_, step_, products_,
                       regularizer_energies_);
+  if (!device_->is_cpu()) return;
   start_scalars_.launch(sum_items_, sum_items_, n_rows, first_ ? 1 : 0, products_, scalars_);
   first_ = false;
 }
 
+// On GPUs, see pcg_phases.cl.
+void SurfaceSystem::launch_phases(int first, int end) {
+  const size_t n_parts = (2 * size_t(end) / 3 + 3) * groups_.n();
+  if (parts_.size() < n_parts) parts_ = ocl::Buffer<float>(*device_, n_parts);
+  const int at_once = groups_.work() ? end - first : 1;
+  for (int phase = first; phase < end; phase += at_once) {
+    phases_.launch(groups_.n() * kPhasesLocal, kPhasesLocal, phase, phase + at_once, groups_.arrived(), first_ ? 1 : 0,
+                   domain_->graph.n_rows, domain_->graph.stride, options_.w_smooth, domain_->slice_offsets,
+                   domain_->neighbors, edge_weights_, edges_, blocks_, inverse_, products_, direction_,
+                   image_of_direction_, step_, residual_, preconditioned_, parts_, scalars_, groups_.state());
+    groups_.launched(at_once - 1);
+  }
+}
+
 void SurfaceSystem::apply() {
+  if (!device_->is_cpu()) {
+    launch_phases(1, 2);
+    return;
+  }
   apply_.launch(domain_->lane_items, domain_->lane_local, domain_->graph.n_rows, domain_->graph.stride,
                 options_.w_smooth, domain_->slice_offsets, domain_->neighbors, edge_weights_, edges_, blocks_,
                 direction_, image_of_direction_, products_);
 }
 
 void SurfaceSystem::iterate_pcg(int iterations) {
+  if (!device_->is_cpu()) {
+    launch_phases(0, 3 * iterations);
+    first_ = false;
+    return;
+  }
   for (int k = 0; k < iterations; ++k) {
     if (k > 0) {
       beta_.launch(sum_items_, sum_items_, domain_->graph.n_rows, products_, scalars_);
@@ -202,25 +237,26 @@ void SurfaceSystem::finish(const SurfaceInput& input, ocl::Buffer<float>& out) {
                  input.start, out);
 }
 
-SurfaceStatus SurfaceSystem::status() const {
+SurfaceStatus SurfaceSystem::status() {
+  groups_.read_later();
   return scalars_.read_all()[3] == 0.0f ? SurfaceStatus::kOk : SurfaceStatus::kNonFinite;
 }
 
 SurfaceEnergies SurfaceSystem::energies() {
-  const auto sums = [&](const ocl::Buffer<float>& planes, int n_planes) {
-    sum_energies_.launch(sum_items_, sum_items_, domain_->graph.n_rows, domain_->graph.stride, n_planes, planes,
+  const auto sums = [&](const ocl::Buffer<float>& planes, int n_planes, int first) {
+    sum_energies_.launch(sum_items_, sum_items_, domain_->graph.n_rows, domain_->graph.stride, n_planes, first, planes,
                          totals_);
-    return totals_.read_all();
   };
-  SurfaceEnergies e;
-  e.photo = sums(data_energies_[0], 1)[0];
-  e.silhouette = sums(data_energies_[1], 1)[0];
-  const std::vector<float> regularizers = sums(regularizer_energies_, 4);
-  e.smooth = regularizers[0];
-  e.edge = regularizers[1];
-  e.velocity = regularizers[2];
-  e.acceleration = regularizers[3];
-  return e;
+  sums(data_energies_[0], 1, 0);
+  sums(data_energies_[1], 1, 1);
+  sums(regularizer_energies_, 4, 2);
+  const std::vector<float> totals = totals_.read_all();
+  return {.photo = totals[0],
+          .silhouette = totals[1],
+          .smooth = totals[2],
+          .edge = totals[3],
+          .velocity = totals[4],
+          .acceleration = totals[5]};
 }
 
 std::vector<float> SurfaceSystem::from_planes(const ocl::Buffer<float>& planes, int width) const {

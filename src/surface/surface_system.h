@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "ocl/groups_together.h"
 #include "ocl/kernel.h"
 #include "surface/surface_domain.h"
 #include "surface/surface_input.h"
@@ -31,7 +32,7 @@ class SurfaceSystem {
   void finish(const SurfaceInput& input, ocl::Buffer<float>& out);
 
   // Blocking reads.
-  SurfaceStatus status() const;
+  SurfaceStatus status();
   SurfaceEnergies energies();  // at the vertices of the last linearize()
 
   // Blocking, for tests; all in mesh order.
@@ -41,11 +42,14 @@ class SurfaceSystem {
   std::vector<float> product(const std::vector<float>& direction);  // (J^T J + damping) direction; breaks a running PCG
 
   const SellGraph& graph() const { return domain_->graph; }
+  // True once when the device did not do all of a solve, after status(): it is to be solved again.
+  bool gave_up() { return groups_.gave_up("surface"); }
   // For a Snapper of the same template and camera.
   std::shared_ptr<const SurfaceDomain> domain() const { return domain_; }
 
  private:
   void apply();
+  void launch_phases(int first, int end);
   std::vector<float> from_planes(const ocl::Buffer<float>& planes, int width) const;
 
   ocl::DeviceContext* device_;
@@ -68,10 +72,15 @@ class SurfaceSystem {
   ocl::Buffer<float> products_;                                                           // 1 plane
   ocl::Buffer<float> data_energies_[2], regularizer_energies_;                            // 1, 1, 4 planes
   ocl::Buffer<float> scalars_;                                                            // [4]
-  ocl::Buffer<float> totals_;                                                             // [4]
+  ocl::Buffer<float> totals_;                                                             // [6]
 
   ocl::Kernel pack_, unpack_, photo_, silhouette_, regularizer_;
-  ocl::Kernel start_scalars_, alpha_, beta_, sum_energies_, apply_, advance_, turn_, move_;
+  ocl::Kernel sum_energies_, move_;
+  ocl::Kernel start_scalars_, alpha_, beta_, apply_, advance_, turn_;  // CPUs
+  // GPUs
+  ocl::Kernel phases_;
+  ocl::GroupsTogether groups_;
+  ocl::Buffer<float> parts_;  // of the sums over rows
 };
 
 }  // namespace livecap

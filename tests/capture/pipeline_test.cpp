@@ -33,8 +33,9 @@ struct Recorder {
       return std::optional<WorkItem>(std::move(item));
     };
     s.flush = [] { return std::nullopt; };
+    s.surface = [](WorkItem& item) { item.report.iou = item.report.score; };
     s.publish = [this](WorkItem& item) {
-      EXPECT_EQ(item.report.score, static_cast<double>(item.report.index));
+      EXPECT_EQ(item.report.iou, static_cast<double>(item.report.index));
       for (const auto& report : item.dropped_before) {
         EXPECT_EQ(report.status, TrackStatus::kDropped);
         dropped.push_back(report.index);
@@ -71,7 +72,7 @@ TEST(Pipeline, NewestWinsAndDropsAreCounted) {
 }
 
 TEST(Pipeline, AnErrorInAnyStageEndsTheRunWithItsMessage) {
-  for (int failing = 0; failing < 5; ++failing) {
+  for (int failing = 0; failing < 6; ++failing) {
     Recorder recorder{1000};
     PipelineStages stages = recorder.stages();
     auto fail_at_ten = [](WorkItem& item) {
@@ -92,7 +93,8 @@ TEST(Pipeline, AnErrorInAnyStageEndsTheRunWithItsMessage) {
         return std::optional<WorkItem>(std::move(item));
       };
     }
-    if (failing == 4) {
+    if (failing == 4) stages.surface = fail_at_ten;
+    if (failing == 5) {
       stages.publish = [&](WorkItem& item) {
         fail_at_ten(item);
         return true;

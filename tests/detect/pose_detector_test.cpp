@@ -60,7 +60,8 @@ TEST(PoseDetector, LandmarksAreTheNetworksOwn) {
   test::on_every_device([&](ocl::DeviceContext& device) {
     detect::BlazePose network(device, model, false);
     detect::PoseEstimate estimate;
-    network.estimate(image, detect::whole_image_crop(256, 256), 2.0f, false, estimate);
+    network.set_picture(image);
+    network.estimate(detect::whole_image_crop(256, 256), 2.0f, false, estimate);
     EXPECT_GT(estimate.score, 0.5f);
     for (int i = 0; i < 33; ++i) {
       EXPECT_NEAR(estimate.landmarks[i].x_px, landmarks[5 * i] - 0.5, test::kLandmarkPx) << i;
@@ -127,6 +128,42 @@ cv::Mat blobs(int width, int height) {
   return bgr;
 }
 
+// GPUs crop the picture, look at the outputs and make the mask's bytes on the device: the same as the host's.
+TEST(PoseDetector, BothBodiesSeeTheSame) {
+  LIVECAP_MODEL_OR_SKIP(model, "lite");
+  const ImageRgb image = from_mat(blobs(700, 900));
+  ocl::DeviceInfo info = ocl::select_device(test::device_selectors().front());
+  ocl::DeviceContext own(info);
+  info.is_cpu = false;
+  ocl::DeviceContext as_gpu(info);
+  detect::BlazePose host(own, model, true), device(as_gpu, model, true);
+  host.set_picture(image);
+  device.set_picture(image);
+  detect::PoseEstimate a, b;
+  // Shrunk by 1, 2 and 4; turned; partly and wholly outside.
+  for (const detect::CropRegion& crop : {detect::CropRegion{300, 400, 230, 0.4},
+                                         {350, 450, 520, -2},
+                                         {340, 470, 1010, 0.1},
+                                         {20, 880, 300, 1},
+                                         {-900, 0, 300, 0}}) {
+    for (const bool mirrored : {false, true}) {
+      host.estimate(crop, 0.0f, mirrored, a);
+      device.estimate(crop, 0.0f, mirrored, b);
+      EXPECT_NEAR(a.score, b.score, test::kNetworkRelative);
+      for (int i = 0; i < detect::BlazePose::kLandmarkCount; ++i) {
+        EXPECT_NEAR(a.landmarks[i].x_px, b.landmarks[i].x_px, test::kLandmarkPx) << i;
+        EXPECT_NEAR(a.landmarks[i].y_px, b.landmarks[i].y_px, test::kLandmarkPx) << i;
+        EXPECT_NEAR(a.landmarks[i].z_mm, b.landmarks[i].z_mm, test::kLandmarkMm) << i;
+      }
+      const ImageGray of_host = host.mask_probability(), &of_device = device.mask_probability();
+      int most = 0;
+      for (size_t p = 0; p < of_host.pixels.size(); ++p)
+        most = std::max(most, std::abs(of_host.pixels[p] - of_device.pixels[p]));
+      EXPECT_LE(most, test::kMaskBytes) << crop.side_px << " px, " << mirrored;
+    }
+  }
+}
+
 // Landmark i in a mirror: left and right exchanged, by the network's list (0 nose, 33 and on: the crop).
 int partner(int i) {
   constexpr std::pair<int, int> kSides[] = {{1, 4},   {2, 5},   {3, 6},   {7, 8},   {9, 10},  {11, 12},
@@ -156,9 +193,12 @@ TEST(PoseDetector, MirroredEstimateIsThatOfTheMirroredPicture) {
       flipped_crop.angle_rad = -crop.angle_rad;
       for (float refine : {0.0f, 2.0f}) {  // every landmark, none
         detect::PoseEstimate mirrored, expected;
-        network.estimate(from_mat(picture), crop, refine, true, mirrored);
+        const ImageRgb seen = from_mat(picture), seen_flipped = from_mat(flipped);
+        network.set_picture(seen);
+        network.estimate(crop, refine, true, mirrored);
         const std::vector<uint8_t> mirrored_mask = network.mask_probability().pixels;
-        network.estimate(from_mat(flipped), flipped_crop, refine, false, expected);
+        network.set_picture(seen_flipped);
+        network.estimate(flipped_crop, refine, false, expected);
         const std::vector<uint8_t>& expected_mask = network.mask_probability().pixels;
 
         EXPECT_TRUE(mirrored.finite);
@@ -202,7 +242,8 @@ TEST(PoseDetector, EverySecondTrackedPictureIsMirrored) {
         ASSERT_TRUE(alternating.detect(image, camera, frame, frame / 30.0).person);
         ASSERT_TRUE(plain.detect(image, camera, frame, frame / 30.0).person);
         detect::PoseEstimate estimate;
-        network.estimate(image, alternating.crop(), options.refine_threshold, frame == 2, estimate);
+        network.set_picture(image);
+        network.estimate(alternating.crop(), options.refine_threshold, frame == 2, estimate);
         bool as_plain = true;
         for (int i = 0; i < detect::BlazePose::kLandmarkCount; ++i) {
           EXPECT_EQ(alternating.raw_landmarks()[i].x_px, estimate.landmarks[i].x_px) << frame << " " << i;

@@ -243,6 +243,35 @@ TEST(Foreground, AgreesWithPlainCpp) {
   });
 }
 
+// A crop's mask that the device lays over the picture is the one that OpenCV lays there.
+TEST(Foreground, ACropsMaskIsLaidOverThePicture) {
+  const PersonMask vague = vague_mask();
+  CropMask crop{{64, 64, {}}, {0.31, 0.07, -9.3, -0.07, 0.31, 4.6}, {5, 11, kWidth - 3, kHeight}};
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 64; ++x)
+      crop.probability.pixels.push_back(vague.probability[size_t(y) * kHeight / 64 * kWidth + x * kWidth / 64]);
+  }
+  ImageGray laid{kWidth, kHeight, std::vector<uint8_t>(size_t(kWidth) * kHeight, 0)};
+  warp_affine(crop.probability, crop.mask_from_image, crop.box.x0, crop.box.y0, crop.box.x1, crop.box.y1, laid);
+  ASSERT_GT(std::count_if(laid.pixels.begin(), laid.pixels.end(), [](uint8_t p) { return p > 127; }), 1000);
+  const PersonMask network{kWidth, kHeight, laid.pixels};
+  BackgroundModel background;
+  background.train(scene(false, 1, 10));
+  test::on_every_device_and_body([&](ocl::DeviceContext& device) {
+    ForegroundSegmenter segmenter(device, background, kWidth, kHeight);
+    DeviceFrame frame(device, kWidth, kHeight);
+    const ImageRgb image = scene(true, 1.07f, 77);
+    ImageGray expected, mask;
+    segmenter.segment(image, network, frame, expected);
+    segmenter.segment(image, crop, frame, mask);
+    EXPECT_EQ(mask.pixels, expected.pixels);
+    EXPECT_GT(std::count(mask.pixels.begin(), mask.pixels.end(), 255), 1000);
+    crop.box.x1 = kWidth + 1;
+    EXPECT_THROW(segmenter.segment(image, crop, frame, mask), LogicError);
+    crop.box.x1 = kWidth - 3;
+  });
+}
+
 TEST(Foreground, DiscsAreOpenCvs) {
   std::mt19937 random(4);
   for (int radius : {1, 2, 5, 16, 40}) {

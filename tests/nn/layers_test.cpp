@@ -189,6 +189,29 @@ TEST(Layers, WrongSizesAreRefused) {
   });
 }
 
+// A device that says it has more compute units than it runs work-groups at once: the first launch gives up, results are
+// right all the same.
+TEST(Layers, GroupsThatDoNotRunAtOnceAreNoticed) {
+  nn::Graph graph = branched_graph();
+  graph.outputs = {graph.ops.back().output};
+  std::mt19937 rng(3);
+  const auto input = test::random_values(nn::element_count(graph.tensors[graph.inputs[0]].shape), rng, -2, 2);
+  const auto expected = nn::reference_run(graph, input)[graph.outputs[0]];
+  ocl::DeviceInfo info = ocl::select_device("cpu");
+  info.is_cpu = false;
+  for (const uint32_t units : {1u, 5u}) {
+    info.compute_units = units;
+    ocl::DeviceContext device(info);
+    nn::Executor net(device, graph, {0});
+    EXPECT_EQ(net.together(), units == 1) << units;
+    std::vector<float> output(expected.size());
+    net.set_input(input);
+    net.run();
+    net.read_output(0, output);
+    expect_close(output, expected, "units " + std::to_string(units));
+  }
+}
+
 TEST(Layers, SelfTestPasses) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const auto results = nn::nn_self_test(device);

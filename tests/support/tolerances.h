@@ -28,6 +28,8 @@ inline constexpr double kHandComputed = 1e-6;
 inline constexpr double kByteRounding = 1.0;
 // Bytes rounded twice, sampled at positions rounded to 1/32 px; seen 1.01 on ramps of one step per px.
 inline constexpr double kSampledBytes = 1.5;
+// A network's mask in bytes, of two runs whose logits, some hundreds, agree to kNetworkRelative; seen 4.
+inline constexpr int kMaskBytes = 8;
 // Landmarks of a network run whose outputs agree to kNetworkRelative (1e-3 of coordinates up to 256 px and 900 mm);
 // seen 1e-3.
 inline constexpr double kLandmarkPx = 0.05;

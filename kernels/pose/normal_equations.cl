@@ -1,5 +1,6 @@
 // The rows of a Gauss-Newton step and their normal equations on GPUs, in two launches: a work-group makes
 // LC_POSE_GROUP_ROWS rows of J in local memory and their part of [J | F]^T [J | F]; then the parts are added in order.
+#if !LC_CPU
 #include "shared/lanes.h"
 //
 #include "pose/contour_records.cl"
@@ -102,3 +103,5 @@ kernel void pose_sum_parts(int n, int n_parts, global const float* restrict part
   for (int p = 0; p < n_parts; ++p) sum += parts[p * n + i];
   gram[i] = sum;
 }
+
+#endif

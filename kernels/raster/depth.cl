@@ -175,6 +175,7 @@ kernel void row_overlaps(int width, int height, global const int* restrict ids, 
                          global int* restrict overlap) {
   local int sums[2];
   const int y = get_group_id(0);
+  if (y >= height) return;
   for (int k = get_local_id(0); k < 2; k += get_local_size(0)) sums[k] = 0;
   barrier(CLK_LOCAL_MEM_FENCE);
   int n_both = 0, n_either = 0;

@@ -1,6 +1,7 @@
 // Conjugate gradients on GPUs, all iterations in one launch. An iteration has three phases, between which all
 // work-groups wait for each other: p = z + beta p; q = A p; step, r and z. Sums run in a fixed order: over the rows of
 // a work-item, over the work-items of a group as a tree, over the groups.
+#if !LC_CPU
 #include "shared/lanes.h"
 //
 #include "shared/all_arrived.h"
@@ -76,3 +77,5 @@ kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void pcg_phases(
     }
   }
 }
+
+#endif

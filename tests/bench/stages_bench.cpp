@@ -259,7 +259,8 @@ void add_images(ocl::DeviceContext& device, std::shared_ptr<Scene> scene, const 
   for (int i = 0; i < 20; ++i) mog->apply(as_mat(plate), foreground);
   const cv::Mat picture = as_mat(scene->picture);
   bench::register_contest({"mask from the background: comparison, shadows, light, smoothing, pieces",
-                           [=] { segmenter->segment(scene->picture, {}, *frame, *found); }, "OpenCV MOG2, frozen",
+                           [=] { segmenter->segment(scene->picture, PersonMask{}, *frame, *found); },
+                           "OpenCV MOG2, frozen",
                            [=] {
                              cv::Mat out;
                              mog->apply(picture, out, 0);

@@ -1,9 +1,10 @@
 // Known answer: a textured square before the camera, and a picture in which it lies 2 px to the right and 1 px higher,
-// half as bright.
+// half as bright; and as a forearm of a known colour in a picture of one grey.
 #include <algorithm>
 #include <cmath>
 
 #include "base/text.h"
+#include "match/skin_shading.h"
 #include "match/texture_matcher.h"
 
 namespace livecap {
@@ -40,6 +41,30 @@ Actor square() {
   for (int y = 0; y < kTextureSize; ++y)
     for (int x = 0; x < kTextureSize; ++x) actor.texture.pixels.insert(actor.texture.pixels.end(), 3, texel(x, y));
   return actor;
+}
+
+// Every vertex whose surroundings lie in the square is seen, and as bright as grey^2 by color^2.
+ocl::SelfTestResult skin_result(ocl::DeviceContext& device, Actor actor, const Camera& camera,
+                                const DepthRasterizer& raster, const ocl::Buffer<float>& positions,
+                                const ocl::Buffer<float>& normals, const ocl::Buffer<int32_t>& visible) {
+  constexpr uint8_t kLeftArm = 14, kGrey = 102;  // 0.4 of 255
+  constexpr float kColor = 0.5f;
+  actor.labels.assign(actor.n_vertices(), kLeftArm);
+  actor.colors.assign(3 * size_t(actor.n_vertices()), kColor);
+  actor.skin.bones.assign(4 * size_t(actor.n_vertices()), 0);
+  actor.skeleton.bones = {{"left_elbow", -1, {0, 0, 0}}};
+  DeviceFrame frame(device, camera.width, camera.height);
+  frame.signed_distance.fill(-10);
+  frame.rgb.fill(kGrey);
+  SkinShading shading(device, actor, camera, SkinShadingOptions{});
+  shading.measure(frame, raster, positions, normals, visible);
+  const std::vector<SkinSample> samples = shading.read();
+  double worst = 0;
+  for (const SkinSample& s : samples) worst = std::max(worst, std::abs(double(s.brightness) - 0.16 / 0.25));
+  const size_t expected = (kCells - 1) * (kCells - 1);
+  const bool ok = samples.size() == expected && worst < 1e-5;
+  return {"match/skin_shading.cl skin_brightness", ok,
+          ok ? "" : format("%zu of %zu vertices seen, brightness off by %g", samples.size(), expected, worst)};
 }
 
 }  // namespace
@@ -103,6 +128,7 @@ std::vector<ocl::SelfTestResult> match_self_test(ocl::DeviceContext& device) {
          ok ? ""
             : format("%d of %d vertices found, worst %g px off, at most %g expected", found, expected, worst, bound)});
   }
+  results.push_back(skin_result(device, actor, camera, raster, positions, normals, visible));
   return results;
 }
 

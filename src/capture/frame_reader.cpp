@@ -9,8 +9,8 @@
 
 namespace livecap {
 
-FrameReader::FrameReader(const CaptureOptions& options, int decoder_threads)
-    : options_(options), video_(std::make_unique<VideoReader>(options.video, decoder_threads)), info_(video_->info()) {
+FrameReader::FrameReader(const CaptureOptions& options)
+    : options_(options), video_(std::make_unique<VideoReader>(options.video)), info_(video_->info()) {
   camera_ = options.camera.empty() ? camera_from_fov(info_.width, info_.height, options.fov_deg)
                                    : load_camera(options.camera);
   if (camera_.width != info_.width || camera_.height != info_.height) {

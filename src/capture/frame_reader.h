@@ -17,7 +17,7 @@ namespace livecap {
 class FrameReader {
  public:
   // Opens the video and the camera. Throws IoError when their sizes differ.
-  FrameReader(const CaptureOptions& options, int decoder_threads);
+  explicit FrameReader(const CaptureOptions& options);
 
   // The pinhole camera that the undistorted frames obey.
   const Camera& camera() const { return undistorted_camera_; }

@@ -53,6 +53,12 @@ void PoseStage::set_picture(const PoseStageInput& input) {
   if (matches(input)) matcher_.set_picture(input.frame, input.silhouette.box);
 }
 
+void PoseStage::reset() {
+  lose_person();
+  last_skin_.clear();
+  shading_.forget();
+}
+
 void PoseStage::render(const Pose& pose) {
   skinner_.set_pose(bone_dual_quats(forward_kinematics(actor_.skeleton, pose)));
   skinner_.skin(zero_, skinned_);
@@ -140,7 +146,9 @@ PoseResult PoseStage::find(const PoseStageInput& input) {
                                                    .contour_vertices = contour,
                                                    .n_steps = options_.pose.first_steps});
   if (rough.status != SolveStatus::kOk) return rough;
-  return solve_in_rounds(input, input.detections, rough.pose, nullptr).pose;
+  Solution found = solve_in_rounds(input, input.detections, rough.pose, nullptr);
+  last_skin_ = std::move(found.skin);
+  return found.pose;
 }
 
 PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& predicted, const Pose& previous) {
@@ -160,7 +168,7 @@ PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& pre
   try_bent_back(input, previous, best);
   try_mirrored_forearms(input, previous, best);
   if (best.exchanged) ++exchanged_frames_;
-  if (best.pose.status == SolveStatus::kOk) shading_.learn(best.skin);
+  last_skin_ = std::move(best.skin);
   return best.pose;
 }
 
@@ -195,7 +203,7 @@ void PoseStage::try_detected_legs(const PoseStageInput& input, const Pose& previ
 
 // From the last rounds on: the rest of the body stays, so that the costs tell the forearms apart.
 void PoseStage::try_mirrored_forearms(const PoseStageInput& input, const Pose& previous, Solution& best) {
-  if (!shading(input) || best.pose.status != SolveStatus::kOk) return;
+  if (!shading(input) || best.pose.status != SolveStatus::kOk || best.exchanged) return;
   const int last_rounds =
       matches(input) ? std::max(0, int(options_.match_levels.size()) - options_.refining_rounds) : 0;
   for (Keypoint elbow : {kLeftElbow, kRightElbow}) {
@@ -214,7 +222,7 @@ void PoseStage::try_mirrored_forearms(const PoseStageInput& input, const Pose& p
 }
 
 void PoseStage::try_bent_back(const PoseStageInput& input, const Pose& previous, Solution& best) {
-  if (best.pose.status != SolveStatus::kOk) return;
+  if (best.pose.status != SolveStatus::kOk || best.exchanged) return;
   const std::optional<Pose> bent =
       with_hinges_bent_back(actor_.skeleton, best.pose.pose, options_.least_past_limit_rad);
   if (bent) try_from(input, *bent, previous, best);

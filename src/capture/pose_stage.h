@@ -42,8 +42,13 @@ class PoseStage {
 
   // Skins the template and renders it.
   void render(const Pose& pose);
-  // Forgets what it knew of the last frames.
-  void reset() { exchanged_frames_ = 0; }
+  // The last pose solved is believed: its skin tells of the light.
+  void learn_light() { shading_.learn(last_skin_); }
+
+  // Forgets what it knew of the last frames, but for the light.
+  void lose_person() { exchanged_frames_ = 0; }
+  // The light too.
+  void reset();
 
  private:
   struct Solution {
@@ -84,7 +89,8 @@ class PoseStage {
   ocl::Buffer<float> skinned_;        // [3n]
   ocl::Buffer<float> normals_;        // [3n]
   ocl::Buffer<float> matched_share_;  // [n] 1 for vertices that are matched
-  int exchanged_frames_ = 0;          // since the detections last agreed with the prediction
+  std::vector<SkinSample> last_skin_;
+  int exchanged_frames_ = 0;  // since the detections last agreed with the prediction
 };
 
 }  // namespace livecap

@@ -35,8 +35,6 @@ constexpr std::string_view kBuiltin = "builtin:";
 // in the surface solver, one handed over to either, and those that wait for later poses, as many as there are passes.
 constexpr int kLagPasses = 2;
 constexpr int kFramesUnderWay = 5 + kLagPasses;
-// Where the processor has nothing else to do; one thread does not keep up with a GPU.
-constexpr int kDecoderThreads = 4;
 // Weight of either neighbour in a pose that the surface is fitted to, and in the paper's filter of finished videos.
 constexpr double kLagShare = 0.25;
 constexpr double kPaperShare = 0.15;
@@ -202,8 +200,7 @@ class Solver {
 CaptureReport capture(const CaptureOptions& options, const CaptureProgress& progress) {
   set_image_threads(1);
   const ocl::DevicePair devices = ocl::select_device_pair(options.cnn_device, options.solver_device);
-  const bool gpus_only = !devices.cnn.is_cpu && !devices.solver.is_cpu;
-  FrameReader reader(options, gpus_only ? kDecoderThreads : 1);
+  FrameReader reader(options);
   const std::string glb = actor_bytes(options);
   const bool builtin = options.actor.rfind(kBuiltin, 0) == 0;
   Actor actor = load_actor_bytes(glb, options.actor, builtin ? 0 : options.height_mm);
@@ -229,7 +226,7 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   } else {
     cnn.emplace(devices.cnn, "network's device");
   }
-  // The network's kernels are compiled or loaded beside the solvers': the queues share nothing.
+  // The network's kernels are compiled or loaded beside the solvers': each has its queue.
   std::optional<DetectionSource> detection;
   std::future<void> network_ready = std::async(std::launch::async, [&] {
     detection.emplace(options, *cnn, devices.solver.is_cpu);

@@ -31,9 +31,14 @@ Tracker::Tracker(ocl::DeviceContext& device, ocl::DeviceContext& surface_device,
       surface_stage_(surface_device, actor, camera, options, surface_rasterizer_, surface_visibility_) {}
 
 void Tracker::reset() {
+  lose_person();
+  pose_stage_.reset();
+}
+
+void Tracker::lose_person() {
   last_pose_.reset();
   pose_before_last_.reset();
-  pose_stage_.reset();
+  pose_stage_.lose_person();
   doubtful_frames_ = 0;
   missed_frames_ = 0;
 }
@@ -69,7 +74,7 @@ Tracker::Solved Tracker::solve_seen(const PoseStageInput& input) {
     doubtful_frames_ = believed ? 0 : doubtful_frames_ + 1;
     solved.accepted = solved.pose.status == SolveStatus::kOk && doubtful_frames_ <= options_.max_doubtful_frames;
     if (solved.accepted) return solved;
-    reset();
+    lose_person();
   }
   solved.initialized = true;
   solved.pose = pose_stage_.find(input);
@@ -107,7 +112,7 @@ TrackResult Tracker::solve_pose(const TrackInput& given) {
   if (!given.frame && (person || !silhouette.empty()) &&
       given.mask.pixels.size() != size_t(camera_.width) * camera_.height)
     throw LogicError("capture: the mask is not of the camera's size");
-  if (!person && last_pose_ && ++missed_frames_ > options_.max_missed_frames) reset();
+  if (!person && last_pose_ && ++missed_frames_ > options_.max_missed_frames) lose_person();
   Timer timer;
   if (!given.frame && !silhouette.empty()) {
     frame_.upload(silhouette, given.image);
@@ -121,7 +126,7 @@ TrackResult Tracker::solve_pose(const TrackInput& given) {
   if (!solved.accepted) {
     const bool missed = !person || missed_frames_ > 0;
     if (!missed) result.status = TrackStatus::kLost;
-    if (!missed || (person && ++missed_frames_ > options_.max_missed_frames)) reset();
+    if (!missed || (person && ++missed_frames_ > options_.max_missed_frames)) lose_person();
     return result;
   }
   result.status = solved.initialized ? TrackStatus::kInitialized : TrackStatus::kOk;
@@ -129,6 +134,7 @@ TrackResult Tracker::solve_pose(const TrackInput& given) {
   pose_before_last_ = last_pose_;
   last_pose_ = result.pose;
   if (person) missed_frames_ = 0;
+  if (person && doubtful_frames_ == 0) pose_stage_.learn_light();
   return result;
 }
 

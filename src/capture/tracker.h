@@ -1,5 +1,5 @@
 // One frame of the method: stage I (pose), stage II (surface), and whether the person is still the one that was
-// followed. Runs on one thread with the solver context.
+// followed. Stage I runs on one thread, stage II on it or on another.
 #pragma once
 
 #include <optional>
@@ -58,7 +58,7 @@ class Tracker {
   // One after the other.
   TrackResult track(const TrackInput& given);
 
-  // Forgets the person: the next frame with detections is initialised.
+  // Forgets the person and the light: the next frame with detections is initialised.
   void reset();
 
  private:
@@ -67,6 +67,7 @@ class Tracker {
     bool accepted = false;
     bool initialized = false;
   };
+  void lose_person();
   Solved solve_seen(const PoseStageInput& input);
   Solved solve_missed(const PoseStageInput& input);
   Pose predict() const;

@@ -52,7 +52,7 @@ struct FrameFree {
 // so a promise that is older than the frame just put out was broken: it becomes a damaged frame.
 class FfmpegSource : public FrameSource {
  public:
-  FfmpegSource(const std::string& name, const std::string& url, const AVInputFormat* input_format, int threads);
+  FfmpegSource(const std::string& name, const std::string& url, const AVInputFormat* input_format);
   VideoInfo info() const override { return info_; }
   bool read(Frame& out) override;
   int64_t damaged_frames() const override { return damaged_; }
@@ -101,15 +101,13 @@ class FfmpegSource : public FrameSource {
   int64_t delivered_ = 0;
   int64_t damaged_ = 0;
   int read_errors_ = 0;
-  int threads_ = 1;  // with more, errors do not belong to the packet just sent: a frame that is missing tells of them
   bool hidden_frames_ = false;  // the codec has packets that show nothing
   bool at_end_ = false;
   bool truncated_ = false;
 };
 
-FfmpegSource::FfmpegSource(const std::string& name, const std::string& url, const AVInputFormat* input_format,
-                           int threads)
-    : name_(name), threads_(threads) {
+FfmpegSource::FfmpegSource(const std::string& name, const std::string& url, const AVInputFormat* input_format)
+    : name_(name) {
   av_log_set_level(AV_LOG_QUIET);
   AVFormatContext* format = nullptr;
   int status = avformat_open_input(&format, url.c_str(), input_format, nullptr);
@@ -149,7 +147,7 @@ void FfmpegSource::open_decoder() {
   codec_->pkt_timebase = stream_->time_base;
   codec_->flags |= AV_CODEC_FLAG_OUTPUT_CORRUPT;
   codec_->flags2 |= AV_CODEC_FLAG2_SHOW_ALL;
-  codec_->thread_count = threads_;
+  codec_->thread_count = 1;  // an error then belongs to the packet just sent, and the other cores are taken anyway
   const int status = avcodec_open2(codec_.get(), decoder, nullptr);
   if (status < 0) throw IoError(name_ + format(": decoder %s: ", decoder->name) + error_text(status));
   const AVCodecID id = decoder->id;
@@ -217,7 +215,7 @@ void FfmpegSource::decode(AVPacket* packet) {
   if (shown && has_pts) promises_[pts].corrupt = packet->flags & AV_PKT_FLAG_CORRUPT;
   // An empty packet would tell the decoder that the stream is over.
   const int status = packet->size == 0 ? AVERROR_INVALIDDATA : avcodec_send_packet(codec_.get(), packet);
-  if (status < 0 && shown && threads_ == 1) {
+  if (status < 0 && shown) {
     if (has_pts) {
       promises_[pts].failed = true;
     } else {
@@ -232,10 +230,6 @@ void FfmpegSource::drain() {
     const int status = avcodec_receive_frame(codec_.get(), frame_.get());
     if (status == AVERROR(EAGAIN) || status == AVERROR_EOF) return;
     if (status < 0) {
-      if (threads_ > 1) {
-        if (packet_->size == 0) return;
-        continue;
-      }
       if (packet_->pts == AV_NOPTS_VALUE) {
         if (packet_->size > 0) lose_frame(std::nullopt);
       } else if (auto promise = promises_.find(packet_->pts); promise != promises_.end()) {
@@ -312,9 +306,9 @@ bool FfmpegSource::ended_early() const {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> open_video_file(const std::string& path, int threads) {
+std::unique_ptr<FrameSource> open_video_file(const std::string& path) {
   // The explicit protocol keeps names with a colon from being taken for another one.
-  return std::make_unique<FfmpegSource>(path, "file:" + path, nullptr, threads);
+  return std::make_unique<FfmpegSource>(path, "file:" + path, nullptr);
 }
 
 std::unique_ptr<FrameSource> open_webcam(int index) {
@@ -325,7 +319,7 @@ std::unique_ptr<FrameSource> open_webcam(int index) {
   const std::string device = format("/dev/video%d", index);
   if (!std::filesystem::exists(device))
     throw IoError(format("webcam:%d: there is no %s; connect a camera or give another number", index, device.c_str()));
-  return std::make_unique<FfmpegSource>(format("webcam:%d (%s)", index, device.c_str()), device, v4l2, 1);
+  return std::make_unique<FfmpegSource>(format("webcam:%d (%s)", index, device.c_str()), device, v4l2);
 #else
   throw ConfigError(format("webcam:%d: this build has no libavdevice; install libavdevice-dev and build again", index));
 #endif

@@ -8,8 +8,8 @@
 
 namespace livecap {
 
-// threads: of the decoder. Throws IoError naming the file when it holds no decodable video.
-std::unique_ptr<FrameSource> open_video_file(const std::string& path, int threads);
+// Throws IoError naming the file when it holds no decodable video.
+std::unique_ptr<FrameSource> open_video_file(const std::string& path);
 
 // /dev/video<index>. Throws ConfigError when this build has no libavdevice, IoError when the device cannot be opened.
 std::unique_ptr<FrameSource> open_webcam(int index);

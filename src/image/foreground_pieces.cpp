@@ -13,7 +13,7 @@ constexpr int kHalf = 128;
 // A stranger's share beyond the gate, of what is looked at, is at least this.
 constexpr double kShareBeyond = 0.1;
 // Of the area that cells tell.
-constexpr double kSureShare = 0.8;
+constexpr double kSureShare = 0.5;
 // A piece that touches less than this many pixels is noise whatever the largest one is.
 constexpr int kMinPiecePx = 16;
 

@@ -35,8 +35,7 @@ class VideoReader {
   // source: a video file, a folder of .png/.jpg pictures (in the order of their names), or "webcam:N" (/dev/videoN).
   // Throws IoError naming the file and what is wrong with it (missing, empty, not a video, no decodable frame), and
   // ConfigError for a webcam when this build has no libavdevice.
-  // decoder_threads: of a video file; several at once decode faster and notice damage less exactly.
-  explicit VideoReader(const std::string& source, int decoder_threads = 1);
+  explicit VideoReader(const std::string& source);
   ~VideoReader();
   VideoReader(VideoReader&&) noexcept;
   VideoReader& operator=(VideoReader&&) noexcept;

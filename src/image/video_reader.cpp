@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kWebcamPrefix = "webcam:";
 
-std::unique_ptr<FrameSource> open_source(const std::string& source, int threads) {
+std::unique_ptr<FrameSource> open_source(const std::string& source) {
   if (source.empty()) throw ConfigError("video: empty name, expected a file, a folder of pictures or webcam:N");
   if (source.starts_with(kWebcamPrefix)) {
     const std::string_view number = std::string_view(source).substr(kWebcamPrefix.size());
@@ -27,13 +27,12 @@ std::unique_ptr<FrameSource> open_source(const std::string& source, int threads)
   if (std::filesystem::is_directory(status)) return std::make_unique<FolderSource>(source);
   if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(source, error) == 0 && !error)
     throw IoError(source + ": empty file, expected a video");
-  return open_video_file(source, threads);
+  return open_video_file(source);
 }
 
 }  // namespace
 
-VideoReader::VideoReader(const std::string& source, int decoder_threads)
-    : source_(open_source(source, decoder_threads)) {}
+VideoReader::VideoReader(const std::string& source) : source_(open_source(source)) {}
 VideoReader::~VideoReader() = default;
 VideoReader::VideoReader(VideoReader&&) noexcept = default;
 VideoReader& VideoReader::operator=(VideoReader&&) noexcept = default;

@@ -138,4 +138,8 @@ void SkinShading::learn(std::span<const SkinSample> samples) {
   }
 }
 
+void SkinShading::forget() {
+  lights_.fill(SkinLight(options_.light));
+}
+
 }  // namespace livecap

@@ -58,6 +58,7 @@ class SkinShading {
   double misfit(std::span<const SkinSample> samples, int bone, const Eigen::Matrix3d& turn, double huber) const;
 
   void learn(std::span<const SkinSample> samples);
+  void forget();
 
  private:
   struct SkinVertex {

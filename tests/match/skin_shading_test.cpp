@@ -135,6 +135,8 @@ TEST(SkinShading, TheLightTellsATiltFromItsMirrorImage) {
       weight += vertex.weight;
     }
     EXPECT_NEAR(weight, 1, 1e-4);  // of one whole limb
+    shading.forget();
+    EXPECT_TRUE(shading.shaded(samples).empty());
   });
 }
 

@@ -170,6 +170,59 @@ TEST(PoseSystem, ContourCountsAroundTheVectorWidth) {
   });
 }
 
+// Behind contour and matches, in counts around the vector width: L = 0.5 + n_x + 2 n_y, exact by hand.
+TEST(PoseSystem, ShadedVerticesFollowTheirNormals) {
+  on_every_device_and_body([](ocl::DeviceContext& device) {
+    Scene scene;
+    scene.displacement.clear();
+    scene.options.shading_huber = scene.options.match_huber_px = 0;
+    PoseSystem system(device, scene.actor, scene.camera, scene.options);
+    DeviceFrame frame(device, scene.camera.width, scene.camera.height);
+    frame.signed_distance.write(scene.distance);
+    const std::vector<float> normals = vertex_normals(scene.actor.mesh.positions, scene.actor.mesh.triangles);
+    const test::PoseReference reference = scene.reference(1);
+    const auto residual = [&](const ShadedVertex& s, const PoseState& state) {
+      const auto skinned = reference.skin(s.vertex, forward_kinematics(scene.actor.skeleton, state.pose));
+      const Eigen::Vector3d n =
+          skinned.rotation * Eigen::Map<const Eigen::Vector3f>(&normals[3 * s.vertex]).cast<double>();
+      return std::sqrt(scene.options.weights.shading * s.weight) * (0.5 + n.x() + 2 * n.y() - s.brightness);
+    };
+    const std::vector<VertexMatch> matches(37, {.vertex = 3, .u_px = 200, .v_px = 300});
+    for (int n : {0, 1, 63, 64, 65}) {
+      std::vector<ShadedVertex> shaded;
+      for (int i = 0; i < n; ++i)
+        shaded.push_back({(7 * i) % scene.actor.n_vertices(), {0.5f, 1, 2}, 0.1f * float(i % 5), 0.5f + float(i % 3)});
+      system.set_frame(make_targets(scene.actor, scene.detections, &scene.previous, scene.options), &frame,
+                       scene.contour, nullptr, matches, shaded);
+      ASSERT_EQ(system.n_shaded(), n);
+      const std::vector<float> rows = system.residuals(scene.state).rows;
+      const Eigen::MatrixXd J = system.jacobian(scene.state).cast<double>();
+      const int first = system.n_rows() - n;
+      const double scale = std::sqrt(scene.options.weights.shading);
+      for (int i = 0; i < n; ++i) {
+        EXPECT_NEAR(rows[first + i], residual(shaded[i], scene.state), test::kPoseJacobian * scale) << n << " " << i;
+        for (int k = 0; k < system.n_unknowns() - 3; ++k) {
+          const Eigen::VectorXd step = 1e-5 * Eigen::VectorXd::Unit(system.n_unknowns() - 3, k);
+          const double numeric =
+              (residual(shaded[i], {add_increment(scene.state.pose, step), scene.state.t_prime_mm}) -
+               residual(shaded[i], {add_increment(scene.state.pose, -step), scene.state.t_prime_mm})) /
+              2e-5;
+          EXPECT_NEAR(J(first + i, k), numeric, 10 * test::kPoseJacobian * scale) << n << " " << i << " " << k;
+        }
+      }
+      const Eigen::VectorXd F = Eigen::Map<const Eigen::VectorXf>(rows.data(), rows.size()).cast<double>();
+      const PoseNormalEquations got = system.assemble(scene.state);
+      EXPECT_NEAR(got.energy, F.squaredNorm(), test::kGramFloat * F.squaredNorm()) << n;
+      const Eigen::VectorXd diagonal = J.colwise().squaredNorm();
+      for (int k = 0; k < system.n_unknowns(); ++k)
+        EXPECT_NEAR(got.JtJ(k, k), diagonal[k], test::kGramFloat * diagonal[k]) << n << " " << k;
+    }
+    EXPECT_THROW(
+        system.set_frame({}, nullptr, {}, nullptr, {}, std::vector<ShadedVertex>{{.vertex = scene.actor.n_vertices()}}),
+        LogicError);
+  });
+}
+
 TEST(PoseSystem, ThinnedContourKeepsItsWeight) {
   test::on_every_device([](ocl::DeviceContext& device) {
     Scene scene;

@@ -213,11 +213,10 @@ void PoseStage::try_mirrored_forearms(const PoseStageInput& input, const Pose& p
       return shading_.misfit(best.skin, other->bone, turn, options_.pose.shading_huber);
     };
     if (!(misfit(other->turn) < options_.mirrored_misfit * misfit(Eigen::Matrix3d::Identity()))) continue;
-    // Unlike other starts without what was not matched, which here is chance, and without E_temporal: the previous pose
-    // may have been the wrong one.
-    const auto cost = [](const Solution& s) { return s.pose.energy.total() - s.pose.energy.temporal; };
+    // Unlike other starts without what was not matched: here that is chance.
     Solution solved = solve_in_rounds(input, input.detections, other->pose, &previous, last_rounds);
-    if (solved.pose.status == SolveStatus::kOk && cost(solved) < cost(best)) best = std::move(solved);
+    if (solved.pose.status == SolveStatus::kOk && solved.pose.energy.total() < best.pose.energy.total())
+      best = std::move(solved);
   }
 }
 

@@ -20,6 +20,8 @@ constexpr int kNarrow = 3;  // output channels up to which a CPU vectorises over
 // A GPU with fewer work-items than this mostly waits for memory: several then share a sum, of this many terms each.
 constexpr int kManyItems = 32768;
 constexpr int kFewTerms = 8;
+// Work-groups of a layer that is launched by itself, for each compute unit.
+constexpr size_t kGroupsAlone = 16;
 
 int panels(int channels) {
   return (channels + NN_PANEL - 1) / NN_PANEL;
@@ -330,8 +332,10 @@ size_t Executor::launch_layers(size_t first) {
   const int first_layer = steps_[first].layer;
   const int n = static_cast<int>(end - first);
   const int at_once = groups_.work() ? n : 1;
+  // Groups that need not wait for each other may be more than the device has room for.
+  const size_t n_groups = groups_.work() ? groups_.n() : kGroupsAlone * groups_.n();
   for (int i = 0; i < n; i += at_once) {
-    kernels_[run_layers_].launch(groups_.n() * NN_GROUP, NN_GROUP, first_layer + i, first_layer + i + at_once,
+    kernels_[run_layers_].launch(n_groups * NN_GROUP, NN_GROUP, first_layer + i, first_layer + i + at_once,
                                  groups_.arrived(), layers_on_device_, weights_, arena_, groups_.state());
     groups_.launched(at_once - 1);
   }

@@ -20,8 +20,8 @@ void GroupsTogether::read_later() {
 
 bool GroupsTogether::gave_up(const std::string& what) {
   if (!work_ || state_read_[1] == 0) return false;
-  log_warning(what + ": work-groups do not wait for each other on " + device_ +
-              "; each step is launched by itself, which is slower");
+  log_info(what + ": " + device_ +
+           " has no fence between work-groups, or was too busy for them to meet; each step is launched by itself");
   work_ = false;
   return true;
 }

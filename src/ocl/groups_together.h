@@ -27,7 +27,8 @@ class GroupsTogether {
   void launched(size_t n_waits) { arrived_ += static_cast<uint32_t>(n_ * n_waits); }
   // Enqueues what gave_up() looks at after the next blocking read.
   void read_later();
-  // True, and a warning, once when a wait was given up: what was launched is to be done again. `what` for the warning.
+  // True, and a line in the log, once when a wait was given up: what was launched is to be done again. `what` for that
+  // line.
   bool gave_up(const std::string& what);
 
  private:

@@ -26,8 +26,9 @@ struct Forearm {
 
 constexpr Forearm kForearms[] = {{kLeftElbow, kLeftWrist, kLeftHand, "left_elbow", "left_shoulder"},
                                  {kRightElbow, kRightWrist, kRightHand, "right_elbow", "right_shoulder"}};
-constexpr int kTwists = 48;       // steps over the range of an upper arm's twist
-constexpr float kTrusted = 0.5f;  // confidence of detections that may overrule the picture
+constexpr int kTwists = 48;             // steps over the range of an upper arm's twist
+constexpr double kSpareTwistRad = 0.3;  // an arm twisted to its limit is hardly ever right
+constexpr float kTrusted = 0.5f;        // confidence of detections that may overrule the picture
 
 // Whether the bone is one of these or hangs on one.
 bool hangs_on(const Skeleton& skeleton, int bone, const std::vector<int>& these) {
@@ -52,11 +53,12 @@ std::optional<Pose> with_wrist_at(const Actor& actor, const Pose& pose, const Fo
   const int twist = last_dof(skeleton, shoulder), bend = last_dof(skeleton, forearm);
   if (twist < 0 || bend < 0) return std::nullopt;
   const Dof &twists = skeleton.dofs[twist], &bends = skeleton.dofs[bend];
+  const double low = twists.min_rad + kSpareTwistRad, high = twists.max_rad - kSpareTwistRad;
   Pose best = pose;
   double best_mm = std::numeric_limits<double>::infinity();
   for (int i = 0; i <= kTwists; ++i) {
     Pose bent = pose;
-    bent.angles_rad[twist] = twists.min_rad + (twists.max_rad - twists.min_rad) * i / kTwists;
+    bent.angles_rad[twist] = low + (high - low) * i / kTwists;
     const PosedSkeleton posed = forward_kinematics(skeleton, bent);
     const Eigen::Vector3d& axis = posed.dof_axis[bend];
     const Eigen::Vector3d from = keypoint_positions(actor, posed)[arm.wrist] - posed.dof_origin_mm[bend];

@@ -110,7 +110,7 @@ class PoseSystem {
   ocl::Buffer<float> contour_residuals_;
   ocl::Buffer<float> distances_px_;
   ocl::Buffer<int32_t> match_vertices_;
-  ocl::Buffer<float> match_targets_;  // [3*max_matches] u, v, square root of the weight
+  ocl::Buffer<float> match_targets_;  // [5*max_matches] u, v, root a, b, c of the weight
   ocl::Buffer<float> match_records_;
   ocl::Buffer<float> match_residuals_;
   ocl::Buffer<int32_t> shaded_vertices_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/reference.h"
 #include "meshing/surface_parts.h"
 
 namespace livecap::acquire {
@@ -19,11 +20,10 @@ constexpr double kLeastScale = 0.01;
 constexpr size_t kFewestPairs = 200;
 constexpr int kRounds = 10;
 
+// All but the constant.
 Basis basis_at(const Vector3d& n) {
-  Basis b;
-  b << n.x(), n.y(), n.z(), n.x() * n.y(), n.y() * n.z(), n.z() * n.x(), n.x() * n.x() - n.y() * n.y(),
-      3 * n.z() * n.z() - 1;
-  return b;
+  const reference::Harmonics h = reference::harmonics(reference::vec3(n.x(), n.y(), n.z()));
+  return Basis(h.of + 1);
 }
 
 double log_light(const Vector3d& color) {

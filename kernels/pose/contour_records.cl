@@ -7,14 +7,6 @@
 #include "pose/skinned_row.h"
 #include "terms/silhouette.cl"
 
-#if LC_CPU
-#define TO_LANE_INT convert_int16
-#define TO_REAL convert_float16
-#else
-#define TO_LANE_INT convert_int
-#define TO_REAL convert_float
-#endif
-
 typedef struct {
   REAL value;
   Vec2 gradient;  // by u and v, exact
@@ -22,10 +14,10 @@ typedef struct {
 
 // Bilinear. uv inside [0, width-1] x [0, height-1]; anything elsewhere.
 LC_FN DistanceSample sample_bilinear(global const float* restrict image, int width, int height, Vec2 uv) {
-  const LaneInt x = clamp(TO_LANE_INT(uv.x), (LaneInt)0, (LaneInt)(width - 2));
-  const LaneInt y = clamp(TO_LANE_INT(uv.y), (LaneInt)0, (LaneInt)(height - 2));
-  const REAL fx = uv.x - TO_REAL(x);
-  const REAL fy = uv.y - TO_REAL(y);
+  const LaneInt x = clamp(LANE_INT(uv.x), (LaneInt)0, (LaneInt)(width - 2));
+  const LaneInt y = clamp(LANE_INT(uv.y), (LaneInt)0, (LaneInt)(height - 2));
+  const REAL fx = uv.x - LANE_REAL(x);
+  const REAL fy = uv.y - LANE_REAL(y);
   const LaneInt at = y * width + x;
   const REAL a = gather(image, at), b = gather(image, at + 1);
   const REAL c = gather(image, at + width), d = gather(image, at + width + 1);

@@ -13,22 +13,9 @@ typedef struct {
   LaneInt packed_bones;  // a byte each
 } SkinnedVertex;
 
-LC_FN LaneInt gather_int(global const int* restrict p, LaneInt i) {
-#if LC_CPU
-  return (int16)(p[i.s0], p[i.s1], p[i.s2], p[i.s3], p[i.s4], p[i.s5], p[i.s6], p[i.s7], p[i.s8], p[i.s9], p[i.sa],
-                 p[i.sb], p[i.sc], p[i.sd], p[i.se], p[i.sf]);
-#else
-  return p[i];
-#endif
-}
-
 // The vertices of the lanes from `first` on; lanes beyond the last of n repeat it.
 LC_FN LaneInt lane_vertices(global const int* restrict vertices, int first, int n) {
-  return gather_int(vertices, min(first + LANE_IDS, (LaneInt)(n - 1)));
-}
-
-LC_FN Vec3 gather_vec3(global const float* restrict p, LaneInt i) {
-  return vec3(gather(p, 3 * i), gather(p, 3 * i + 1), gather(p, 3 * i + 2));
+  return gather_int(vertices, lane_rows(first, n));
 }
 
 // dual_quats [8*n_bones] root-relative, bones and weights [4*n_vertices].

@@ -9,18 +9,19 @@
 // Vertices further outside than this (px) are not projected: their pixels could not be told apart.
 #define LC_MAX_PIXEL 1e6f
 
-// One work-item per vertex. projected: [4*n] u, v, 1/z, z; 1/z = 0 for a vertex that is too near, behind or not finite.
-kernel void project_vertices(int n, Pinhole camera, global const float* restrict positions,  // [3*n] mm, camera frame
+// projected: [4*n] u, v, 1/z, z; 1/z = 0 for a vertex that is too near, behind or not finite. Over the vertices, LANES
+// each.
+kernel void project_vertices(int n, float4 camera, global const float* restrict positions,  // [3*n] mm, camera frame
                              global float* restrict projected) {
-  const int i = get_global_id(0);
-  if (i >= n) return;
-  const float3 p = vload3(i, positions);
-  float4 out = (float4)(0.0f, 0.0f, 0.0f, p.z);
-  if (p.z > LC_MIN_DEPTH_MM && p.z < INFINITY) {
-    const Projection q = project_point(vec3(p.x, p.y, p.z), camera);
-    if (fabs(q.uv.x) < LC_MAX_PIXEL && fabs(q.uv.y) < LC_MAX_PIXEL) out.xyz = (float3)(q.uv.x, q.uv.y, 1.0f / p.z);
-  }
-  vstore4(out, i, projected);
+  const int first = FIRST_ROW;
+  if (first >= n) return;
+  const Vec3 p = gather_vec3(positions, lane_rows(first, n));
+  const Pinhole pinhole = {camera.x, camera.y, camera.z, camera.w};
+  const Vec2 uv = project_point(p, pinhole).uv;
+  const LaneInt projects =
+      p.z > LC_MIN_DEPTH_MM && p.z < INFINITY && fabs(uv.x) < LC_MAX_PIXEL && fabs(uv.y) < LC_MAX_PIXEL;
+  const REAL none = 0.0f;
+  store_vec4(projects ? uv.x : none, projects ? uv.y : none, projects ? 1.0f / p.z : none, p.z, projected, first, n);
 }
 
 #if LC_CPU
@@ -37,9 +38,11 @@ static inline void clear_pixels(int first, int last, int begin, int end, global 
 
 // One work-item per band of strips of LC_STRIP_ROWS rows, which it alone writes. depth: [w*h] mm, INFINITY = empty;
 // ids: [w*h], -1 = empty. drawn: [2*n_strips] first and last column that is not empty before and, at the end, after it.
+// facing: [n_triangles, rounded up to 16] 1 towards the camera, -1 away, 0 edge-on or not projected.
 kernel void raster_bands(int n_triangles, int width, int height, int n_bands, int cull,
                          global const float* restrict projected, global const int* restrict triangles,
-                         global float* restrict depth, global int* restrict ids, global int* restrict drawn) {
+                         global float* restrict depth, global int* restrict ids, global int* restrict drawn,
+                         global int* restrict facing) {
   const int band = get_global_id(0);
   if (band >= n_bands) return;
   const int n_strips = (height + LC_STRIP_ROWS - 1) / LC_STRIP_ROWS;
@@ -63,26 +66,41 @@ kernel void raster_bands(int n_triangles, int width, int height, int n_bands, in
     }
   }
   const float8 lane = (float8)(0, 1, 2, 3, 4, 5, 6, 7);
-  for (int t = 0; t < n_triangles; ++t) {
-    const RasterTriangle tri = raster_triangle(t, width, height, cull, projected, triangles);
-    const int y0 = max(tri.y0, first_row);
-    const int y1 = min(tri.y1, last_row);
-    if (y0 > y1 || tri.x0 > tri.x1) continue;
-    for (int strip = y0 / LC_STRIP_ROWS; strip <= y1 / LC_STRIP_ROWS; ++strip) {
-      drawn[2 * strip] = min(drawn[2 * strip], tri.x0);
-      drawn[2 * strip + 1] = max(drawn[2 * strip + 1], tri.x1);
-    }
-    for (int y = y0; y <= y1; ++y) {
-      for (int x = tri.x0; x <= tri.x1; x += 8) {
-        if (width >= 8) {
+  const int last_at = max(width - 8, 0);
+  for (int first = 0; first < n_triangles; first += 16) {
+    const RasterTriangles sixteen =
+        raster_triangles(lane_rows(first, n_triangles), width, height, cull, projected, triangles);
+    if (band == 0) store_int16(sixteen.facing, facing + first);
+    const int16 here = first + LANE_IDS < n_triangles && sixteen.y0 <= last_row && sixteen.y1 >= first_row;
+    int x0s[16], x1s[16], y0s[16], y1s[16];
+    vstore16(sixteen.x0, 0, x0s);
+    vstore16(sixteen.x1, 0, x1s);
+    vstore16(max(sixteen.y0, first_row), 0, y0s);
+    vstore16(min(sixteen.y1, last_row), 0, y1s);
+    for (uint left = lane_bits(sixteen.covers && here); left; left &= left - 1) {
+      const int k = lowest_bit(left), t = first + k;
+      const RasterTriangle tri = one_triangle(&sixteen, k);
+      const int x0 = x0s[k], x1 = x1s[k], y0 = y0s[k], y1 = y1s[k];
+      for (int strip = y0 / LC_STRIP_ROWS; strip <= y1 / LC_STRIP_ROWS; ++strip) {
+        drawn[2 * strip] = min(drawn[2 * strip], x0);
+        drawn[2 * strip + 1] = max(drawn[2 * strip + 1], x1);
+      }
+      if (width >= 8) {
+        for (int x = x0; x <= x1; x += 8) {
           // The last eight pixels of a row are looked at again rather than reading past it.
-          const int at = y * width + min(x, width - 8);
-          const float8 z = raster_depth(&tri, (float)min(x, width - 8) + lane, (float)y);
-          const float8 old = vload8(0, depth + at);
-          const int8 closer = z < old;  // storing without looking is faster than a branch
-          store8(select(old, z, closer), depth + at);
-          store_int8(select(vload8(0, ids + at), (int8)t, closer), ids + at);
-        } else {
+          const int from = min(x, last_at);
+          const float8 px = (float)from + lane;
+          for (int y = y0; y <= y1; ++y) {
+            const int at = y * width + from;
+            const float8 z = raster_depth(&tri, px, (float)y);
+            const float8 old = vload8(0, depth + at);
+            const int8 closer = z < old;  // storing without looking is faster than a branch
+            store8(select(old, z, closer), depth + at);
+            store_int8(select(vload8(0, ids + at), (int8)t, closer), ids + at);
+          }
+        }
+      } else {
+        for (int y = y0; y <= y1; ++y) {
           float z[8];
           vstore8(raster_depth(&tri, lane, (float)y), 0, z);
           for (int k = 0; k < width; ++k) {
@@ -111,10 +129,12 @@ kernel void raster_nearest(int n_triangles, int width, int height, int cull, glo
                            global const int* restrict triangles, global uint* restrict depth) {
   const int t = get_global_id(0) / LC_RASTER_SHARE;
   if (t >= n_triangles) return;
-  const RasterTriangle tri = raster_triangle(t, width, height, cull, projected, triangles);
+  const RasterTriangles tri = raster_triangles(t, width, height, cull, projected, triangles);
+  if (!tri.covers) return;
+  const RasterTriangle edges = one_triangle(&tri, 0);
   for (int y = tri.y0 + get_global_id(0) % LC_RASTER_SHARE; y <= tri.y1; y += LC_RASTER_SHARE) {
     for (int x = tri.x0; x <= tri.x1; ++x) {
-      const float z = raster_depth(&tri, (float)x, (float)y);
+      const float z = raster_depth(&edges, (float)x, (float)y);
       if (z < INFINITY) atomic_min(depth + y * width + x, as_uint(z));
     }
   }
@@ -126,10 +146,12 @@ kernel void raster_ids(int n_triangles, int width, int height, int cull, global 
                        global uint* restrict ids) {
   const int t = get_global_id(0) / LC_RASTER_SHARE;
   if (t >= n_triangles) return;
-  const RasterTriangle tri = raster_triangle(t, width, height, cull, projected, triangles);
+  const RasterTriangles tri = raster_triangles(t, width, height, cull, projected, triangles);
+  if (!tri.covers) return;
+  const RasterTriangle edges = one_triangle(&tri, 0);
   for (int y = tri.y0 + get_global_id(0) % LC_RASTER_SHARE; y <= tri.y1; y += LC_RASTER_SHARE) {
     for (int x = tri.x0; x <= tri.x1; ++x) {
-      const float z = raster_depth(&tri, (float)x, (float)y);
+      const float z = raster_depth(&edges, (float)x, (float)y);
       if (z < INFINITY && as_uint(z) == depth[y * width + x]) atomic_min(ids + y * width + x, (uint)t);
     }
   }

@@ -1,9 +1,11 @@
-// One projected triangle over the pixel grid. CPU bodies look at eight neighbouring pixels at once, GPU bodies at one;
-// the formulas are the same. Contraction is explicit (fma), so that two kernels and the two triangles of an edge get
-// the same bits: edges are evaluated from their lower vertex index and leave no gap.
+// Projected triangles over the pixel grid. CPU bodies set up sixteen triangles at once and look at eight neighbouring
+// pixels of one, GPU bodies at one of each; the formulas are the same. Contraction is explicit (fma), so that two
+// kernels and the two triangles of an edge get the same bits: edges are evaluated from their lower vertex index and
+// leave no gap.
 #ifndef LC_RASTER_TRIANGLE_H
 #define LC_RASTER_TRIANGLE_H
 #pragma OPENCL FP_CONTRACT OFF
+#include "shared/lanes.h"
 
 #if LC_CPU
 typedef float8 pix_t;
@@ -11,36 +13,44 @@ typedef float8 pix_t;
 typedef float pix_t;
 #endif
 
+// Of one triangle (float) or of several (REAL). Edge k lies opposite corner k, positive inside; depths in mm.
+#define LC_RASTER_EDGES(T) T ax[3], ay[3], dx[3], dy[3], inv_z[3], near_z, far_z
+#define LC_RASTER_EDGE_VALUES 17
+
 typedef struct {
-  float ax[3], ay[3], dx[3], dy[3];  // edge k lies opposite corner k; positive inside
-  float inv_z[3];
-  float near_z, far_z;  // mm
-  int x0, x1, y0, y1;   // pixels of the image it may cover, inclusive; empty when x0 > x1 or y0 > y1
+  LC_RASTER_EDGES(float);
 } RasterTriangle;
+
+typedef struct {
+  LC_RASTER_EDGES(REAL);
+  LaneInt x0, x1, y0, y1;  // pixels of the image it may cover, inclusive
+  LaneInt covers;          // 0: none
+  LaneInt facing;          // 1 towards the camera, -1 away, 0 edge-on or not projected
+} RasterTriangles;
 
 // fmin, fmax, ceil and floor of numbers below 2^31, as one or two instructions each: PoCL 3.1's look for NaN and
 // branch.
-static inline float lower_of(float a, float b) {
+static inline REAL lower_of(REAL a, REAL b) {
   return a < b ? a : b;
 }
 
-static inline float higher_of(float a, float b) {
+static inline REAL higher_of(REAL a, REAL b) {
   return a > b ? a : b;
 }
 
-static inline int int_above(float a) {
-  const int towards_zero = (int)a;
-  return towards_zero + ((float)towards_zero < a);
+static inline LaneInt int_above(REAL a) {
+  const LaneInt towards_zero = LANE_INT(a);
+  return towards_zero + (LANE_REAL(towards_zero) < a ? (LaneInt)1 : (LaneInt)0);
 }
 
-static inline int int_below(float a) {
-  const int towards_zero = (int)a;
-  return towards_zero - ((float)towards_zero > a);
+static inline LaneInt int_below(REAL a) {
+  const LaneInt towards_zero = LANE_INT(a);
+  return towards_zero - (LANE_REAL(towards_zero) > a ? (LaneInt)1 : (LaneInt)0);
 }
 
 // Edge k, from (ua, va) to (ub, vb); forward: the first corner has the lower index.
-static inline void set_edge(RasterTriangle* tri, int k, float side, int forward, float ua, float va, float ub,
-                            float vb) {
+static inline void set_edge(RasterTriangles* tri, int k, REAL side, LaneInt forward, REAL ua, REAL va, REAL ub,
+                            REAL vb) {
   tri->ax[k] = forward ? ua : ub;
   tri->ay[k] = forward ? va : vb;
   tri->dx[k] = side * (ub - ua);
@@ -49,42 +59,51 @@ static inline void set_edge(RasterTriangle* tri, int k, float side, int forward,
 
 // projected: [4*n_vertices] u, v (px), 1/z (1/mm, 0 = not projected), z (mm).
 // cull: leave out triangles that face away.
-static inline RasterTriangle raster_triangle(int t, int width, int height, int cull,
-                                             global const float* restrict projected,
-                                             global const int* restrict triangles) {
-  RasterTriangle tri;
-  int index[3];
-  float u[3], v[3];
+static inline RasterTriangles raster_triangles(LaneInt t, int width, int height, int cull,
+                                               global const float* restrict projected,
+                                               global const int* restrict triangles) {
+  RasterTriangles tri;
+  LaneInt index[3];
+  REAL u[3], v[3];
 #pragma unroll
   for (int k = 0; k < 3; ++k) {
-    index[k] = triangles[3 * t + k];
-    const float4 p = vload4(index[k], projected);
-    u[k] = p.x;
-    v[k] = p.y;
-    tri.inv_z[k] = p.z;
+    index[k] = gather_int(triangles, 3 * t + k);
+    u[k] = gather(projected, 4 * index[k]);
+    v[k] = gather(projected, 4 * index[k] + 1);
+    tri.inv_z[k] = gather(projected, 4 * index[k] + 2);
   }
-  const float area = fma(u[1] - u[0], v[2] - v[0], -((v[1] - v[0]) * (u[2] - u[0])));
+  const REAL area = fma(u[1] - u[0], v[2] - v[0], -((v[1] - v[0]) * (u[2] - u[0])));
+  const REAL low_inv_z = lower_of(tri.inv_z[0], lower_of(tri.inv_z[1], tri.inv_z[2]));
+  const REAL high_inv_z = higher_of(tri.inv_z[0], higher_of(tri.inv_z[1], tri.inv_z[2]));
   // Faces that look at the camera are counter-clockwise, which is negative in an image whose y points down.
-  if (area == 0.0f || (cull && area > 0.0f)) {
-    tri.x0 = tri.y0 = 0;
-    tri.x1 = tri.y1 = -1;
-    return tri;
-  }
-  const float low_inv_z = lower_of(tri.inv_z[0], lower_of(tri.inv_z[1], tri.inv_z[2]));
-  const float high_inv_z = higher_of(tri.inv_z[0], higher_of(tri.inv_z[1], tri.inv_z[2]));
-  tri.x0 = int_above(higher_of(lower_of(u[0], lower_of(u[1], u[2])), 0.0f));
-  tri.x1 = int_below(lower_of(higher_of(u[0], higher_of(u[1], u[2])), (float)(width - 1)));
-  tri.y0 = int_above(higher_of(lower_of(v[0], lower_of(v[1], v[2])), 0.0f));
-  tri.y1 = int_below(lower_of(higher_of(v[0], higher_of(v[1], v[2])), (float)(height - 1)));
-  if (!(low_inv_z > 0.0f)) tri.y1 = tri.y0 - 1;
-  if (tri.y0 > tri.y1 || tri.x0 > tri.x1) return tri;
+  const LaneInt projects = low_inv_z > 0.0f, towards = area<0.0f, away = area> 0.0f;
+  const LaneInt one = 1, none = 0;
+  tri.facing = projects ? (towards ? one : away ? -one : none) : none;
+  const REAL right = (float)(width - 1), bottom = (float)(height - 1), zero = 0.0f;
+  tri.x0 = int_above(higher_of(lower_of(u[0], lower_of(u[1], u[2])), zero));
+  tri.x1 = int_below(lower_of(higher_of(u[0], higher_of(u[1], u[2])), right));
+  tri.y0 = int_above(higher_of(lower_of(v[0], lower_of(v[1], v[2])), zero));
+  tri.y1 = int_below(lower_of(higher_of(v[0], higher_of(v[1], v[2])), bottom));
+  const LaneInt drawn = cull ? tri.facing == 1 : tri.facing != 0;
+  tri.covers = drawn && tri.x0 <= tri.x1 && tri.y0 <= tri.y1;
   tri.near_z = 1.0f / high_inv_z;
   tri.far_z = 1.0f / low_inv_z;
-  const float side = area > 0.0f ? 1.0f : -1.0f;
+  const REAL side = away ? (REAL)1.0f : (REAL)-1.0f;
   set_edge(&tri, 0, side, index[1] < index[2], u[1], v[1], u[2], v[2]);
   set_edge(&tri, 1, side, index[2] < index[0], u[2], v[2], u[0], v[0]);
   set_edge(&tri, 2, side, index[0] < index[1], u[0], v[0], u[1], v[1]);
   return tri;
+}
+
+// The only one, or that of lane k.
+static inline RasterTriangle one_triangle(const RasterTriangles* tri, int k) {
+  RasterTriangle one;
+  const float* from = (const float*)tri + k;
+  float* to = (float*)&one;
+  const int lanes = sizeof(REAL) / sizeof(float);
+#pragma unroll
+  for (int i = 0; i < LC_RASTER_EDGE_VALUES; ++i) to[i] = from[lanes * i];
+  return one;
 }
 
 // Depth (mm) of the triangle at pixel (px, py), perspective-correct; INFINITY outside.

@@ -1,5 +1,24 @@
 // Which vertices the camera sees, and which of them make the outer silhouette (paper, "Dense Silhouette Alignment").
+// Over the vertices, LANES each.
+#include "shared/lanes.h"
+
 #ifdef LC_DEVICE
+
+typedef struct {
+  REAL z;               // mm
+  LaneInt x, y;         // pixel
+  LaneInt is_in_image;  // and is projected
+} VertexPixel;
+
+// projected: [4*n] u, v, 1/z (0 = not projected), z.
+static inline VertexPixel vertex_pixel(LaneInt i, int width, int height, global const float* restrict projected) {
+  VertexPixel p;
+  p.x = LANE_INT(rint(gather(projected, 4 * i)));
+  p.y = LANE_INT(rint(gather(projected, 4 * i + 1)));
+  p.z = gather(projected, 4 * i + 3);
+  p.is_in_image = gather(projected, 4 * i + 2) > 0.0f && p.x >= 0 && p.y >= 0 && p.x < width && p.y < height;
+  return p;
+}
 
 // visible[i] = 1 when vertex i projects into the image, its normal faces the camera, and nothing in the 3x3 pixels
 // around it lies in front of it by more than the tolerance everywhere (an empty pixel hides nothing).
@@ -9,25 +28,32 @@ kernel void visible_vertices(int n, int width, int height, float tolerance_mm,
                              global const float* restrict projected,  // [4*n] u, v, 1/z, z
                              global const float* restrict depth,      // [w*h] mm
                              global int* restrict visible) {
-  const int i = get_global_id(0);
-  if (i >= n) return;
-  visible[i] = 0;
-  const float4 q = vload4(i, projected);
-  if (!(q.z > 0.0f)) return;
-  const int x = convert_int_rte(q.x);
-  const int y = convert_int_rte(q.y);
-  if (x < 0 || y < 0 || x >= width || y >= height) return;
-  const float3 p = vload3(i, positions);
-  const float3 normal = vload3(i, normals);
-  if (!(p.x * normal.x + p.y * normal.y + p.z * normal.z < 0.0f)) return;
-  float farthest = 0.0f;
-  for (int v = max(y - 1, 0); v <= min(y + 1, height - 1); ++v) {
-    for (int u = max(x - 1, 0); u <= min(x + 1, width - 1); ++u) farthest = fmax(farthest, depth[v * width + u]);
+  const int first = FIRST_ROW;
+  if (first >= n) return;
+  const LaneInt i = lane_rows(first, n);
+  const VertexPixel q = vertex_pixel(i, width, height, projected);
+  const Vec3 p = gather_vec3(positions, i), normal = gather_vec3(normals, i);
+  const LaneInt looks = q.is_in_image && p.x * normal.x + p.y * normal.y + p.z * normal.z < 0.0f;
+  LaneInt seen = 0;
+  if (ANY_LANE(looks)) {
+    REAL farthest = 0.0f;
+    for (int dv = -1; dv <= 1; ++dv) {
+      for (int du = -1; du <= 1; ++du) {
+        const LaneInt u = clamp(q.x + du, (LaneInt)0, (LaneInt)(width - 1));
+        const LaneInt v = clamp(q.y + dv, (LaneInt)0, (LaneInt)(height - 1));
+        const REAL d = gather(depth, v * width + u);
+        farthest = farthest > d ? farthest : d;
+      }
+    }
+    const LaneInt one = 1, none = 0;
+    seen = looks && q.z <= farthest + tolerance_mm ? one : none;
   }
-  visible[i] = q.w <= farthest + tolerance_mm ? 1 : 0;
+  store_rows(seen, visible, first, n);
 }
 
-// facing[t]: 1 towards the camera, -1 away, 0 edge-on or not projected.
+#if !LC_CPU
+
+// facing[t]: 1 towards the camera, -1 away, 0 edge-on or not projected. On CPUs the rasteriser says so.
 kernel void triangle_facing(int n_triangles, global const float* restrict projected,
                             global const int* restrict triangles, global int* restrict facing) {
   const int t = get_global_id(0);
@@ -42,33 +68,12 @@ kernel void triangle_facing(int n_triangles, global const float* restrict projec
   facing[t] = !projects ? 0 : area < 0.0f ? 1 : area > 0.0f ? -1 : 0;
 }
 
-// contour[i] = 1 when vertex i lies on an edge between a front and a back face (or on an open edge of the mesh), the
-// disc of radius_px around its pixel leaves the rendered mask inside the image, and it is not behind the rendered
-// surface. Only such vertices project onto the outline itself; others near it would be pulled outwards by their
-// distance to it.
-kernel void contour_vertices(int n, int width, int height, int radius_px, float tolerance_mm,
-                             global const float* restrict projected,    // [4*n]
-                             global const int* restrict fan_offsets,    // [n+1]
-                             global const int* restrict fan_triangles,  // [fan_offsets[n]]
-                             global const int* restrict on_open_edge,   // [n]
-                             global const int* restrict facing,         // [n_triangles]
-                             global const float* restrict depth,        // [w*h] mm
-                             global int* restrict contour) {
-  const int i = get_global_id(0);
-  if (i >= n) return;
-  contour[i] = 0;
-  const float4 q = vload4(i, projected);
-  if (!(q.z > 0.0f)) return;
-  const int x = convert_int_rte(q.x);
-  const int y = convert_int_rte(q.y);
-  if (x < 0 || y < 0 || x >= width || y >= height) return;
-  int front = 0, back = 0;
-  for (int k = fan_offsets[i]; k < fan_offsets[i + 1]; ++k) {
-    const int side = facing[fan_triangles[k]];
-    front |= side > 0;
-    back |= side < 0;
-  }
-  if (!(front & back) && !(on_open_edge[i] & (front | back))) return;
+#endif
+
+// The disc of radius_px around pixel (x, y) leaves the rendered mask inside the image, and what is rendered there does
+// not hide the depth z.
+static inline int is_at_outline(int x, int y, float z, int width, int height, int radius_px, float tolerance_mm,
+                                global const float* restrict depth) {
   int outside = 0;
   float farthest = 0.0f;  // of the rendered pixels
   for (int dv = -radius_px; dv <= radius_px; ++dv) {
@@ -78,13 +83,59 @@ kernel void contour_vertices(int n, int width, int height, int radius_px, float 
       if (u < 0 || v < 0 || u >= width || v >= height || du * du + dv * dv > radius_px * radius_px) continue;
       const float d = depth[v * width + u];
       if (d < INFINITY) {
-        farthest = fmax(farthest, d);
+        farthest = farthest > d ? farthest : d;
       } else {
         outside = 1;
       }
     }
   }
-  contour[i] = outside && (farthest == 0.0f || q.w <= farthest + tolerance_mm) ? 1 : 0;
+  return outside && (farthest == 0.0f || z <= farthest + tolerance_mm) ? 1 : 0;
+}
+
+// contour[i] = 1 when vertex i lies on an edge between a front and a back face (or on an open edge of the mesh) and
+// is_at_outline. Only such vertices project onto the outline itself; others near it would be pulled outwards by their
+// distance to it.
+kernel void contour_vertices(int n, int width, int height, int radius_px, float tolerance_mm,
+                             global const float* restrict projected,    // [4*n]
+                             global const int* restrict fan_offsets,    // [n+1]
+                             global const int* restrict fan_triangles,  // [fan_offsets[n]]
+                             global const int* restrict on_open_edge,   // [n]
+                             global const int* restrict facing,         // [n_triangles]
+                             global const float* restrict depth,        // [w*h] mm
+                             global int* restrict contour) {
+  const int first = FIRST_ROW;
+  if (first >= n) return;
+  const LaneInt i = lane_rows(first, n);
+  const VertexPixel q = vertex_pixel(i, width, height, projected);
+  LaneInt result = 0;
+  if (ANY_LANE(q.is_in_image)) {
+    const LaneInt begin = gather_int(fan_offsets, i), end = gather_int(fan_offsets, i + 1), none = 0;
+    LaneInt front = 0, back = 0;
+    for (LaneInt k = begin; ANY_LANE(k < end); k += 1) {
+      const LaneInt is_one = k < end;
+      const LaneInt side = gather_int(facing, gather_int(fan_triangles, is_one ? k : none));
+      front |= is_one && side > 0;
+      back |= is_one && side < 0;
+    }
+    const LaneInt open = gather_int(on_open_edge, i) != 0;
+    const LaneInt bends = q.is_in_image && ((front && back) || (open && (front || back)));
+#if LC_CPU
+    int x[LANES], y[LANES], at_outline[LANES];
+    float z[LANES];
+    vstore16(q.x, 0, x);
+    vstore16(q.y, 0, y);
+    vstore16(q.z, 0, z);
+    vstore16(result, 0, at_outline);
+    for (uint left = lane_bits(bends); left; left &= left - 1) {
+      const int k = lowest_bit(left);
+      at_outline[k] = is_at_outline(x[k], y[k], z[k], width, height, radius_px, tolerance_mm, depth);
+    }
+    result = vload16(0, at_outline);
+#else
+    if (bends) result = is_at_outline(q.x, q.y, q.z, width, height, radius_px, tolerance_mm, depth);
+#endif
+  }
+  store_rows(result, contour, first, n);
 }
 
 #endif

@@ -1,17 +1,22 @@
-// Dual quaternion skinning of a whole template, its inverse for displacements, and vertex normals.
-// One work-item per vertex; any work-group size.
+// Dual quaternion skinning of a whole template, its inverse for displacements, and vertex normals. Over the vertices,
+// LANES each.
+#include "shared/lanes.h"
+//
 #include "shared/dual_quat.h"
 
-// The blended (not normalised) motion of vertex i; signs follow the strongest influence.
-static inline DualQuat blended_motion(int i, global const int* restrict bones, global const float* restrict weights,
+// The blended (not normalised) motion of the vertices i; signs follow the strongest influence.
+static inline DualQuat blended_motion(LaneInt i, global const int* restrict bones, global const float* restrict weights,
                                       global const float* restrict dual_quats) {
   DualQuat first = dual_quat_zero();
   DualQuat sum = dual_quat_zero();
   for (int k = 0; k < 4; ++k) {
-    float8 v = vload8(bones[4 * i + k], dual_quats);
-    DualQuat q = {v.s0, v.s1, v.s2, v.s3, v.s4, v.s5, v.s6, v.s7};
+    const REAL w = gather(weights, 4 * i + k);
+    if (k > 0 && !ANY_LANE(w != 0.0f)) continue;
+    const LaneInt at = 8 * gather_int(bones, 4 * i + k);
+    const DualQuat q = {gather(dual_quats, at),     gather(dual_quats, at + 1), gather(dual_quats, at + 2),
+                        gather(dual_quats, at + 3), gather(dual_quats, at + 4), gather(dual_quats, at + 5),
+                        gather(dual_quats, at + 6), gather(dual_quats, at + 7)};
     if (k == 0) first = q;
-    float w = weights[4 * i + k];
     sum = dual_quat_add_scaled(sum, q, dual_quat_real_dot(first, q) < 0.0f ? -w : w);
   }
   return sum;
@@ -23,11 +28,11 @@ kernel void skin_vertices(int n, global const float* restrict rest, global const
                           global const float* restrict weights,     // [4n]
                           global const float* restrict dual_quats,  // [8 n_bones]
                           global float* restrict out) {
-  int i = get_global_id(0);
-  if (i >= n) return;
-  float3 p = vload3(i, rest) + vload3(i, displacement);
-  Vec3 v = dual_quat_transform(blended_motion(i, bones, weights, dual_quats), vec3(p.x, p.y, p.z));
-  vstore3((float3)(v.x, v.y, v.z), i, out);
+  const int first = FIRST_ROW;
+  if (first >= n) return;
+  const LaneInt i = lane_rows(first, n);
+  const Vec3 p = add3(gather_vec3(rest, i), gather_vec3(displacement, i));
+  store_vec3(dual_quat_transform(blended_motion(i, bones, weights, dual_quats), p), out, first, n);
 }
 
 // out = share R^-1 (deformed - skinned), R the blended rotation. All [3n] mm.
@@ -37,27 +42,80 @@ kernel void unskin_displacement(int n, global const float* restrict deformed, gl
                                 global const float* restrict weights,     // [4n]
                                 global const float* restrict dual_quats,  // [8 n_bones]
                                 global float* restrict out) {
-  int i = get_global_id(0);
-  if (i >= n) return;
-  float3 d = share[i] * (vload3(i, deformed) - vload3(i, skinned));
-  Vec3 v = dual_quat_unrotate(blended_motion(i, bones, weights, dual_quats), vec3(d.x, d.y, d.z));
-  vstore3((float3)(v.x, v.y, v.z), i, out);
+  const int first = FIRST_ROW;
+  if (first >= n) return;
+  const LaneInt i = lane_rows(first, n);
+  const Vec3 d = scale3(sub3(gather_vec3(deformed, i), gather_vec3(skinned, i)), gather(share, i));
+  store_vec3(dual_quat_unrotate(blended_motion(i, bones, weights, dual_quats), d), out, first, n);
+}
+
+// Products and sums of normals are rounded one by one, as the built-in cross() and dot() of PoCL round them.
+#pragma OPENCL FP_CONTRACT OFF
+
+static inline void store_unit(Vec3 sum, global float* restrict out, int first, int n) {
+  const REAL length2 = sum.x * sum.x + sum.y * sum.y + sum.z * sum.z, one = 1.0f;
+  store_vec3(scale3(sum, length2 > 0.0f ? 1.0f / sqrt(length2) : one), out, first, n);
+}
+
+// The normal of a triangle, as long as twice its area.
+static inline Vec3 doubled_area(Vec3 a, Vec3 b, Vec3 c) {
+  const Vec3 d = sub3(b, a), e = sub3(c, a);
+  return vec3(d.y * e.z - d.z * e.y, d.z * e.x - d.x * e.z, d.x * e.y - d.y * e.x);
 }
 
 // Area-weighted unit normals; zero where a vertex has no area.
+#if LC_CPU
+
+// doubled_area of every triangle: 3 planes, `stride` apart, which is a multiple of LANES
+// and at least n. Over the triangles, LANES each.
+kernel void triangle_normals(int n, int stride, global const float* restrict positions,
+                             global const int* restrict triangles,  // [3n]
+                             global float* restrict out) {
+  const int first = FIRST_ROW;
+  if (first >= n) return;
+  const LaneInt t = lane_rows(first, n);
+  const Vec3 area = doubled_area(gather_vec3(positions, gather_int(triangles, 3 * t)),
+                                 gather_vec3(positions, gather_int(triangles, 3 * t + 1)),
+                                 gather_vec3(positions, gather_int(triangles, 3 * t + 2)));
+  STORE(area.x, out, first);
+  STORE(area.y, out, first + stride);
+  STORE(area.z, out, first + 2 * stride);
+}
+
+kernel void vertex_normals(int n, int stride, global const float* restrict areas,
+                           global const int* restrict fan_offsets,    // [n+1]
+                           global const int* restrict fan_triangles,  // [fan_offsets[n]]
+                           global float* restrict out) {
+  const int first = FIRST_ROW;
+  if (first >= n) return;
+  const LaneInt i = lane_rows(first, n), none = 0;
+  const LaneInt end = gather_int(fan_offsets, i + 1);
+  const REAL zero = 0.0f;
+  Vec3 sum = vec3(zero, zero, zero);
+  for (LaneInt f = gather_int(fan_offsets, i); ANY_LANE(f < end); f += 1) {
+    const LaneInt is_one = f < end;
+    const LaneInt t = gather_int(fan_triangles, is_one ? f : none);
+    sum.x += is_one ? gather(areas, t) : zero;
+    sum.y += is_one ? gather(areas + stride, t) : zero;
+    sum.z += is_one ? gather(areas + 2 * stride, t) : zero;
+  }
+  store_unit(sum, out, first, n);
+}
+
+#else
+
 kernel void vertex_normals(int n, global const float* restrict positions,
                            global const int* restrict fan_offsets,    // [n+1]
                            global const int* restrict fan_triangles,  // [3 fan_offsets[n]] corners
                            global float* restrict out) {
-  int i = get_global_id(0);
+  const int i = get_global_id(0);
   if (i >= n) return;
-  float3 sum = (float3)(0.0f);
-  for (int f = fan_offsets[i]; f < fan_offsets[i + 1]; ++f) {
-    float3 a = vload3(fan_triangles[3 * f], positions);
-    float3 b = vload3(fan_triangles[3 * f + 1], positions);
-    float3 c = vload3(fan_triangles[3 * f + 2], positions);
-    sum += cross(b - a, c - a);
-  }
-  float length2 = dot(sum, sum);
-  vstore3(length2 > 0.0f ? sum * (1.0f / sqrt(length2)) : sum, i, out);
+  Vec3 sum = vec3(0.0f, 0.0f, 0.0f);
+  for (int f = fan_offsets[i]; f < fan_offsets[i + 1]; ++f)
+    sum = add3(sum, doubled_area(gather_vec3(positions, fan_triangles[3 * f]),
+                                 gather_vec3(positions, fan_triangles[3 * f + 1]),
+                                 gather_vec3(positions, fan_triangles[3 * f + 2])));
+  store_unit(sum, out, i, n);
 }
+
+#endif

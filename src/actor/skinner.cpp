@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/round_up.h"
 #include "base/text.h"
 #include "geometry/reference.h"
 
@@ -9,7 +10,8 @@ namespace livecap {
 namespace {
 
 constexpr const char* kSource = "surface/skin.cl";
-constexpr size_t kGroup = 64;
+constexpr size_t kGroup = 64;  // on a GPU
+constexpr int kCpuLanes = 16;  // LANES of shared/lanes.h
 
 }  // namespace
 
@@ -23,10 +25,20 @@ Skinner::Skinner(ocl::DeviceContext& device, const Actor& actor, const SkinWeigh
       unskin_(device, kSource, "unskin_displacement"),
       normals_(device, kSource, "vertex_normals") {
   const TriangleFans fans = triangle_fans(actor.n_vertices(), actor.mesh.triangles);
+  fan_offsets_ = ocl::Buffer<int32_t>(device, fans.offsets);
+  if (device.is_cpu()) {
+    lanes_ = kCpuLanes;
+    n_triangles_ = actor.mesh.n_triangles();
+    areas_stride_ = int(round_up(n_triangles_, kCpuLanes)) + kCpuLanes;
+    triangles_ = ocl::Buffer<int32_t>(device, actor.mesh.triangles);
+    fan_triangles_ = ocl::Buffer<int32_t>(device, fans.triangles);
+    areas_ = ocl::Buffer<float>(device, size_t(3) * areas_stride_);
+    triangle_normals_ = {device, kSource, "triangle_normals"};
+    return;
+  }
   std::vector<int32_t> corners;
   for (const int32_t t : fans.triangles)
     corners.insert(corners.end(), actor.mesh.triangles.begin() + 3 * t, actor.mesh.triangles.begin() + 3 * t + 3);
-  fan_offsets_ = ocl::Buffer<int32_t>(device, fans.offsets);
   fan_triangles_ = ocl::Buffer<int32_t>(device, corners);
 }
 
@@ -34,18 +46,29 @@ void Skinner::set_pose(std::span<const float> dual_quats) {
   dual_quats_.write_later(dual_quats);
 }
 
+ocl::Range Skinner::over(int n) const {
+  const size_t local = lanes_ > 1 ? 1 : kGroup;
+  const size_t items = (n + lanes_ - 1) / lanes_;
+  return {round_up(items, local), 1, local, 1};
+}
+
 void Skinner::skin(const ocl::Buffer<float>& displacement_rest, ocl::Buffer<float>& out_camera) {
-  skin_.launch(n_vertices_, kGroup, n_vertices_, rest_, displacement_rest, bones_, weights_, dual_quats_, out_camera);
+  skin_.launch(over(n_vertices_), n_vertices_, rest_, displacement_rest, bones_, weights_, dual_quats_, out_camera);
 }
 
 void Skinner::unskin_displacement(const ocl::Buffer<float>& deformed_camera, const ocl::Buffer<float>& skinned_camera,
                                   const ocl::Buffer<float>& share, ocl::Buffer<float>& out_displacement_rest) {
-  unskin_.launch(n_vertices_, kGroup, n_vertices_, deformed_camera, skinned_camera, share, bones_, weights_,
-                 dual_quats_, out_displacement_rest);
+  unskin_.launch(over(n_vertices_), n_vertices_, deformed_camera, skinned_camera, share, bones_, weights_, dual_quats_,
+                 out_displacement_rest);
 }
 
 void Skinner::normals(const ocl::Buffer<float>& positions_camera, ocl::Buffer<float>& out_normals) {
-  normals_.launch(n_vertices_, kGroup, n_vertices_, positions_camera, fan_offsets_, fan_triangles_, out_normals);
+  if (areas_.empty()) {
+    normals_.launch(over(n_vertices_), n_vertices_, positions_camera, fan_offsets_, fan_triangles_, out_normals);
+    return;
+  }
+  triangle_normals_.launch(over(n_triangles_), n_triangles_, areas_stride_, positions_camera, triangles_, areas_);
+  normals_.launch(over(n_vertices_), n_vertices_, areas_stride_, areas_, fan_offsets_, fan_triangles_, out_normals);
 }
 
 std::vector<ocl::SelfTestResult> skinner_self_test(ocl::DeviceContext& device) {

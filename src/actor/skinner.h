@@ -37,13 +37,21 @@ class Skinner {
   const ocl::Buffer<float>& rest_positions() const { return rest_; }
 
  private:
+  ocl::Range over(int n) const;
+
   int n_vertices_ = 0;
+  int lanes_ = 1;                       // rows of a work-item
   ocl::Buffer<float> rest_;             // [3*n] mm
   ocl::Buffer<int32_t> bones_;          // [4*n]
   ocl::Buffer<float> weights_;          // [4*n]
   ocl::Buffer<float> dual_quats_;       // [8*n_bones]
   ocl::Buffer<int32_t> fan_offsets_;    // [n+1] triangles around each vertex, compressed rows
-  ocl::Buffer<int32_t> fan_triangles_;  // [3*sum] the three corners of each
+  ocl::Buffer<int32_t> fan_triangles_;  // [3*sum] the three corners of each; on a CPU [sum] which they are
+  // On a CPU each triangle's normal is worked out once.
+  int n_triangles_ = 0, areas_stride_ = 0;
+  ocl::Buffer<int32_t> triangles_;
+  ocl::Buffer<float> areas_;
+  ocl::Kernel triangle_normals_;
   ocl::Kernel skin_;
   ocl::Kernel unskin_;
   ocl::Kernel normals_;

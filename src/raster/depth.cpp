@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/round_up.h"
 #include "base/text.h"
 #include "geometry/pinhole_arg.h"
 #include "livecap/error.h"
@@ -13,7 +14,8 @@ namespace {
 
 constexpr char kFile[] = "raster/depth.cl";
 constexpr int kMaxBands = 32;
-constexpr size_t kLocal = 64;
+constexpr size_t kLocal = 64;     // on a GPU
+constexpr size_t kCpuLanes = 16;  // LANES of shared/lanes.h
 
 // Every edge is run through once in each direction: a ray then meets as many front as back faces.
 bool is_closed(const Mesh& mesh) {
@@ -60,6 +62,7 @@ DepthRasterizer::DepthRasterizer(ocl::DeviceContext& device, const Mesh& mesh, i
     std::vector<int32_t> everything;
     for (int strip = 0; strip < n_strips; ++strip) everything.insert(everything.end(), {0, width - 1});
     drawn_ = ocl::Buffer<int32_t>(device, everything);
+    facing_ = ocl::Buffer<int32_t>(device, round_up(n_triangles_, LC_RASTER_TRIANGLES));
   } else {
     clear_ = ocl::Kernel(device, kFile, "raster_clear");
     nearest_ = ocl::Kernel(device, kFile, "raster_nearest");
@@ -70,10 +73,11 @@ DepthRasterizer::DepthRasterizer(ocl::DeviceContext& device, const Mesh& mesh, i
 void DepthRasterizer::render(const ocl::Buffer<float>& positions_camera, const Camera& camera) {
   if (positions_camera.size() != size_t(3) * n_vertices_)
     throw LogicError(format("rasteriser: %zu coordinates for %d vertices", positions_camera.size(), n_vertices_));
-  project_.launch(n_vertices_, kLocal, n_vertices_, pinhole_arg(camera), positions_camera, projected_);
+  const size_t vertices = is_cpu_ ? (n_vertices_ + kCpuLanes - 1) / kCpuLanes : n_vertices_;
+  project_.launch(vertices, is_cpu_ ? 1 : kLocal, n_vertices_, pinhole_arg(camera), positions_camera, projected_);
   if (is_cpu_) {
     bands_.launch(n_bands_, 1, n_triangles_, width_, height_, n_bands_, cull_, projected_, triangles_, depth_, ids_,
-                  drawn_);
+                  drawn_, facing_);
     return;
   }
   clear_.launch(depth_.size(), kLocal, static_cast<int>(depth_.size()), depth_, ids_);

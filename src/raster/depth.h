@@ -35,6 +35,8 @@ class DepthRasterizer {
     return projected_;
   }  // [4*n_vertices] u, v (px), 1/z (0 = not projected), z (mm)
   const ocl::Buffer<int32_t>& triangles() const { return triangles_; }  // [3*n_triangles]
+  // [at least n_triangles] 1 towards the camera, -1 away, 0 edge-on or not projected; null on GPUs.
+  const ocl::Buffer<int32_t>* facing() const { return is_cpu_ ? &facing_ : nullptr; }
 
   // Pixels that the mesh and `mask` ([w*h], more than 127 = set; LogicError for another size) share, as a part of those
   // that either covers; 0 when none is. Blocking.
@@ -56,6 +58,7 @@ class DepthRasterizer {
   ocl::Buffer<float> depth_;
   ocl::Buffer<int32_t> ids_;
   ocl::Buffer<int32_t> drawn_;    // CPU: columns that the last picture covers of each strip of rows
+  ocl::Buffer<int32_t> facing_;   // CPU: [n_triangles, rounded up] see depth.cl
   ocl::Buffer<int32_t> overlap_;  // [2*h] per row: pixels in both, in either
   ocl::Kernel project_, overlap_kernel_;
   ocl::Kernel bands_;    // CPU

@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "base/round_up.h"
 #include "base/text.h"
 #include "livecap/error.h"
 
@@ -11,7 +12,8 @@ namespace livecap {
 namespace {
 
 constexpr char kFile[] = "raster/visibility.cl";
-constexpr size_t kLocal = 64;
+constexpr size_t kLocal = 64;     // on a GPU
+constexpr size_t kCpuLanes = 16;  // LANES of shared/lanes.h
 
 // Vertices of edges that belong to one triangle only.
 std::vector<int32_t> open_edge_vertices(const Mesh& mesh) {
@@ -40,17 +42,19 @@ void VisibilityOptions::validate() const {
 }
 
 SurfaceVisibility::SurfaceVisibility(ocl::DeviceContext& device, const Mesh& mesh, const VisibilityOptions& options)
-    : options_(options), n_vertices_(mesh.n_vertices()), n_triangles_(mesh.n_triangles()) {
+    : options_(options), n_vertices_(mesh.n_vertices()), n_triangles_(mesh.n_triangles()), is_cpu_(device.is_cpu()) {
   options_.validate();
   const TriangleFans fans = triangle_fans(n_vertices_, mesh.triangles);
   fan_offsets_ = ocl::Buffer<int32_t>(device, fans.offsets);
   fan_triangles_ = ocl::Buffer<int32_t>(device, fans.triangles);
   on_open_edge_ = ocl::Buffer<int32_t>(device, open_edge_vertices(mesh));
-  facing_ = ocl::Buffer<int32_t>(device, n_triangles_);
   visible_ = ocl::Buffer<int32_t>(device, n_vertices_);
   contour_ = ocl::Buffer<int32_t>(device, n_vertices_);
   visible_kernel_ = ocl::Kernel(device, kFile, "visible_vertices");
-  facing_kernel_ = ocl::Kernel(device, kFile, "triangle_facing");
+  if (!is_cpu_) {
+    facing_ = ocl::Buffer<int32_t>(device, n_triangles_);
+    facing_kernel_ = ocl::Kernel(device, kFile, "triangle_facing");
+  }
   contour_kernel_ = ocl::Kernel(device, kFile, "contour_vertices");
 }
 
@@ -65,16 +69,23 @@ void SurfaceVisibility::find_visible(const ocl::Buffer<float>& positions_camera,
   if (positions_camera.size() != size_t(3) * n_vertices_ || normals.size() != positions_camera.size())
     throw LogicError(format("visibility: %zu coordinates and %zu normals for %d vertices", positions_camera.size(),
                             normals.size(), n_vertices_));
-  visible_kernel_.launch(n_vertices_, kLocal, n_vertices_, raster.width(), raster.height(), options_.depth_tolerance_mm,
+  visible_kernel_.launch(over_vertices(), n_vertices_, raster.width(), raster.height(), options_.depth_tolerance_mm,
                          positions_camera, normals, raster.projected(), raster.depth(), visible_);
 }
 
 void SurfaceVisibility::find_contour(const DepthRasterizer& raster) {
   require(raster);
-  facing_kernel_.launch(n_triangles_, kLocal, n_triangles_, raster.projected(), raster.triangles(), facing_);
-  contour_kernel_.launch(n_vertices_, kLocal, n_vertices_, raster.width(), raster.height(), options_.contour_radius_px,
+  if (!raster.facing())
+    facing_kernel_.launch(n_triangles_, kLocal, n_triangles_, raster.projected(), raster.triangles(), facing_);
+  contour_kernel_.launch(over_vertices(), n_vertices_, raster.width(), raster.height(), options_.contour_radius_px,
                          options_.contour_tolerance_mm, raster.projected(), fan_offsets_, fan_triangles_, on_open_edge_,
-                         facing_, raster.depth(), contour_);
+                         raster.facing() ? *raster.facing() : facing_, raster.depth(), contour_);
+}
+
+ocl::Range SurfaceVisibility::over_vertices() const {
+  const size_t items = is_cpu_ ? (n_vertices_ + kCpuLanes - 1) / kCpuLanes : n_vertices_;
+  const size_t local = is_cpu_ ? 1 : kLocal;
+  return {round_up(items, local), 1, local, 1};
 }
 
 std::vector<int32_t> SurfaceVisibility::read_contour() const {

@@ -1,6 +1,7 @@
 // The two pictures that are matched: the actor as its texture would look, and the camera's; both as luminance in [0,1]
 // with a weight of 1 where the person is, 0 elsewhere.
 #include "match/layout.h"
+#include "shared/gather.h"
 #include "shared/wide.h"
 
 static inline float luminance(float r, float g, float b) {
@@ -55,18 +56,11 @@ static inline void texture_coordinates(const Textured* tri, run_t px, float py, 
 }
 
 // Two pairs beside each other.
-static inline uint pairs(global const ushort* restrict texture, int at) {
-  return as_uint(vload2(0, texture + at));
-}
-
 static inline texels_t look_up(global const ushort* restrict texture, ipix_t at) {
 #if LC_CPU
-  return (uint16)(pairs(texture, at.s0), pairs(texture, at.s1), pairs(texture, at.s2), pairs(texture, at.s3),
-                  pairs(texture, at.s4), pairs(texture, at.s5), pairs(texture, at.s6), pairs(texture, at.s7),
-                  pairs(texture, at.s8), pairs(texture, at.s9), pairs(texture, at.sa), pairs(texture, at.sb),
-                  pairs(texture, at.sc), pairs(texture, at.sd), pairs(texture, at.se), pairs(texture, at.sf));
+  return gather_pairs(texture, at);
 #else
-  return pairs(texture, at);
+  return as_uint(vload2(0, texture + at));
 #endif
 }
 
@@ -103,9 +97,10 @@ static inline float middle(int level) {
 // Sixteen depths of a row from column x of the box on; nothing outside the columns [first, end).
 static inline float16 box_depths(global const float* restrict depth, int level, int x, int first, int end) {
   if (level == 0 && x >= first && x + 16 <= end) return vload16(0, depth + x);
-  float lanes[16];
-  for (int k = 0; k < 16; ++k) lanes[k] = x + k >= first && x + k < end ? depth[(x + k) << level] : INFINITY;
-  return vload16(0, lanes);
+  const int16 column = x + (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  const int16 inside = column >= first && column < end;
+  if (!any(inside)) return INFINITY;
+  return select((float16)INFINITY, gather16(depth, clamp(column, first, end - 1) << level), inside);
 }
 
 // Over the rows of the box. First the texture coordinates, eight pixels of a triangle at a time, into light and weight;
@@ -216,6 +211,24 @@ kernel void camera_picture(MatchBox box, int width, int height, global const uch
   if (bx >= box.width || by >= box.height) return;
   const int at = by * box.width + bx;
   const int x = box.x + bx, y = box.y + by;
+#if LC_CPU
+  if (y >= 0 && y < height && x >= 0 && x + 16 <= width) {
+    const int p = y * width + x;
+    const int16 person = vload16(0, signed_distance + p) < 0.0f;
+    float16 bright = 0.0f;
+    if (any(person)) {
+      const uchar16 a = vload16(0, rgb + 3 * p), b = vload16(1, rgb + 3 * p), c = vload16(2, rgb + 3 * p);
+      const uchar16 red = (uchar16)(a.s0369, a.scf, b.s258b, b.se, c.s147a, c.sd);
+      const uchar16 green = (uchar16)(a.s147a, a.sd, b.s0369, b.scf, c.s258b, c.se);
+      const uchar16 blue = (uchar16)(a.s258b, a.se, b.s147a, b.sd, c.s0369, c.scf);
+      bright = (0.299f * convert_float16(red) + 0.587f * convert_float16(green) + 0.114f * convert_float16(blue)) *
+               (1.0f / 255.0f);
+    }
+    store16(select((float16)0.0f, bright, person), light + at);
+    store16(select((float16)0.0f, (float16)1.0f, person), weight + at);
+    return;
+  }
+#endif
   store16((float16)0.0f, light + at);
   store16((float16)0.0f, weight + at);
   if (y < 0 || y >= height) return;

@@ -2,6 +2,7 @@
 #ifndef LC_NN_PANEL_H
 #define LC_NN_PANEL_H
 #include "nn/op_params.h"
+#include "shared/wide.h"
 
 // Adds the residual, clamps, and writes the first n (>= 1; all when n >= 16) channels of v at element `at`.
 static inline void nn_store_panel(NnOp op, global float* arena, int at, float16 v, int n) {
@@ -10,7 +11,7 @@ static inline void nn_store_panel(NnOp op, global float* arena, int at, float16 
   v = v < op.high ? v : (float16)(op.high);
   global float* out = arena + op.out_offset + at;
   if (n >= 16) {
-    vstore16(v, 0, out);
+    store16(v, out);
     return;
   }
   float8 rest = v.lo;

@@ -14,6 +14,11 @@ static inline int16 gather_int16(global const int* restrict p, int16 i) {
   return __builtin_ia32_gathersiv16si((int16)0, p, i, (ushort)0xffff, 4);
 }
 
+// Each with the one behind it in the upper half.
+static inline uint16 gather_pairs(global const ushort* restrict p, int16 i) {
+  return as_uint16(__builtin_ia32_gathersiv16si((int16)0, p, i, (ushort)0xffff, 2));
+}
+
 // The first `lanes` values; places differ.
 static inline void scatter16(float16 value, global float* restrict p, int16 i, int lanes) {
   const ushort first = lanes < 16 ? (ushort)((1 << lanes) - 1) : (ushort)0xffff;
@@ -32,6 +37,17 @@ static inline float16 gather16(global const float* restrict p, int16 i) {
 
 static inline int16 gather_int16(global const int* restrict p, int16 i) {
   return (int16)LC_ALL_OF(p, i);
+}
+
+static inline uint pair_at(global const ushort* restrict p, int i) {
+  return as_uint(vload2(0, p + i));
+}
+
+static inline uint16 gather_pairs(global const ushort* restrict p, int16 i) {
+  return (uint16)(pair_at(p, i.s0), pair_at(p, i.s1), pair_at(p, i.s2), pair_at(p, i.s3), pair_at(p, i.s4),
+                  pair_at(p, i.s5), pair_at(p, i.s6), pair_at(p, i.s7), pair_at(p, i.s8), pair_at(p, i.s9),
+                  pair_at(p, i.sa), pair_at(p, i.sb), pair_at(p, i.sc), pair_at(p, i.sd), pair_at(p, i.se),
+                  pair_at(p, i.sf));
 }
 
 static inline void scatter16(float16 value, global float* restrict p, int16 i, int lanes) {

@@ -1,19 +1,40 @@
 // Body-part mask (paper, "Stage II", body part mask): the part of each pixel, each part grown by a square of half-side
 // `radius`, the torso over everything else. Sets of parts are bit masks (bit p = part p), so growing is a bitwise or.
 // Padded planes: row stride `stride`, LC_PAD columns before and `radius` rows above and below the picture, all zero.
+#include "raster/layout.h"
+#include "shared/gather.h"
+
 #ifdef LC_DEVICE
 
 #define LC_PAD 16
 #define LC_PART_ROWS 8
 
-// One work-item per pixel.
-kernel void part_bits(int width, int height, int stride, int radius, global const int* restrict ids,
-                      global const int* restrict triangle_part, global uchar* restrict bits) {
-  const int x = get_global_id(0);
+// One work-item per 16 pixels of a row. drawn: on CPUs the columns that depth.cl covers of each strip of rows.
+kernel void part_bits(int width, int height, int stride, int radius, global const int* restrict drawn,
+                      global const int* restrict ids, global const int* restrict triangle_part,
+                      global uchar* restrict bits) {
+  const int x0 = 16 * (int)get_global_id(0);
   const int y = get_global_id(1);
-  if (x >= width || y >= height) return;
-  const int id = ids[y * width + x];
-  bits[(y + radius) * stride + LC_PAD + x] = id < 0 ? 0 : (uchar)(1 << triangle_part[id]);
+  if (x0 >= width || y >= height) return;
+  ids += y * width;
+  bits += (y + radius) * stride + LC_PAD;
+#if !LC_CPU
+  (void)drawn;
+#else
+  const int strip = y / LC_STRIP_ROWS;
+  if (x0 > drawn[2 * strip + 1] || x0 + 16 <= drawn[2 * strip]) {
+    vstore16((uchar16)0, 0, bits + x0);  // the planes have room
+    return;
+  }
+  if (x0 + 16 <= width) {
+    const int16 id = vload16(0, ids + x0), drawn = id >= 0;
+    int16 bit = 0;
+    if (any(drawn)) bit = drawn & ((int16)1 << gather_int16(triangle_part, max(id, 0)));
+    vstore16(convert_uchar16(bit), 0, bits + x0);
+    return;
+  }
+#endif
+  for (int x = x0; x < min(x0 + 16, width); ++x) bits[x] = ids[x] < 0 ? 0 : (uchar)(1 << triangle_part[ids[x]]);
 }
 
 // One work-item per 16 pixels of a row; n_groups of them make a row.

@@ -37,6 +37,8 @@ class DepthRasterizer {
   const ocl::Buffer<int32_t>& triangles() const { return triangles_; }  // [3*n_triangles]
   // [at least n_triangles] 1 towards the camera, -1 away, 0 edge-on or not projected; null on GPUs.
   const ocl::Buffer<int32_t>* facing() const { return is_cpu_ ? &facing_ : nullptr; }
+  // First and last column that is covered of each strip of LC_STRIP_ROWS rows; null on GPUs.
+  const ocl::Buffer<int32_t>* drawn() const { return is_cpu_ ? &drawn_ : nullptr; }
 
   // Pixels that the mesh and `mask` ([w*h], more than 127 = set; LogicError for another size) share, as a part of those
   // that either covers; 0 when none is. Blocking.

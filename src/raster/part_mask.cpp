@@ -95,8 +95,9 @@ void PartMask::update(const DepthRasterizer& raster) {
   auto range = [&](size_t columns, int rows) {
     return ocl::Range{(columns + kLocalX - 1) / kLocalX * kLocalX, static_cast<size_t>(rows), kLocalX, 1};
   };
-  bits_kernel_.launch(range(width_, height_), width_, height_, stride_, dilation_px_, raster.triangle_ids(),
-                      triangle_part_, bits_);
+  bits_kernel_.launch(range(n_groups_, height_), width_, height_, stride_, dilation_px_,
+                      raster.drawn() ? *raster.drawn() : raster.triangle_ids(), raster.triangle_ids(), triangle_part_,
+                      bits_);
   rows_kernel_.launch(range(n_groups_, height_), n_groups_, height_, stride_, dilation_px_, bits_, grown_);
   columns_kernel_.launch(range(n_groups_, (height_ + kRows - 1) / kRows), n_groups_, width_, height_, stride_,
                          dilation_px_, bits_, grown_, part_image_);

@@ -1,6 +1,8 @@
 // Exact signed Euclidean distance to the border of a mask, in two passes (after Meijster, Roerdink and Hesselink, "A
 // general algorithm for computing distance transforms in linear time", 2000): along columns, then the least over each
 // row: on a CPU the lower envelope of parabolas, on a GPU each pixel looks at the columns beside it, the nearest first.
+#include "shared/lanes.h"
+
 #ifdef LC_DEVICE
 
 #define LC_LANES 16
@@ -88,6 +90,37 @@ static inline int add_site(global int* sites, int n, int column, int height, int
   return n + 1;
 }
 
+// First pixel from `from` on that is not of the kind, or `width`.
+static inline int end_of_run(global const ushort* row, int from, int width, ushort kind) {
+  for (int x = from & ~(LC_LANES - 1); x < width; x += LC_LANES) {
+    const short16 other = as_short16(vload16(0, row + x) ^ kind) < (short16)0;
+    if (!any(other)) continue;
+    uint bits = lane_bits(convert_int16(other));
+    if (x < from) bits &= ~0u << (from - x);
+    if (bits) return min(x + lowest_bit(bits), width);
+  }
+  return width;
+}
+
+// The columns of 16 pixels from x on that may be the nearest somewhere in the run [begin, end). A column must be lower
+// than the run's ends, which are at height 0: their parabolas meet in the middle, and what is not lower there is not
+// lower anywhere. A run that goes on beyond the first or last column has no end there.
+static inline uint near_columns(global const ushort* row, int x, int begin, int end, int width, int16* squares) {
+  const int16 column = x + LANE_IDS, far = convert_int16(vload16(0, row + x) & LC_STEPS);
+  const int16 height = far * far;
+  const int before = begin - 1;
+  int16 near = far < LC_NONE && column >= begin && column < end;
+  if (begin > 0 && end < width) {
+    near &= height < (column - before) * (end - column);
+  } else if (end < width) {
+    near &= height < (end - column) * (end + column - 2 * begin);
+  } else if (begin > 0) {
+    near &= height < (column - before) * (2 * (end - 1) - before - column);
+  }
+  *squares = height;
+  return any(near) ? lane_bits(near) : 0;
+}
+
 // One work-item per n_band rows. sites: [3 * (n_columns + 2)] ints of scratch per work-item. distance: [w*h] px, half a
 // pixel taken off so that the contour lies between the pixels; positive outside, negative inside.
 kernel void row_distances(DistanceArg a, int n_band, global const ushort* restrict steps, global int* sites,
@@ -100,12 +133,17 @@ kernel void row_distances(DistanceArg a, int n_band, global const ushort* restri
     global float* to = distance + (a.y0 + y) * a.width + a.x0;
     for (int begin = 0, end; begin < width; begin = end) {
       const ushort kind = row[begin] & LC_INSIDE;
-      for (end = begin + 1; end < width && (row[end] & LC_INSIDE) == kind;) ++end;
+      end = end_of_run(row, begin + 1, width, kind);
       int n = 0;
       if (begin > 0) n = add_site(sites, n, begin - 1, 0, begin, end);
-      for (int x = begin; x < end; ++x) {
-        const int far = row[x] & LC_STEPS;
-        if (far < LC_NONE) n = add_site(sites, n, x, far * far, begin, end);
+      for (int x = begin & ~(LC_LANES - 1); x < end; x += LC_LANES) {
+        int16 squares;
+        uint left = near_columns(row, x, begin, end, width, &squares);
+        if (!left) continue;
+        int heights[LC_LANES];
+        vstore16(squares, 0, heights);
+        for (; left; left &= left - 1)
+          n = add_site(sites, n, x + lowest_bit(left), heights[lowest_bit(left)], begin, end);
       }
       if (end < width) n = add_site(sites, n, end, 0, begin, end);
       for (int i = 0; i < n; ++i) {

@@ -1,6 +1,8 @@
 // The person's mask (paper, "Input Stream Processing"): difference from the background with shadows left out, the
 // network's mask as gate and second opinion, smoothing, decision, trimmed border. One work-item handles 16 pixels of a
 // row, so that a CPU's byte lanes are full and rows are read in whole vectors; work-items past the end do nothing.
+#include "shared/plain_math.h"
+
 #ifdef LC_DEVICE
 // The tests compare with the same formulas in C++, rounded after every operation.
 #pragma OPENCL FP_CONTRACT OFF
@@ -56,7 +58,7 @@ static inline float16 squared(float16 x) {
 }
 
 static inline uchar16 quantized(float16 value, float scale) {
-  return convert_uchar16(convert_int16_rtz(fmin((float16)255.0f, scale * value)));
+  return convert_uchar16(convert_int16_rtz(LC_LESSER((float16)255.0f, scale * value)));
 }
 
 // coarse[cell]: rounded mean of the cell's pixels of fine: [w*h]; cells at the border may be smaller. One work-item per
@@ -124,15 +126,18 @@ kernel void foreground_score(ForegroundArg a, global const uchar* restrict rgb, 
     global const float* layer = layers + 4 * k * plane + p;
     const float16 mr = load_floats(layer, n), mg = load_floats(layer + plane, n);
     const float16 mb = load_floats(layer + 2 * plane, n), trained = load_floats(layer + 3 * plane, n);
-    const float16 inverse = 1.0f / (fmax(trained, (float16)a.least_variance) + edge);
+    const float16 inverse = 1.0f / (LC_GREATER(trained, (float16)a.least_variance) + edge);
     const float16 squares = squared(r - mr) + squared(g - mg) + squared(b - mb);
-    difference = fmin(difference, squares);
-    plain = fmin(plain, squares * inverse);
+    difference = LC_LESSER(difference, squares);
+    const float16 unlike = squares * inverse;
+    plain = LC_LESSER(plain, unlike);
     // A shadow is the background darkened by one factor in all channels.
     const float16 factor = (r * mr + g * mg + b * mb + 1.0f) / (mr * mr + mg * mg + mb * mb + 1.0f);
     const float16 colour = squared(r - factor * mr) + squared(g - factor * mg) + squared(b - factor * mb);
     const int16 no_shadow = (factor < a.shadow_darkest) | (factor > 1.0f);
-    shadow = fmin(shadow, fmin(plain, select(colour * inverse, (float16)1e9f, no_shadow)));
+    const float16 shadowed = select(colour * inverse, (float16)1e9f, no_shadow);
+    const float16 least = LC_LESSER(plain, shadowed);
+    shadow = LC_LESSER(shadow, least);
   }
   const uchar16 without = quantized(shadow, a.at_threshold);
   const int at = (y + a.pad) * a.stride + a.pad + x;

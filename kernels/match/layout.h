@@ -38,4 +38,7 @@ typedef struct {
   float depth_range_mm;   // pixels of a patch further from the vertex than that belong to something else
 } PatchOptions;
 
+// Vertices of a work-item of a CPU that moves patches.
+#define LC_MATCH_VERTICES 64
+
 #endif

@@ -1,10 +1,75 @@
 // Where the camera's picture shows each visible vertex: 8 x 8 patches of the textured actor are moved, coarse to fine,
-// until they lie on the camera's picture (inverse compositional alignment; Baker and Matthews 2004).
+// until they lie on the camera's picture (inverse compositional alignment; Baker and Matthews 2004). On a CPU two
+// patches at a time, a row of each in one vector.
 #include "match/layout.h"
+#include "shared/plain_math.h"
+
+#define PATCH 8
+#define HALF (PATCH / 2)
+
+#if LC_CPU
+#define TOGETHER 2
+typedef float16 row_t;  // of each patch
+typedef float2 each_t;  // a value of each patch
+typedef int2 each_int_t;
+#define ANY_OF(condition) any(condition)
+#define EACH_INT convert_int2
+#define EACH_REAL convert_float2
+#else
+#define TOGETHER 1
+typedef float8 row_t;
+typedef float each_t;
+typedef int each_int_t;
+#define ANY_OF(condition) (condition)
+#define EACH_INT convert_int
+#define EACH_REAL convert_float
+#endif
 
 typedef struct {
-  float xx, xy, yy;  // sums of gradient products
-  float n;           // pixels that count
+  int at[TOGETHER];
+} Places;
+
+static inline Places places_of(each_int_t at) {
+#if LC_CPU
+  const Places p = {{at.x, at.y}};
+#else
+  const Places p = {{at}};
+#endif
+  return p;
+}
+
+// Eight pixels of each patch, `by` pixels from its place.
+static inline row_t rows_at(global const float* restrict image, Places p, int by) {
+#if LC_CPU
+  return (float16)(vload8(0, image + p.at[0] + by), vload8(0, image + p.at[1] + by));
+#else
+  return vload8(0, image + p.at[0] + by);
+#endif
+}
+
+static inline row_t along_rows(each_t value) {
+#if LC_CPU
+  return (float16)((float8)value.x, (float8)value.y);
+#else
+  return value;
+#endif
+}
+
+static inline each_t sum_of_rows(row_t v) {
+#if LC_CPU
+  const float8 a = (float8)(v.lo.lo, v.hi.lo) + (float8)(v.lo.hi, v.hi.hi);
+  const float4 b = (float4)(a.lo.lo, a.hi.lo) + (float4)(a.lo.hi, a.hi.hi);
+  return b.even + b.odd;
+#else
+  const float4 a = v.lo + v.hi;
+  const float2 b = a.lo + a.hi;
+  return b.x + b.y;
+#endif
+}
+
+typedef struct {
+  each_t xx, xy, yy;  // sums of gradient products
+  each_t n;           // pixels that count
 } Structure;
 
 typedef struct {
@@ -14,72 +79,68 @@ typedef struct {
   global const float* camera;  // normalised
 } Level;
 
-#define PATCH 8
-#define HALF (PATCH / 2)
-
-static inline float sum8(float8 v) {
-  const float4 a = v.lo + v.hi;
-  const float2 b = a.lo + a.hi;
-  return b.x + b.y;
+// Whether a patch around the pixel lies within the level.
+static inline int has_patch(const Level* level, int x, int y) {
+  return x >= HALF + 2 && y >= HALF + 2 && x < level->width - HALF - 2 && y < level->height - HALF - 2;
 }
 
-// A row of the camera's picture moved by fx of a pixel; p: its first pixel.
-static inline float8 moved_row(global const float* restrict p, float fx) {
-  return vload8(0, p) + fx * (vload8(0, p + 1) - vload8(0, p));
+// Rows of the camera's picture moved by fx of a pixel.
+static inline row_t moved_rows(global const float* restrict camera, Places p, int by, row_t fx) {
+  const row_t left = rows_at(camera, p, by);
+  return left + fx * (rows_at(camera, p, by + 1) - left);
 }
 
-// Moves (dx, dy), px of this level, of the patch around pixel (x, y). Returns its structure; n = 0 when there is too
-// little to see. correlation: of the two patches at the end.
-static Structure align(const Level* level, int x, int y, float z, PatchOptions options, float* dx, float* dy,
-                       float* correlation) {
-  Structure s = {0.0f, 0.0f, 0.0f, 0.0f};
-  *correlation = 0.0f;
+static inline row_t larger(row_t a, row_t b) {
+  return a > b ? a : b;
+}
+
+// Moves (dx, dy), px of this level, of the patches around the pixels (x, y), which it has. Returns their structure;
+// n = 0 where there is too little to see. correlation: of the two patches at the end.
+static Structure align(const Level* level, each_int_t x, each_int_t y, each_t depth, PatchOptions options, each_t* dx,
+                       each_t* dy, each_t* correlation) {
+  const each_t zero = 0.0f;
   const int width = level->width;
-  if (x < HALF + 2 || y < HALF + 2 || x >= width - HALF - 2 || y >= level->height - HALF - 2) return s;
-  const int at = (y - HALF) * width + x - HALF;
-  float8 actor[PATCH], gx[PATCH], gy[PATCH], inside[PATCH];
-  float8 sxx = 0.0f, sxy = 0.0f, syy = 0.0f, sn = 0.0f;
+  const Places at = places_of((y - HALF) * width + x - HALF);
+  const row_t z = along_rows(depth);
+  *dx = *dy = *correlation = zero;
+  row_t actor[PATCH], gx[PATCH], gy[PATCH], inside[PATCH];
+  row_t sxx = 0.0f, sxy = 0.0f, syy = 0.0f, sn = 0.0f;
   for (int r = 0; r < PATCH; ++r) {
-    global const float* a = level->actor + at + r * width;
-    global const float* d = level->depth + at + r * width;
-    const float8 far =
-        fmax(fabs(vload8(0, d) - z), fmax(fmax(fabs(vload8(0, d - 1) - z), fabs(vload8(0, d + 1) - z)),
-                                          fmax(fabs(vload8(0, d - width) - z), fabs(vload8(0, d + width) - z))));
-    inside[r] = select((float8)0.0f, (float8)1.0f, far < options.depth_range_mm);
-    actor[r] = vload8(0, a);
-    gx[r] = 0.5f * inside[r] * (vload8(0, a + 1) - vload8(0, a - 1));
-    gy[r] = 0.5f * inside[r] * (vload8(0, a + width) - vload8(0, a - width));
+    const int row = r * width;
+    global const float* a = level->actor;
+    global const float* d = level->depth;
+    const row_t beside = larger(fabs(rows_at(d, at, row - 1) - z), fabs(rows_at(d, at, row + 1) - z));
+    const row_t above = larger(fabs(rows_at(d, at, row - width) - z), fabs(rows_at(d, at, row + width) - z));
+    const row_t far = larger(fabs(rows_at(d, at, row) - z), larger(beside, above));
+    inside[r] = far < options.depth_range_mm ? (row_t)1.0f : (row_t)0.0f;
+    actor[r] = rows_at(a, at, row);
+    gx[r] = 0.5f * inside[r] * (rows_at(a, at, row + 1) - rows_at(a, at, row - 1));
+    gy[r] = 0.5f * inside[r] * (rows_at(a, at, row + width) - rows_at(a, at, row - width));
     sxx += gx[r] * gx[r];
     sxy += gx[r] * gy[r];
     syy += gy[r] * gy[r];
     sn += inside[r];
   }
-  s.n = sum8(sn);
-  if (s.n < 20.0f) {
-    s.n = 0.0f;
-    return s;
-  }
-  s.xx = sum8(sxx);
-  s.xy = sum8(sxy);
-  s.yy = sum8(syy);
-  const float soft = options.softness * s.n;
-  const float hxx = s.xx + soft, hyy = s.yy + soft;
-  const float inv = 1.0f / (hxx * hyy - s.xy * s.xy);
+  Structure s = {sum_of_rows(sxx), sum_of_rows(sxy), sum_of_rows(syy), sum_of_rows(sn)};
+  each_int_t sees = s.n >= 20.0f;
+  const each_t soft = options.softness * s.n;
+  const each_t hxx = s.xx + soft, hyy = s.yy + soft;
+  const each_t inv = 1.0f / (hxx * hyy - s.xy * s.xy);
   for (int k = 0; k <= options.iterations; ++k) {
-    const float px = (float)(x - HALF) + *dx, py = (float)(y - HALF) + *dy;
-    const float fx0 = floor(px), fy0 = floor(py);
-    if (!(fx0 >= 0.0f && fy0 >= 0.0f && fx0 + PATCH + 1 < (float)width && fy0 + PATCH + 1 < (float)level->height)) {
-      s.n = 0.0f;
-      return s;
-    }
-    global const float* c = level->camera + (int)fy0 * width + (int)fx0;
-    const float fx = px - fx0, fy = py - fy0;
+    const each_t px = EACH_REAL(x - HALF) + *dx, py = EACH_REAL(y - HALF) + *dy;
+    const each_t fx0 = LC_FLOOR(px), fy0 = LC_FLOOR(py);
+    sees = sees && fx0 >= 0.0f && fy0 >= 0.0f && fx0 + (PATCH + 1) < (float)width &&
+           fy0 + (PATCH + 1) < (float)level->height;
+    if (!ANY_OF(sees)) break;
+    const each_int_t none = 0;
+    const Places c = places_of(sees ? EACH_INT(fy0) * width + EACH_INT(fx0) : none);
+    const row_t fx = along_rows(px - fx0), fy = along_rows(py - fy0);
+    row_t top = moved_rows(level->camera, c, 0, fx);
     if (k == options.iterations) {
-      float8 a1 = 0.0f, b1 = 0.0f, aa = 0.0f, bb = 0.0f, ab = 0.0f;
-      float8 top = moved_row(c, fx);
+      row_t a1 = 0.0f, b1 = 0.0f, aa = 0.0f, bb = 0.0f, ab = 0.0f;
       for (int r = 0; r < PATCH; ++r) {
-        const float8 bottom = moved_row(c + (r + 1) * width, fx);
-        const float8 a = inside[r] * actor[r], b = inside[r] * (top + fy * (bottom - top));
+        const row_t bottom = moved_rows(level->camera, c, (r + 1) * width, fx);
+        const row_t a = inside[r] * actor[r], b = inside[r] * (top + fy * (bottom - top));
         top = bottom;
         a1 += a;
         b1 += b;
@@ -87,57 +148,38 @@ static Structure align(const Level* level, int x, int y, float z, PatchOptions o
         bb += b * b;
         ab += a * b;
       }
-      const float ma = sum8(a1) / s.n, mb = sum8(b1) / s.n;
-      const float va = sum8(aa) / s.n - ma * ma, vb = sum8(bb) / s.n - mb * mb;
-      *correlation = (sum8(ab) / s.n - ma * mb) / sqrt((va + 0.01f) * (vb + 0.01f));
-      return s;
+      const each_t ma = sum_of_rows(a1) / s.n, mb = sum_of_rows(b1) / s.n;
+      const each_t va = sum_of_rows(aa) / s.n - ma * ma, vb = sum_of_rows(bb) / s.n - mb * mb;
+      *correlation = (sum_of_rows(ab) / s.n - ma * mb) / sqrt((va + 0.01f) * (vb + 0.01f));
+      break;
     }
-    float8 ex = 0.0f, ey = 0.0f;
-    float8 top = moved_row(c, fx);
+    row_t ex = 0.0f, ey = 0.0f;
     for (int r = 0; r < PATCH; ++r) {
-      const float8 bottom = moved_row(c + (r + 1) * width, fx);
-      const float8 e = top + fy * (bottom - top) - actor[r];
+      const row_t bottom = moved_rows(level->camera, c, (r + 1) * width, fx);
+      const row_t e = top + fy * (bottom - top) - actor[r];
       top = bottom;
       ex += gx[r] * e;
       ey += gy[r] * e;
     }
-    const float bx = sum8(ex), by = sum8(ey);
+    const each_t bx = sum_of_rows(ex), by = sum_of_rows(ey);
     *dx -= clamp((hyy * bx - s.xy * by) * inv, -2.0f, 2.0f);
     *dy -= clamp((hxx * by - s.xy * bx) * inv, -2.0f, 2.0f);
   }
+  s.n = sees ? s.n : zero;
   return s;
 }
 
-// Over the vertices. box, actor, depth: of the level; camera likewise, from `at` on. areas [n] mm^2 of the template
-// around each vertex; share [n] its factor, 0 = never matched. Out: matches [LC_MATCH*n].
-kernel void match_patches(int n, MatchBox box, PatchOptions options, int at, float focal_px,
-                          global const float* restrict positions, global const float* restrict normals,
-                          global const int* restrict visible, global const float* restrict projected,
-                          global const float* restrict areas, global const float* restrict share,
-                          global const float* restrict actor, global const float* restrict depth,
-                          global const float* restrict camera, global float* restrict matches) {
-  const int i = get_global_id(0);
-  if (i >= n) return;
-  global float* out = matches + LC_MATCH * i;
-  vstore8((float8)0.0f, 0, out);
-  if (!visible[i] || !(share[i] > 0.0f)) return;
-  const float3 p = vload3(i, positions), normal = vload3(i, normals);
-  const float facing = -(p.x * normal.x + p.y * normal.y + p.z * normal.z) / sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
-  const float wanted = share[i] * areas[i] * fmax(facing, 0.0f) * focal_px * focal_px / (p.z * p.z);
-  out[7] = wanted;
+typedef struct {
+  float xx, xy, yy, n, dx, dy, correlation;  // see align()
+} Aligned;
 
-  const float4 q = vload4(i, projected);
-  const int x = convert_int_rte(q.x) - box.x, y = convert_int_rte(q.y) - box.y;
-
-  const int l = options.level;
-  const Level level = {box.width, box.height, actor, depth, camera + at};
-  float dx = 0.0f, dy = 0.0f, correlation = 0.0f;
-  const Structure s = align(&level, x >> l, y >> l, q.w, options, &dx, &dy, &correlation);
-  if (!(s.n > 0.0f) || !(correlation >= options.min_correlation)) return;
-  if (!(dx * dx + dy * dy <= options.max_move_px * options.max_move_px)) return;
+// out: the vertex's match, of which 7 is there; u, v: its pixel.
+static inline void write_match(Aligned m, PatchOptions options, float u, float v, global float* restrict out) {
+  if (!(m.n > 0.0f) || !(m.correlation >= options.min_correlation)) return;
+  if (!(m.dx * m.dx + m.dy * m.dy <= options.max_move_px * options.max_move_px)) return;
 
   // S (S + softness)^-1: 1 along directions in which the patch has structure, 0 along those in which it has none.
-  const float sxx = s.xx / s.n, sxy = s.xy / s.n, syy = s.yy / s.n;
+  const float sxx = m.xx / m.n, sxy = m.xy / m.n, syy = m.yy / m.n;
   const float det = (sxx + options.softness) * (syy + options.softness) - sxy * sxy;
   const float wxx = (sxx * (syy + options.softness) - sxy * sxy) / det;
   const float wyy = (syy * (sxx + options.softness) - sxy * sxy) / det;
@@ -146,7 +188,58 @@ kernel void match_patches(int n, MatchBox box, PatchOptions options, int at, flo
   const float b = wxy / a;
   const float c = sqrt(fmax(wyy - b * b, 0.0f));
 
-  vstore8((float8)(q.x + dx * (float)(1 << l), q.y + dy * (float)(1 << l), a, b, c, correlation * wanted, correlation,
-                   wanted),
-          0, out);
+  const float scale = (float)(1 << options.level), wanted = out[7];
+  vstore8((float8)(u + m.dx * scale, v + m.dy * scale, a, b, c, m.correlation * wanted, m.correlation, wanted), 0, out);
+}
+
+// The vertices from `first` on, PATCH_VERTICES at most. box, actor, depth: of the level; camera likewise, from `at` on.
+// areas [n] mm^2 of the template around each vertex; share [n] its factor, 0 = never matched. Out: matches
+// [LC_MATCH*n].
+#if LC_CPU
+#define PATCH_VERTICES LC_MATCH_VERTICES
+#else
+#define PATCH_VERTICES 1
+#endif
+kernel void match_patches(int n, MatchBox box, PatchOptions options, int at, float focal_px,
+                          global const float* restrict positions, global const float* restrict normals,
+                          global const int* restrict visible, global const float* restrict projected,
+                          global const float* restrict areas, global const float* restrict share,
+                          global const float* restrict actor, global const float* restrict depth,
+                          global const float* restrict camera, global float* restrict matches) {
+  const int first = (int)get_global_id(0) * PATCH_VERTICES;
+  const Level level = {box.width, box.height, actor, depth, camera + at};
+  int vertices[PATCH_VERTICES + TOGETHER], xs[PATCH_VERTICES + TOGETHER], ys[PATCH_VERTICES + TOGETHER];
+  int n_patches = 0;
+  for (int i = first; i < min(first + PATCH_VERTICES, n); ++i) {
+    global float* out = matches + LC_MATCH * i;
+    vstore8((float8)0.0f, 0, out);
+    if (!visible[i] || !(share[i] > 0.0f)) continue;
+    const float3 p = vload3(i, positions), normal = vload3(i, normals);
+    const float facing = -(p.x * normal.x + p.y * normal.y + p.z * normal.z) / sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
+    out[7] = share[i] * areas[i] * fmax(facing, 0.0f) * focal_px * focal_px / (p.z * p.z);
+    const int x = ((int)LC_RINT(projected[4 * i]) - box.x) >> options.level;
+    const int y = ((int)LC_RINT(projected[4 * i + 1]) - box.y) >> options.level;
+    if (!has_patch(&level, x, y)) continue;
+    vertices[n_patches] = i;
+    xs[n_patches] = x;
+    ys[n_patches] = y;
+    ++n_patches;
+  }
+  for (int k = 0; k < n_patches; k += TOGETHER) {
+    each_t dx, dy, correlation;
+#if LC_CPU
+    const int a = k, b = min(k + 1, n_patches - 1);
+    const float2 z = (float2)(projected[4 * vertices[a] + 3], projected[4 * vertices[b] + 3]);
+    const Structure s = align(&level, (int2)(xs[a], xs[b]), (int2)(ys[a], ys[b]), z, options, &dx, &dy, &correlation);
+    const Aligned two[2] = {{s.xx.x, s.xy.x, s.yy.x, s.n.x, dx.x, dy.x, correlation.x},
+                            {s.xx.y, s.xy.y, s.yy.y, s.n.y, dx.y, dy.y, correlation.y}};
+#else
+    const Structure s = align(&level, xs[k], ys[k], projected[4 * vertices[k] + 3], options, &dx, &dy, &correlation);
+    const Aligned two[1] = {{s.xx, s.xy, s.yy, s.n, dx, dy, correlation}};
+#endif
+    for (int j = 0; j < min(TOGETHER, n_patches - k); ++j) {
+      const int i = vertices[k + j];
+      write_match(two[j], options, projected[4 * i], projected[4 * i + 1], matches + LC_MATCH * i);
+    }
+  }
 }

@@ -2,6 +2,7 @@
 // with a weight of 1 where the person is, 0 elsewhere.
 #include "match/layout.h"
 #include "shared/gather.h"
+#include "shared/plain_math.h"
 #include "shared/wide.h"
 
 static inline float luminance(float r, float g, float b) {
@@ -67,9 +68,9 @@ static inline texels_t look_up(global const ushort* restrict texture, ipix_t at)
 // Bilinear, wrapping around. uv: glTF texture coordinates. texture [(tw+1)*(th+1)]: luminance 0..255 of the 2 x 2
 // texels around each of their corners, a byte each.
 static inline pix_t sample_wrapped(global const ushort* restrict texture, int tw, int th, pix_t u, pix_t v) {
-  const pix_t x = (u - floor(u)) * (float)tw - 0.5f;
-  const pix_t y = (v - floor(v)) * (float)th - 0.5f;
-  const pix_t x0 = floor(x), y0 = floor(y);
+  const pix_t x = (u - LC_FLOOR(u)) * (float)tw - 0.5f;
+  const pix_t y = (v - LC_FLOOR(v)) * (float)th - 0.5f;
+  const pix_t x0 = LC_FLOOR(x), y0 = LC_FLOOR(y);
   const pix_t fx = x - x0, fy = y - y0;
   const ipix_t column = clamp(TO_INT(x0) + 1, (ipix_t)0, (ipix_t)tw);
   const ipix_t row = clamp(TO_INT(y0) + 1, (ipix_t)0, (ipix_t)th);

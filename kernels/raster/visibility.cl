@@ -1,6 +1,7 @@
 // Which vertices the camera sees, and which of them make the outer silhouette (paper, "Dense Silhouette Alignment").
 // Over the vertices, LANES each.
 #include "shared/lanes.h"
+#include "shared/plain_math.h"
 
 #ifdef LC_DEVICE
 
@@ -13,8 +14,8 @@ typedef struct {
 // projected: [4*n] u, v, 1/z (0 = not projected), z.
 static inline VertexPixel vertex_pixel(LaneInt i, int width, int height, global const float* restrict projected) {
   VertexPixel p;
-  p.x = LANE_INT(rint(gather(projected, 4 * i)));
-  p.y = LANE_INT(rint(gather(projected, 4 * i + 1)));
+  p.x = LANE_INT(LC_RINT(gather(projected, 4 * i)));
+  p.y = LANE_INT(LC_RINT(gather(projected, 4 * i + 1)));
   p.z = gather(projected, 4 * i + 3);
   p.is_in_image = gather(projected, 4 * i + 2) > 0.0f && p.x >= 0 && p.y >= 0 && p.x < width && p.y < height;
   return p;

@@ -2,6 +2,7 @@
 #ifndef LC_SURFACE_IMAGE_H
 #define LC_SURFACE_IMAGE_H
 #include "shared/camera.h"
+#include "shared/plain_math.h"
 
 // False for NaN.
 static inline int inside_image(Vec2 uv, int width, int height) {
@@ -15,8 +16,8 @@ typedef struct {
 
 // uv must be inside the image, which is at least 2x2.
 static inline DistanceSample sample_distance(global const float* restrict distance, int width, int height, Vec2 uv) {
-  int x = clamp((int)floor(uv.x), 0, width - 2);
-  int y = clamp((int)floor(uv.y), 0, height - 2);
+  int x = clamp((int)LC_FLOOR(uv.x), 0, width - 2);
+  int y = clamp((int)LC_FLOOR(uv.y), 0, height - 2);
   float fx = uv.x - x;
   float fy = uv.y - y;
   global const float* d = distance + (size_t)y * width + x;
@@ -30,8 +31,8 @@ static inline DistanceSample sample_distance(global const float* restrict distan
 
 // True when uv lies on the region of another body part: 0 in the image is background, which belongs to nobody.
 static inline int on_other_part(global const uchar* restrict part_image, int width, int height, Vec2 uv, int part) {
-  int x = clamp((int)rint(uv.x), 0, width - 1);
-  int y = clamp((int)rint(uv.y), 0, height - 1);
+  int x = clamp((int)LC_RINT(uv.x), 0, width - 1);
+  int y = clamp((int)LC_RINT(uv.y), 0, height - 1);
   int there = part_image[(size_t)y * width + x];
   return there != 0 && there != part;
 }

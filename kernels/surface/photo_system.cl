@@ -25,7 +25,8 @@ typedef float Taps;
 
 // d: tap - position. weight = w(d), slope = dw / d(position).
 static inline void tap_weight(Taps d, float radius, float inv_sigma2, Taps* weight, Taps* slope) {
-  Taps g = exp(fmax(-0.5f * inv_sigma2 * d * d, -40.0f));  // the floor avoids denormals, which are slow; t is 0 there
+  Taps g = exp(LC_GREATER(-0.5f * inv_sigma2 * d * d,
+                          (Taps)-40.0f));  // the floor avoids denormals, which are slow; t is 0 there
   Taps e = clamp(fabs(d) - radius, 0.0f, 1.0f);
   Taps t = 1.0f - e * e * (3.0f - 2.0f * e);
   *weight = g * t;
@@ -45,8 +46,8 @@ static inline float4 sum16x4(float16 a, float16 b, float16 c, float16 d) {
 // Lanes are the taps of one image row; colours stay interleaved until the last step.
 static ColorSample sample_color(global const uchar* restrict rgb, int width, int height, Vec2 uv, int radius,
                                 float inv_sigma2) {
-  float u0 = floor(uv.x) - radius;
-  float v0 = floor(uv.y) - radius;
+  float u0 = LC_FLOOR(uv.x) - radius;
+  float v0 = LC_FLOOR(uv.y) - radius;
   float16 wx, dwx, wy, dwy;
   tap_weight(u0 + TAP_IDS - uv.x, radius, inv_sigma2, &wx, &dwx);
   tap_weight(v0 + TAP_IDS - uv.y, radius, inv_sigma2, &wy, &dwy);
@@ -110,8 +111,8 @@ static ColorSample sample_color(global const uchar* restrict rgb, int width, int
 #else
 static ColorSample sample_color(global const uchar* restrict rgb, int width, int height, Vec2 uv, int radius,
                                 float inv_sigma2) {
-  float u0 = floor(uv.x) - radius;
-  float v0 = floor(uv.y) - radius;
+  float u0 = LC_FLOOR(uv.x) - radius;
+  float v0 = LC_FLOOR(uv.y) - radius;
   int x0 = (int)u0;
   int y0 = (int)v0;
   int n_taps = 2 * radius + 2;

@@ -196,8 +196,10 @@ void TextureMatcher::match(const DepthRasterizer& raster, const ocl::Buffer<floa
                            options_.max_move_px,
                            options_.min_correlation,
                            options_.depth_range_mm};
-  match_patches_.launch(n_vertices_, kLocal, n_vertices_, box, patch, level_offset(level), focal_px_, positions,
-                        normals, visible, raster.projected(), areas_, share, actor_, depth_, camera_, matches_);
+  const size_t blocks = (n_vertices_ + LC_MATCH_VERTICES - 1) / LC_MATCH_VERTICES;
+  match_patches_.launch(is_cpu_ ? blocks : n_vertices_, is_cpu_ ? 1 : kLocal, n_vertices_, box, patch,
+                        level_offset(level), focal_px_, positions, normals, visible, raster.projected(), areas_, share,
+                        actor_, depth_, camera_, matches_);
 }
 
 Matches TextureMatcher::read() {

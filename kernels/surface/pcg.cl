@@ -1,6 +1,7 @@
 // Preconditioned conjugate gradients on (J^T J + damping) step = -J^T F, matrix-free over SELL-16 slices; one row is a
-// vertex (3 unknowns), the preconditioner is the inverse 3x3 diagonal block. CPUs launch each of the kernels (GPUs: all
-// iterations at once, pcg_phases.cl). All scalars stay on the device:
+// vertex (3 unknowns), the preconditioner is the inverse 3x3 diagonal block. A CPU with one compute unit does all
+// iterations in one work-item; one with several launches each of the kernels (GPUs: pcg_phases.cl). All scalars stay on
+// the device:
 //   scalars[0] = r.z, [1] = alpha, [2] = beta, [3] = 1 when anything was not finite since the solve began.
 // Sums run in a fixed order, so results repeat bit for bit.
 #include "shared/lanes.h"
@@ -63,8 +64,7 @@ kernel void sum_energies(int n_rows, int stride, int n_planes, int first, global
 // r.z at the start. first = 1 clears the failure flag.
 kernel void start_scalars(int n_rows, int first, global const float* restrict products,
                           global float* restrict scalars) {
-  float sum = SUM_PLANE(products, n_rows);
-  if (get_local_id(0) != 0) return;
+  const float sum = sum_plane(products, n_rows);
   scalars[0] = sum;
   scalars[1] = 0.0f;
   scalars[2] = 0.0f;
@@ -72,9 +72,7 @@ kernel void start_scalars(int n_rows, int first, global const float* restrict pr
 }
 
 // alpha = r.z / p.Ap
-kernel void alpha_scalar(int n_rows, global const float* restrict products, global float* restrict scalars) {
-  float sum = SUM_PLANE(products, n_rows);
-  if (get_local_id(0) != 0) return;
+static inline void set_alpha(float sum, global float* scalars) {
   float alpha = sum > 0.0f ? scalars[0] / sum : 0.0f;
   if (!isfinite(sum) || !isfinite(alpha)) {
     alpha = 0.0f;
@@ -84,9 +82,7 @@ kernel void alpha_scalar(int n_rows, global const float* restrict products, glob
 }
 
 // beta = new r.z / old r.z
-kernel void beta_scalar(int n_rows, global const float* restrict products, global float* restrict scalars) {
-  float sum = SUM_PLANE(products, n_rows);
-  if (get_local_id(0) != 0) return;
+static inline void set_beta(float sum, global float* scalars) {
   float beta = scalars[0] > 0.0f ? sum / scalars[0] : 0.0f;
   if (!isfinite(sum) || !isfinite(beta)) {
     beta = 0.0f;
@@ -94,6 +90,14 @@ kernel void beta_scalar(int n_rows, global const float* restrict products, globa
   }
   scalars[0] = sum;
   scalars[2] = beta;
+}
+
+kernel void alpha_scalar(int n_rows, global const float* restrict products, global float* restrict scalars) {
+  set_alpha(sum_plane(products, n_rows), scalars);
+}
+
+kernel void beta_scalar(int n_rows, global const float* restrict products, global float* restrict scalars) {
+  set_beta(sum_plane(products, n_rows), scalars);
 }
 
 // q = A p, products = p . q per row.
@@ -121,6 +125,31 @@ kernel void advance(int n_rows, int stride, global const float* restrict scalars
 kernel void turn_direction(int n_rows, int stride, global const float* restrict scalars, global const float* restrict z,
                            global float* restrict p) {
   if (FIRST_ROW < n_rows) turn_row(FIRST_ROW, stride, scalars[2], z, p);
+}
+
+// All of these, in their order, in one work-item.
+kernel __attribute__((reqd_work_group_size(1, 1, 1))) void all_iterations(
+    int iterations, int n_rows, int stride, float w_smooth, global const int* restrict slice_offsets,
+    global const int* restrict neighbors, global const float* restrict edge_weights, global const float* restrict edges,
+    global const float* restrict blocks, global const float* restrict inverse, global float* restrict p,
+    global float* restrict q, global float* restrict step, global float* restrict r, global float* restrict z,
+    global float* restrict products, global float* restrict scalars) {
+  for (int k = 0; k < iterations; ++k) {
+    if (k > 0) {
+      set_beta(sum_plane(products, n_rows), scalars);
+      for (int row = 0; row < n_rows; row += LANES) turn_row(row, stride, scalars[2], z, p);
+    }
+    for (int row = 0; row < n_rows; row += LANES) {
+      const REAL product =
+          apply_row(row, stride, w_smooth, slice_offsets, neighbors, edge_weights, edges, blocks, p, q);
+      STORE(product, products, row);
+    }
+    set_alpha(sum_plane(products, n_rows), scalars);
+    for (int row = 0; row < n_rows; row += LANES) {
+      const REAL product = advance_row(row, stride, scalars[1], inverse, p, q, step, r, z);
+      STORE(product, products, row);
+    }
+  }
 }
 
 #endif

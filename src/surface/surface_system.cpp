@@ -115,6 +115,8 @@ SurfaceSystem::SurfaceSystem(ocl::DeviceContext& device, const Actor& actor, con
     apply_ = {device, "surface/pcg.cl", "apply_system"};
     advance_ = {device, "surface/pcg.cl", "advance"};
     turn_ = {device, "surface/pcg.cl", "turn_direction"};
+    alone_ = device.info().compute_units == 1;
+    if (alone_) all_iterations_ = {device, "surface/pcg.cl", "all_iterations"};
     return;
   }
   phases_ = {device, "surface/pcg_phases.cl", "pcg_phases"};
@@ -211,6 +213,12 @@ void SurfaceSystem::iterate_pcg(int iterations) {
   if (!device_->is_cpu()) {
     launch_phases(0, 3 * iterations);
     first_ = false;
+    return;
+  }
+  if (alone_) {
+    all_iterations_.launch(1, 1, iterations, domain_->graph.n_rows, domain_->graph.stride, options_.w_smooth,
+                           domain_->slice_offsets, domain_->neighbors, edge_weights_, edges_, blocks_, inverse_,
+                           direction_, image_of_direction_, step_, residual_, preconditioned_, products_, scalars_);
     return;
   }
   for (int k = 0; k < iterations; ++k) {

@@ -77,6 +77,8 @@ class SurfaceSystem {
   ocl::Kernel pack_, unpack_, photo_, silhouette_, regularizer_;
   ocl::Kernel sum_energies_, move_;
   ocl::Kernel start_scalars_, alpha_, beta_, apply_, advance_, turn_;  // CPUs
+  bool alone_ = false;  // a CPU with one compute unit: all iterations in one launch
+  ocl::Kernel all_iterations_;
   // GPUs
   ocl::Kernel phases_;
   ocl::GroupsTogether groups_;

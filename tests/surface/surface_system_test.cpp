@@ -149,6 +149,28 @@ TEST(SurfaceSystem, ConjugateGradientsEqualTheTextbookIteration) {
   });
 }
 
+// A CPU with one compute unit does all iterations in one launch, one with several launches every part of them.
+TEST(SurfaceSystem, OneLaunchDoesWhatManyDo) {
+  const Scene s = busy_scene();
+  std::vector<std::vector<float>> steps;
+  for (const int compute_units : {1, 2}) {
+    ocl::DeviceInfo info = ocl::select_device("cpu");
+    info.compute_units = compute_units;
+    ocl::DeviceContext device(info);
+    const test::DeviceScene d(device, s);
+    SurfaceSystem system(device, s.actor, s.camera, smooth_options());
+    for (const int iterations : {1, 5}) {
+      system.begin(d.input());
+      system.linearize(d.input(), 9);
+      system.iterate_pcg(iterations);
+      steps.push_back(system.step());
+    }
+  }
+  EXPECT_EQ(steps[0], steps[2]);
+  EXPECT_EQ(steps[1], steps[3]);
+  EXPECT_NE(steps[0], steps[1]);
+}
+
 TEST(SurfaceSystem, ColorThresholdDropsTheResidual) {
   test::on_every_body([](ocl::DeviceContext& device) {
     Scene s = test::make_scene(test::icosphere(1, 300, {0, 0, 2000}), 160, 120, 300);

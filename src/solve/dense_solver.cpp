@@ -1,6 +1,6 @@
 #include "solve/dense_solver.h"
 
-#include <Eigen/QR>
+#include <Eigen/Cholesky>
 
 namespace livecap {
 namespace {
@@ -43,14 +43,13 @@ DenseSolution solve_normal_equations(const Eigen::MatrixXd& A, const Eigen::Vect
     if (scale[i] == 0) scaled(i, i) = 1;
   }
 
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(n, n);
-  qr.setThreshold(kRankThreshold);
-  qr.compute(scaled);
-  if (qr.rank() < n) {
+  const Eigen::LDLT<Eigen::MatrixXd> ldlt(scaled);
+  const Eigen::VectorXd pivots = ldlt.vectorD().cwiseAbs();
+  if (!(pivots.minCoeff() > kRankThreshold * pivots.maxCoeff())) {
     solution.status = SolveStatus::kRankDeficient;
     return solution;
   }
-  const Eigen::VectorXd delta = scale.asDiagonal() * qr.solve(-(scale.asDiagonal() * g));
+  const Eigen::VectorXd delta = scale.asDiagonal() * ldlt.solve(-(scale.asDiagonal() * g));
   if (!delta.allFinite()) {
     solution.status = SolveStatus::kNotFinite;
     return solution;

@@ -54,6 +54,7 @@ inline columns_t skinned_columns(PoseLayout layout, int row, int per_vertex, int
 #pragma unroll
   for (int j = 0; j < 4; ++j) {
     const int bone = bones >> (8 * j) & 255;
+    if (bone == LC_POSE_NO_BONE) continue;
     value += LOAD_COLUMNS(0, moves + bone * n_columns + column) *
              turned(record + 6 * j * LC_POSE_SLICE, LC_POSE_SLICE, step + column, n_columns);
   }

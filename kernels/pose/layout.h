@@ -20,6 +20,8 @@
 #define LC_POSE_RECORD 32
 #define LC_POSE_SLICE 16
 #define LC_POSE_RECORD_BONES 24
+// One that is not there. Bones have lower numbers.
+#define LC_POSE_NO_BONE 255
 #define LC_POSE_RECORD_EXTRA_COLUMN 25
 #define LC_POSE_RECORD_EXTRA 26
 

@@ -10,7 +10,7 @@ typedef struct {
   Vec3 position;         // mm, root-relative
   DualQuat blend;        // sum of the parts
   DualQuat part[4];      // weighted dual quaternion of each bone; signs follow the strongest one (slot 0)
-  LaneInt packed_bones;  // a byte each
+  LaneInt packed_bones;  // a byte each, LC_POSE_NO_BONE where the weight is 0
 } SkinnedVertex;
 
 // The vertices of the lanes from `first` on; lanes beyond the last of n repeat it.
@@ -28,16 +28,19 @@ LC_FN SkinnedVertex skinned_vertex(LaneInt vertex, Vec3 rest, global const float
   DualQuat first = dual_quat_zero();
 #pragma unroll
   for (int j = 0; j < 4; ++j) {
+    const REAL w = gather(weights, 4 * vertex + j);
+    const LaneInt weighs = w != 0.0f, none = LC_POSE_NO_BONE;
+    s.part[j] = dual_quat_zero();
     const LaneInt bone = gather_int(bones, 4 * vertex + j);
+    s.packed_bones |= (weighs ? bone : none) << (8 * j);
+    if (j > 0 && !ANY_LANE(weighs)) continue;
     const LaneInt at = 8 * bone;
     const DualQuat turn = {gather(dual_quats, at),     gather(dual_quats, at + 1), gather(dual_quats, at + 2),
                            gather(dual_quats, at + 3), gather(dual_quats, at + 4), gather(dual_quats, at + 5),
                            gather(dual_quats, at + 6), gather(dual_quats, at + 7)};
     if (j == 0) first = turn;
-    const REAL w = gather(weights, 4 * vertex + j);
     s.part[j] = dual_quat_add_scaled(dual_quat_zero(), turn, dual_quat_real_dot(first, turn) < 0.0f ? -w : w);
     s.blend = dual_quat_add_scaled(s.blend, s.part[j], 1.0f);
-    s.packed_bones |= bone << (8 * j);
   }
   s.position = dual_quat_transform(s.blend, rest);
   return s;
@@ -63,6 +66,7 @@ LC_FN void write_skinned_row(global float* restrict record, int first, const Ski
   record += first % SLICE;
 #pragma unroll
   for (int j = 0; j < 4; ++j) {
+    if (!ANY_LANE((s->packed_bones >> (8 * j) & 255) != LC_POSE_NO_BONE)) continue;  // nobody reads it
     const Wrench w = dual_quat_turn_wrench(c, s->part[j]);
     const REAL values[6] = {w.torque.x, w.torque.y, w.torque.z, w.force.x, w.force.y, w.force.z};
 #pragma unroll

@@ -16,7 +16,7 @@ constexpr const char* kSkinnedProgram = "pose/skinned_records.cl";
 constexpr const char* kGpuProgram = "pose/normal_equations.cl";
 constexpr int kTile = 8;
 // The bones of a contour row are packed into bytes.
-constexpr int kMaxBones = 255;
+constexpr int kMaxBones = LC_POSE_NO_BONE;
 
 static_assert(LC_POSE_KEYPOINTS == kKeypointCount);
 static_assert(sizeof(PoseLayout) == 16 && sizeof(PoseContour) == 24);

@@ -201,7 +201,12 @@ void BlazePose::estimate(const CropRegion& crop, float refine_threshold, bool mi
     net_.read_output(2, heatmap_);
     net_.read_output(3, world_);
   } else {
-    run_on_gpu(crop);
+    try {
+      run_on_gpu(crop);
+    } catch (...) {
+      clFinish(device_.queue());  // the picture may still be on its way, and goes with the caller
+      throw;
+    }
   }
 
   std::array<Point2, kLandmarkCount> positions;

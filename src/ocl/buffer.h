@@ -57,6 +57,7 @@ class Buffer {
       count_ = std::exchange(other.count_, 0);
       staged_ = std::move(other.staged_);
       staged_event_ = std::exchange(other.staged_event_, nullptr);
+      under_way_ = std::exchange(other.under_way_, false);
     }
     return *this;
   }
@@ -94,17 +95,19 @@ class Buffer {
     clRetainEvent(*traced);
     staged_event_ = *traced;
   }
-  // Returns at once; the values must stay as they are until a blocking read through the same queue.
+  // Returns at once; the values must stay as they are until a blocking read through the same queue, or until the buffer
+  // is gone.
   void write_from(std::span<const T> values) {
     if (values.empty()) return;
     require(values.size() <= count_);
+    under_way_ = true;
     QueueSpan span(queue_, "write");
     check(clEnqueueWriteBuffer(queue_, memory_, CL_FALSE, 0, values.size_bytes(), values.data(), 0, nullptr,
                                span.event()),
           "clEnqueueWriteBuffer");
   }
   // Returns at once; the values are there after the next blocking read through the same queue, and must live until
-  // then.
+  // then or until the buffer is gone.
   void read_later(std::span<T> values) const { read(values, 0, CL_FALSE); }
   std::vector<T> read_all() const {
     std::vector<T> values(count_);
@@ -130,6 +133,7 @@ class Buffer {
   void read(std::span<T> values, size_t offset, cl_bool blocking) const {
     if (values.empty()) return;
     require(values.size() + offset <= count_);
+    under_way_ = blocking == CL_FALSE;
     QueueSpan span(queue_, "read");
     check(clEnqueueReadBuffer(queue_, memory_, blocking, offset * sizeof(T), values.size_bytes(), values.data(), 0,
                               nullptr, span.event()),
@@ -147,6 +151,7 @@ class Buffer {
   void release() {
     if (!memory_) return;
     wait_for_staged();
+    if (under_way_) clFinish(queue_);
     clReleaseMemObject(memory_);
     BufferMemory::now -= count_ * sizeof(T);
     memory_ = nullptr;
@@ -157,6 +162,7 @@ class Buffer {
   size_t count_ = 0;
   std::vector<T> staged_;  // of a write_later that may still be under way
   cl_event staged_event_ = nullptr;
+  mutable bool under_way_ = false;  // a transfer that was not waited for may be
 };
 
 }  // namespace livecap::ocl

@@ -8,6 +8,7 @@
 
 #include "base/log.h"
 #include "base/text.h"
+#include "eval/body_points.h"
 #include "eval/joint_judge.h"
 #include "eval/mask_raster.h"
 #include "eval/other_mesh.h"
@@ -95,7 +96,9 @@ EvalReport evaluate(const EvalOptions& options) {
   report.speed = capture.speed;
   report.video_fps = capture.fps;
   report.n_frames = static_cast<int64_t>(capture.rows.size());
-  JointJudge joints(pairs, capture.fps);
+  JointJudge joints(pairs, capture.fps), body_points(pairs, capture.fps);
+  std::optional<CarriedJoints> true_joints;
+  if (other_mesh) true_joints.emplace(capture.actor, *truth_actor, overlay, pairs);
   NetworkJudge network(capture, truth.joints.names);
   VertexErrors vertex_errors;
   JitterMeter vertex_jitter(capture.fps), vertex_jitter_centred(capture.fps, true);
@@ -171,6 +174,11 @@ EvalReport evaluate(const EvalOptions& options) {
       captured_joints = to_camera_mm(capture.joints.frames[row]);
     }
     joints.add(captured_joints, expected.joints_mm, frame);
+    if (true_joints) {
+      const std::vector<Eigen::Isometry3d> bones = captured_bones(capture, row, captured_joints);
+      FrameEval unused;
+      if (!bones.empty()) body_points.add(true_joints->at(captured_joints, bones), expected.joints_mm, unused);
+    }
     network.add(expected.joints_mm, frame);
     report.n_arms_exchanged += frame.arms_exchanged;
     report.n_legs_exchanged += frame.legs_exchanged;
@@ -202,6 +210,16 @@ EvalReport evaluate(const EvalOptions& options) {
   report.vertex_jitter = vertex_jitter.result();
   report.vertex_jitter_centred = vertex_jitter_centred.result();
   joints.finish(report);
+  report.body_point_mm = report.joint_mm;
+  report.body_point_aligned_mm = report.joint_aligned_mm;
+  report.body_points_aligned_mm = report.joints_aligned_mm;
+  if (true_joints) {
+    EvalReport of_points;
+    body_points.finish(of_points);
+    report.body_point_mm = of_points.joint_mm;
+    report.body_point_aligned_mm = of_points.joint_aligned_mm;
+    report.body_points_aligned_mm = of_points.joints_aligned_mm;
+  }
   network.finish(report);
   judge_limits(capture, report);
   return report;

@@ -83,6 +83,9 @@ struct EvalReport {
   PckScore pck_similarity;  // after the similarity alignment of the frame; NaN without true joints
   PckScore pck_root;        // with the roots on top of each other, without the root
   std::vector<std::pair<std::string, double>> joints_aligned_mm;  // mean of each joint
+  Summary body_point_mm;  // the same points of the body (body_points.h); of the truth's own mesh: as the joints
+  Summary body_point_aligned_mm;
+  std::vector<std::pair<std::string, double>> body_points_aligned_mm;  // mean of each
   Summary network_joint_mm;  // the network's own joints, from detections.jsonl (network_baseline.h)
   Summary network_joint_aligned_mm;
 

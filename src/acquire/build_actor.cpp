@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "acquire/facet_offsets.h"
 #include "acquire/fit_turn.h"
 #include "acquire/hull.h"
 #include "acquire/keypoints.h"
@@ -66,6 +67,7 @@ class Builder {
       stage("scan", [&] { take_scan(); });
     stage("thinning", [&] { thin(); });
     if (options_.refine && options_.mesh.empty()) stage("refining", [&] { refine(); });
+    if (!as_is_) move_along_normals(facet_offsets_mm_, surface());
     stage("joints", [&] { place(); });
     stage("skin weights", [&] { result_.actor.weights = heat_weights(surface(), result_.joints, volume_); });
     stage("texture", [&] { texture(); });
@@ -246,6 +248,8 @@ class Builder {
     surface() = meshing::decimate_surface(fine_, options_.target_vertices, 48 * density,
                                           as_is_ ? meshing::DistanceField{} : field, 3 * density);
     fine_ = {};
+    // Refining looks for the surface at the vertices: they move only then.
+    if (!as_is_) facet_offsets_mm_ = facet_offsets(surface(), volume_);
     if (surface().vertices.size() < 200 || !is_closed_manifold(surface()))
       throw ConfigError(
           format("the shape has no closed surface of a person (%zu vertices left)", surface().vertices.size()));
@@ -263,6 +267,7 @@ class Builder {
     for (Vector3d& p : surface().vertices) p = down.to_rest(p);
     move_views(down, views_);
     keypoints_ = move_keypoints(down, keypoints_);
+    for (double& offset : facet_offsets_mm_) offset *= scale;
     volume_.low = down.to_rest(volume_.low);
     volume_.step *= scale;
     for (float& d : volume_.distance) d *= static_cast<float>(scale);
@@ -399,6 +404,7 @@ class Builder {
   double given_height_mm_;          // 0: the cameras' world has a unit
   GivenJoints given_joints_;
   SpaceKeypoints keypoints_;
+  std::vector<double> facet_offsets_mm_;
   PersonFrame frame_;
   Volume volume_;
   Scan scan_;           // moved into the rest frame with the person

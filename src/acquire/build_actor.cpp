@@ -10,6 +10,7 @@
 #include "acquire/keypoints.h"
 #include "acquire/material_labels.h"
 #include "acquire/mesh_volume.h"
+#include "acquire/open_skirt.h"
 #include "acquire/person_frame.h"
 #include "acquire/refine.h"
 #include "acquire/run_colmap.h"
@@ -218,9 +219,15 @@ class Builder {
     hull.step_mm = options_.grid_mm;
     volume_ = make_volume(low, high, hull.step_mm);
     carve_hull(device_, views_, hull, volume_);
+    Volume open = volume_;
+    const bool skirt = open_skirt(keypoints_, open);
     blur(volume_, 0.8 * options_.grid_mm, 0.35 * options_.grid_mm);
     if (const int dropped = keep_largest_solid(volume_); dropped > 0)
       note(format("%d other solids in the pictures' common view were dropped", dropped));
+    if (!skirt) return;
+    blur(open, 0.8 * options_.grid_mm, 0.35 * options_.grid_mm);
+    keep_largest_solid(open);
+    open_volume_ = std::move(open);
   }
 
   // The scan in the rest frame, as it is when it is closed and clean, else as a solid on a grid.
@@ -242,14 +249,15 @@ class Builder {
   }
 
   void thin() {
-    if (!as_is_) fine_ = surface_of(volume_);
+    const Volume& shape = open_volume_.size() > 0 ? open_volume_ : volume_;
+    if (!as_is_) fine_ = surface_of(shape);
     const double density = std::sqrt(5000.0 / options_.target_vertices);
-    const meshing::DistanceField field = [&](const Vector3d& p) { return volume_.at(p); };
+    const meshing::DistanceField field = [&](const Vector3d& p) { return shape.at(p); };
     surface() = meshing::decimate_surface(fine_, options_.target_vertices, 48 * density,
                                           as_is_ ? meshing::DistanceField{} : field, 3 * density);
     fine_ = {};
     // Refining looks for the surface at the vertices: they move only then.
-    if (!as_is_) facet_offsets_mm_ = facet_offsets(surface(), volume_);
+    if (!as_is_) facet_offsets_mm_ = facet_offsets(surface(), shape);
     if (surface().vertices.size() < 200 || !is_closed_manifold(surface()))
       throw ConfigError(
           format("the shape has no closed surface of a person (%zu vertices left)", surface().vertices.size()));
@@ -405,6 +413,7 @@ class Builder {
   GivenJoints given_joints_;
   SpaceKeypoints keypoints_;
   std::vector<double> facet_offsets_mm_;
+  Volume open_volume_;  // the hull with an open skirt; none: there is no skirt. `volume_` tells what is under cloth
   PersonFrame frame_;
   Volume volume_;
   Scan scan_;           // moved into the rest frame with the person

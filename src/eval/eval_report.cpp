@@ -117,6 +117,8 @@ std::string eval_report_text(const EvalReport& report) {
   for (const LabelError& row : report.labels) {
     text += summary_line(format("    %s (%d)", row.label.c_str(), row.n_vertices).c_str(), row.aligned, 1, false);
   }
+  if (report.other_mesh && report.true_vertex_aligned_mm.n > 0)
+    text += summary_line("  at the truth's vertices, aligned", report.true_vertex_aligned_mm, 1, false);
   if (report.surface_mm.n > 0) {
     text += summary_line("  to the true surface", report.surface_mm, 1, false);
     if (report.other_mesh) text += "  (another mesh than the truth's: true vertices by nearest points at rest)\n";
@@ -169,6 +171,7 @@ std::string eval_report_json(const EvalReport& report) {
       {"iou", summary_json(report.iou)},
       {"vertex_mm", summary_json(report.vertex_mm)},
       {"vertex_translation_aligned_mm", summary_json(report.vertex_aligned_mm)},
+      {"true_vertex_translation_aligned_mm", summary_json(report.true_vertex_aligned_mm)},
       {"other_mesh", report.other_mesh},
       {"surface_mm", summary_json(report.surface_mm)},
       {"loose_mm", summary_json(report.loose_mm)},

@@ -81,6 +81,8 @@ EvalReport evaluate(const EvalOptions& options) {
   const bool other_mesh = truth_actor && !same_mesh(capture.actor, *truth_actor);
   TruthFolder truth = open_truth(options.truth, capture.vertices && !other_mesh ? capture.actor.n_vertices() : 0);
   const RestOverlay overlay = other_mesh ? overlay_rest(capture.actor, *truth_actor) : RestOverlay{};
+  const auto true_on_actor =
+      other_mesh ? true_vertices_on(capture.actor, *truth_actor, overlay) : std::vector<meshing::SurfacePoint>();
   const std::vector<JointPair> pairs = match_joints(capture.joints.names, truth.joints.names);
   if (!truth.joints.empty() && pairs.size() < kFewestJoints) {
     log_warning(
@@ -105,7 +107,7 @@ EvalReport evaluate(const EvalOptions& options) {
   const std::vector<uint8_t>& labels = capture.actor.labels;
   const auto is_loose = [&](int vertex) { return is_loose_garment(labels[vertex]); };
   std::vector<std::vector<double>> view_ious(options.views.size());
-  std::vector<double> ious, surface;
+  std::vector<double> ious, surface, at_true_vertices;
   std::vector<bool> person, tracked;
 
   for (int64_t row = 0; row < report.n_frames; ++row) {
@@ -136,7 +138,12 @@ EvalReport evaluate(const EvalOptions& options) {
     const std::vector<float> vertices = captured_vertices(capture, row);
     const std::vector<float> true_surface = expected.vertices_mm;
     if (other_mesh && !expected.vertices_mm.empty())
-      expected.vertices_mm = resample(overlay, truth_actor->mesh.triangles, true_surface);
+      expected.vertices_mm = resample(overlay.nearest, truth_actor->mesh.triangles, true_surface);
+    if (other_mesh && !vertices.empty() && !true_surface.empty()) {
+      const auto distances =
+          translation_aligned_distances(resample(true_on_actor, capture.actor.mesh.triangles, vertices), true_surface);
+      at_true_vertices.insert(at_true_vertices.end(), distances.begin(), distances.end());
+    }
     if (truth_actor && !vertices.empty() && !true_surface.empty()) {
       const auto distances =
           surface_distances(vertices, expected.vertices_mm, true_surface, truth_actor->mesh.triangles);
@@ -202,6 +209,7 @@ EvalReport evaluate(const EvalOptions& options) {
   if (vertex_errors.n_frames() > 0) {
     report.vertex_mm = vertex_errors.direct();
     report.vertex_aligned_mm = vertex_errors.aligned();
+    report.true_vertex_aligned_mm = other_mesh ? summarize(std::move(at_true_vertices)) : report.vertex_aligned_mm;
     report.loose_mm = vertex_errors.direct(is_loose);
     report.loose_aligned_mm = vertex_errors.aligned(is_loose);
     report.labels = errors_by_label(vertex_errors, labels);

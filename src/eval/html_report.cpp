@@ -71,6 +71,7 @@ std::string figures_table(const EvalReport& report) {
   }
   html += summary_row("vertex error, mm", report.vertex_mm, 1);
   html += summary_row("vertex error, translation-aligned", report.vertex_aligned_mm, 1);
+  if (report.other_mesh) html += summary_row("at the truth's vertices, aligned", report.true_vertex_aligned_mm, 1);
   html += summary_row("to the true surface, translation-aligned", report.surface_mm, 1);
   html += summary_row("loose garments, translation-aligned", report.loose_aligned_mm, 1);
   html += summary_row("joint error, mm", report.joint_mm, 1);

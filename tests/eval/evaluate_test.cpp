@@ -119,6 +119,7 @@ TEST_F(Evaluate, AShiftIsMeasuredAndAlignedAway) {
   const EvalReport report = compare({0, 0.1f, 0.1f, 0.1f}, {"nobody", "ok", "ok", "ok"});
   EXPECT_NEAR(report.vertex_mm.mean, 100, test::kMillimetreFloat);
   EXPECT_LT(report.vertex_aligned_mm.max, test::kMillimetreFloat);
+  EXPECT_EQ(report.true_vertex_aligned_mm.n, report.vertex_aligned_mm.n);
   EXPECT_NEAR(report.joint_mm.mean, 100, test::kMillimetreFloat);
   EXPECT_LT(report.joint_aligned_mm.max, test::kMillimetreFloat);
   EXPECT_EQ(report.body_point_mm.mean, report.joint_mm.mean);  // the truth's own actor: the same joints
@@ -211,6 +212,8 @@ TEST_F(Evaluate, AnotherMeshIsComparedBySurface) {
   EXPECT_NEAR(report.vertex_mm.mean, 100, test::kOtherMeshMm);
   EXPECT_LT(report.vertex_aligned_mm.mean, test::kOtherMeshMm);
   EXPECT_LT(report.surface_mm.mean, test::kOtherMeshMm);
+  EXPECT_EQ(report.true_vertex_aligned_mm.n, 3 * actor_.n_vertices());
+  EXPECT_LT(report.true_vertex_aligned_mm.mean, test::kOtherMeshMm);
   EXPECT_NE(eval_report_text(report).find("another mesh"), std::string::npos);
   EvalOptions wrong = options;
   wrong.truth_actor = "builtin:skirt";

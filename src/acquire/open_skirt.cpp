@@ -66,13 +66,25 @@ bool take_out(const std::vector<char>& taken, Volume& volume) {
     return a[0] * a[0] + a[1] * a[1] + a[2] * a[2] < b[0] * b[0] + b[1] * b[1] + b[2] * b[2];
   });
   const std::vector<float> before = volume.distance;
-  bool any = false;
+  const int counts[3] = {volume.nx, volume.ny, volume.nz};
+  int low[3] = {volume.nx, volume.ny, volume.nz}, high[3] = {-1, -1, -1};  // of the marked nodes
   for (int z = 0; z < volume.nz; ++z)
     for (int y = 0; y < volume.ny; ++y)
       for (int x = 0; x < volume.nx; ++x) {
+        if (!taken[volume.index(x, y, z)]) continue;
+        const int at[3] = {x, y, z};
+        for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], at[k]), high[k] = std::max(high[k], at[k]);
+      }
+  if (high[0] < 0) return false;
+  for (int k = 0; k < 3; ++k) {
+    low[k] = std::max(0, low[k] - kReach);
+    high[k] = std::min(counts[k] - 1, high[k] + kReach);
+  }
+  for (int z = low[2]; z <= high[2]; ++z)
+    for (int y = low[1]; y <= high[1]; ++y)
+      for (int x = low[0]; x <= high[0]; ++x) {
         const size_t i = volume.index(x, y, z);
         if (before[i] >= 0) continue;  // air as it was
-        any = any || taken[i];
         for (const auto& [dx, dy, dz] : ways) {
           if (x + dx < 0 || y + dy < 0 || z + dz < 0 || x + dx >= volume.nx || y + dy >= volume.ny ||
               z + dz >= volume.nz)
@@ -86,7 +98,7 @@ bool take_out(const std::vector<char>& taken, Volume& volume) {
         }
         if (taken[i] && volume.distance[i] < 0) volume.distance[i] = static_cast<float>(volume.step * kReach);
       }
-  return any;
+  return true;
 }
 
 }  // namespace

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <memory>
 
+#include "acquire/facet_offsets.h"
 #include "acquire/fit_turn.h"
 #include "acquire/hull.h"
 #include "acquire/keypoints.h"
 #include "acquire/material_labels.h"
 #include "acquire/mesh_volume.h"
+#include "acquire/open_skirt.h"
 #include "acquire/person_frame.h"
 #include "acquire/refine.h"
 #include "acquire/run_colmap.h"
@@ -66,6 +68,7 @@ class Builder {
       stage("scan", [&] { take_scan(); });
     stage("thinning", [&] { thin(); });
     if (options_.refine && options_.mesh.empty()) stage("refining", [&] { refine(); });
+    if (!as_is_) move_along_normals(facet_offsets_mm_, surface());
     stage("joints", [&] { place(); });
     stage("skin weights", [&] { result_.actor.weights = heat_weights(surface(), result_.joints, volume_); });
     stage("texture", [&] { texture(); });
@@ -216,9 +219,15 @@ class Builder {
     hull.step_mm = options_.grid_mm;
     volume_ = make_volume(low, high, hull.step_mm);
     carve_hull(device_, views_, hull, volume_);
+    Volume open = volume_;
+    const bool skirt = open_skirt(keypoints_, open);
     blur(volume_, 0.8 * options_.grid_mm, 0.35 * options_.grid_mm);
     if (const int dropped = keep_largest_solid(volume_); dropped > 0)
       note(format("%d other solids in the pictures' common view were dropped", dropped));
+    if (!skirt) return;
+    blur(open, 0.8 * options_.grid_mm, 0.35 * options_.grid_mm);
+    keep_largest_solid(open);
+    open_volume_ = std::move(open);
   }
 
   // The scan in the rest frame, as it is when it is closed and clean, else as a solid on a grid.
@@ -240,12 +249,15 @@ class Builder {
   }
 
   void thin() {
-    if (!as_is_) fine_ = surface_of(volume_);
+    const Volume& shape = open_volume_.size() > 0 ? open_volume_ : volume_;
+    if (!as_is_) fine_ = surface_of(shape);
     const double density = std::sqrt(5000.0 / options_.target_vertices);
-    const meshing::DistanceField field = [&](const Vector3d& p) { return volume_.at(p); };
+    const meshing::DistanceField field = [&](const Vector3d& p) { return shape.at(p); };
     surface() = meshing::decimate_surface(fine_, options_.target_vertices, 48 * density,
                                           as_is_ ? meshing::DistanceField{} : field, 3 * density);
     fine_ = {};
+    // Refining looks for the surface at the vertices: they move only then.
+    if (!as_is_) facet_offsets_mm_ = facet_offsets(surface(), shape);
     if (surface().vertices.size() < 200 || !is_closed_manifold(surface()))
       throw ConfigError(
           format("the shape has no closed surface of a person (%zu vertices left)", surface().vertices.size()));
@@ -263,6 +275,7 @@ class Builder {
     for (Vector3d& p : surface().vertices) p = down.to_rest(p);
     move_views(down, views_);
     keypoints_ = move_keypoints(down, keypoints_);
+    for (double& offset : facet_offsets_mm_) offset *= scale;
     volume_.low = down.to_rest(volume_.low);
     volume_.step *= scale;
     for (float& d : volume_.distance) d *= static_cast<float>(scale);
@@ -399,6 +412,8 @@ class Builder {
   double given_height_mm_;          // 0: the cameras' world has a unit
   GivenJoints given_joints_;
   SpaceKeypoints keypoints_;
+  std::vector<double> facet_offsets_mm_;
+  Volume open_volume_;  // the hull with an open skirt; none: there is no skirt. `volume_` tells what is under cloth
   PersonFrame frame_;
   Volume volume_;
   Scan scan_;           // moved into the rest frame with the person

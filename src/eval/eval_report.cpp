@@ -117,6 +117,8 @@ std::string eval_report_text(const EvalReport& report) {
   for (const LabelError& row : report.labels) {
     text += summary_line(format("    %s (%d)", row.label.c_str(), row.n_vertices).c_str(), row.aligned, 1, false);
   }
+  if (report.other_mesh && report.true_vertex_aligned_mm.n > 0)
+    text += summary_line("  at the truth's vertices, aligned", report.true_vertex_aligned_mm, 1, false);
   if (report.surface_mm.n > 0) {
     text += summary_line("  to the true surface", report.surface_mm, 1, false);
     if (report.other_mesh) text += "  (another mesh than the truth's: true vertices by nearest points at rest)\n";
@@ -126,6 +128,10 @@ std::string eval_report_text(const EvalReport& report) {
   }
   text += summary_line("joint error, mm", report.joint_mm, 1, false);
   text += summary_line("  after similarity alignment", report.joint_aligned_mm, 1, false);
+  if (report.other_mesh && report.body_point_mm.n > 0) {
+    text += summary_line("  the same points of the body", report.body_point_mm, 1, false);
+    text += summary_line("    after similarity alignment", report.body_point_aligned_mm, 1, false);
+  }
   if (report.network_joint_aligned_mm.n > 0) {
     text += summary_line("  the network's own, aligned", report.network_joint_aligned_mm, 1, false);
   }
@@ -133,11 +139,15 @@ std::string eval_report_text(const EvalReport& report) {
     text += format("3DPCK at 150 mm / AUC              %8.3f / %.3f similarity-aligned, %.3f / %.3f root-aligned\n",
                    report.pck_similarity.pck, report.pck_similarity.auc, report.pck_root.pck, report.pck_root.auc);
   }
-  if (!report.joints_aligned_mm.empty()) {
-    text += "joints, mm after alignment        ";
-    for (const auto& [name, value] : report.joints_aligned_mm) text += format(" %s %.0f", name.c_str(), value);
+  const auto each = [&](const char* what, const std::vector<std::pair<std::string, double>>& values) {
+    if (values.empty()) return;
+    text += format("%-34s", what);
+    for (const auto& [name, value] : values) text += format(" %s %.0f", name.c_str(), value);
     text += "\n";
-  }
+  };
+  each("joints, mm after alignment", report.joints_aligned_mm);
+  if (report.other_mesh && report.body_point_mm.n > 0)
+    each("  the same points of the body", report.body_points_aligned_mm);
   text += motion_text(report);
   text += worst_frames(report, "IoU", 3, -1, [](const FrameEval& frame) { return -frame.iou; });
   text +=
@@ -161,12 +171,15 @@ std::string eval_report_json(const EvalReport& report) {
       {"iou", summary_json(report.iou)},
       {"vertex_mm", summary_json(report.vertex_mm)},
       {"vertex_translation_aligned_mm", summary_json(report.vertex_aligned_mm)},
+      {"true_vertex_translation_aligned_mm", summary_json(report.true_vertex_aligned_mm)},
       {"other_mesh", report.other_mesh},
       {"surface_mm", summary_json(report.surface_mm)},
       {"loose_mm", summary_json(report.loose_mm)},
       {"loose_translation_aligned_mm", summary_json(report.loose_aligned_mm)},
       {"joint_mm", summary_json(report.joint_mm)},
       {"joint_similarity_aligned_mm", summary_json(report.joint_aligned_mm)},
+      {"body_point_mm", summary_json(report.body_point_mm)},
+      {"body_point_similarity_aligned_mm", summary_json(report.body_point_aligned_mm)},
       {"joint_pck_similarity_aligned", pck_json(report.pck_similarity)},
       {"joint_pck_root_aligned", pck_json(report.pck_root)},
       {"network_joint_mm", summary_json(report.network_joint_mm)},
@@ -191,6 +204,7 @@ std::string eval_report_json(const EvalReport& report) {
                                  {"vertex_translation_aligned_mm", summary_json(row.aligned)}};
   }
   for (const auto& [name, value] : report.joints_aligned_mm) json["joints_aligned_mm"][name] = number(value);
+  for (const auto& [name, value] : report.body_points_aligned_mm) json["body_points_aligned_mm"][name] = number(value);
   for (const auto& [name, value] : report.angles_at_limit) json["angle_at_limit"][name] = number(value);
   json["frames"] = Json::array();
   for (const FrameEval& frame : report.frames) {

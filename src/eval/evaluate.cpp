@@ -8,6 +8,7 @@
 
 #include "base/log.h"
 #include "base/text.h"
+#include "eval/body_points.h"
 #include "eval/joint_judge.h"
 #include "eval/mask_raster.h"
 #include "eval/other_mesh.h"
@@ -80,6 +81,8 @@ EvalReport evaluate(const EvalOptions& options) {
   const bool other_mesh = truth_actor && !same_mesh(capture.actor, *truth_actor);
   TruthFolder truth = open_truth(options.truth, capture.vertices && !other_mesh ? capture.actor.n_vertices() : 0);
   const RestOverlay overlay = other_mesh ? overlay_rest(capture.actor, *truth_actor) : RestOverlay{};
+  const auto true_on_actor =
+      other_mesh ? true_vertices_on(capture.actor, *truth_actor, overlay) : std::vector<meshing::SurfacePoint>();
   const std::vector<JointPair> pairs = match_joints(capture.joints.names, truth.joints.names);
   if (!truth.joints.empty() && pairs.size() < kFewestJoints) {
     log_warning(
@@ -95,14 +98,16 @@ EvalReport evaluate(const EvalOptions& options) {
   report.speed = capture.speed;
   report.video_fps = capture.fps;
   report.n_frames = static_cast<int64_t>(capture.rows.size());
-  JointJudge joints(pairs, capture.fps);
+  JointJudge joints(pairs, capture.fps), body_points(pairs, capture.fps);
+  std::optional<CarriedJoints> true_joints;
+  if (other_mesh) true_joints.emplace(capture.actor, *truth_actor, overlay, pairs);
   NetworkJudge network(capture, truth.joints.names);
   VertexErrors vertex_errors;
   JitterMeter vertex_jitter(capture.fps), vertex_jitter_centred(capture.fps, true);
   const std::vector<uint8_t>& labels = capture.actor.labels;
   const auto is_loose = [&](int vertex) { return is_loose_garment(labels[vertex]); };
   std::vector<std::vector<double>> view_ious(options.views.size());
-  std::vector<double> ious, surface;
+  std::vector<double> ious, surface, at_true_vertices;
   std::vector<bool> person, tracked;
 
   for (int64_t row = 0; row < report.n_frames; ++row) {
@@ -133,7 +138,12 @@ EvalReport evaluate(const EvalOptions& options) {
     const std::vector<float> vertices = captured_vertices(capture, row);
     const std::vector<float> true_surface = expected.vertices_mm;
     if (other_mesh && !expected.vertices_mm.empty())
-      expected.vertices_mm = resample(overlay, truth_actor->mesh.triangles, true_surface);
+      expected.vertices_mm = resample(overlay.nearest, truth_actor->mesh.triangles, true_surface);
+    if (other_mesh && !vertices.empty() && !true_surface.empty()) {
+      const auto distances =
+          translation_aligned_distances(resample(true_on_actor, capture.actor.mesh.triangles, vertices), true_surface);
+      at_true_vertices.insert(at_true_vertices.end(), distances.begin(), distances.end());
+    }
     if (truth_actor && !vertices.empty() && !true_surface.empty()) {
       const auto distances =
           surface_distances(vertices, expected.vertices_mm, true_surface, truth_actor->mesh.triangles);
@@ -171,6 +181,11 @@ EvalReport evaluate(const EvalOptions& options) {
       captured_joints = to_camera_mm(capture.joints.frames[row]);
     }
     joints.add(captured_joints, expected.joints_mm, frame);
+    if (true_joints) {
+      const std::vector<Eigen::Isometry3d> bones = captured_bones(capture, row, captured_joints);
+      FrameEval unused;
+      if (!bones.empty()) body_points.add(true_joints->at(captured_joints, bones), expected.joints_mm, unused);
+    }
     network.add(expected.joints_mm, frame);
     report.n_arms_exchanged += frame.arms_exchanged;
     report.n_legs_exchanged += frame.legs_exchanged;
@@ -194,6 +209,7 @@ EvalReport evaluate(const EvalOptions& options) {
   if (vertex_errors.n_frames() > 0) {
     report.vertex_mm = vertex_errors.direct();
     report.vertex_aligned_mm = vertex_errors.aligned();
+    report.true_vertex_aligned_mm = other_mesh ? summarize(std::move(at_true_vertices)) : report.vertex_aligned_mm;
     report.loose_mm = vertex_errors.direct(is_loose);
     report.loose_aligned_mm = vertex_errors.aligned(is_loose);
     report.labels = errors_by_label(vertex_errors, labels);
@@ -202,6 +218,16 @@ EvalReport evaluate(const EvalOptions& options) {
   report.vertex_jitter = vertex_jitter.result();
   report.vertex_jitter_centred = vertex_jitter_centred.result();
   joints.finish(report);
+  report.body_point_mm = report.joint_mm;
+  report.body_point_aligned_mm = report.joint_aligned_mm;
+  report.body_points_aligned_mm = report.joints_aligned_mm;
+  if (true_joints) {
+    EvalReport of_points;
+    body_points.finish(of_points);
+    report.body_point_mm = of_points.joint_mm;
+    report.body_point_aligned_mm = of_points.joint_aligned_mm;
+    report.body_points_aligned_mm = of_points.joints_aligned_mm;
+  }
   network.finish(report);
   judge_limits(capture, report);
   return report;

@@ -72,6 +72,8 @@ struct EvalReport {
   Summary vertex_aligned_mm;
   bool other_mesh = false;  // the capture's mesh is not the truth's: true vertices are the points of the true surface
                             // that the actor's vertices lie on at rest (other_mesh.h)
+  Summary true_vertex_aligned_mm;  // of another mesh: at the truth's vertices, so that how densely a mesh covers the
+                                   // head or the skirt does not count; else as vertex_aligned_mm
   Summary surface_mm;  // captured vertices to the true surface after translation; n = 0: the true mesh is not known
   Summary loose_mm;    // of loose garments (is_loose_garment); n = 0 when the actor wears none
   Summary loose_aligned_mm;
@@ -83,6 +85,9 @@ struct EvalReport {
   PckScore pck_similarity;  // after the similarity alignment of the frame; NaN without true joints
   PckScore pck_root;        // with the roots on top of each other, without the root
   std::vector<std::pair<std::string, double>> joints_aligned_mm;  // mean of each joint
+  Summary body_point_mm;  // the same points of the body (body_points.h); of the truth's own mesh: as the joints
+  Summary body_point_aligned_mm;
+  std::vector<std::pair<std::string, double>> body_points_aligned_mm;  // mean of each
   Summary network_joint_mm;  // the network's own joints, from detections.jsonl (network_baseline.h)
   Summary network_joint_aligned_mm;
 

@@ -71,10 +71,15 @@ std::string figures_table(const EvalReport& report) {
   }
   html += summary_row("vertex error, mm", report.vertex_mm, 1);
   html += summary_row("vertex error, translation-aligned", report.vertex_aligned_mm, 1);
+  if (report.other_mesh) html += summary_row("at the truth's vertices, aligned", report.true_vertex_aligned_mm, 1);
   html += summary_row("to the true surface, translation-aligned", report.surface_mm, 1);
   html += summary_row("loose garments, translation-aligned", report.loose_aligned_mm, 1);
   html += summary_row("joint error, mm", report.joint_mm, 1);
   html += summary_row("joint error, similarity-aligned", report.joint_aligned_mm, 1);
+  if (report.other_mesh) {
+    html += summary_row("the same points of the body, mm", report.body_point_mm, 1);
+    html += summary_row("the same points, similarity-aligned", report.body_point_aligned_mm, 1);
+  }
   html += summary_row("the network's own joints, aligned", report.network_joint_aligned_mm, 1);
   return html + "</table>";
 }
@@ -326,14 +331,19 @@ std::string labels_table(const EvalReport& report, const EvalReport* pose_only) 
 
 std::string joints_table(const EvalReport& report) {
   if (report.joints_aligned_mm.empty()) return {};
-  std::string names, values;
+  const bool two_rows = report.other_mesh && report.body_point_mm.n > 0;
+  std::string names = two_rows ? "<th></th>" : "", values = two_rows ? "<td>by name</td>" : "", points;
   for (const auto& [name, value] : report.joints_aligned_mm) {
     std::string words = name;
     std::replace(words.begin(), words.end(), '_', ' ');
     names += "<th>" + html_escaped(words) + "</th>";
     values += "<td>" + number(value, 0) + "</td>";
   }
-  return "<table class=\"numbers joints\"><tr>" + names + "</tr><tr>" + values + "</tr></table>";
+  if (two_rows) {
+    for (const auto& [name, value] : report.body_points_aligned_mm) points += "<td>" + number(value, 0) + "</td>";
+    points = "<tr><td>the same points of the body</td>" + points + "</tr>";
+  }
+  return "<table class=\"numbers joints\"><tr>" + names + "</tr><tr>" + values + "</tr>" + points + "</table>";
 }
 
 }  // namespace

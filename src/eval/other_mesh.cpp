@@ -56,11 +56,22 @@ RestOverlay overlay_rest(const Actor& actor, const Actor& truth) {
   return overlay;
 }
 
-std::vector<float> resample(const RestOverlay& overlay, std::span<const int32_t> triangles,
+std::vector<meshing::SurfacePoint> true_vertices_on(const Actor& actor, const Actor& truth,
+                                                    const RestOverlay& overlay) {
+  const meshing::Surface surface = meshing::surface_of(actor.mesh);
+  const meshing::NearestSurface near(surface, kCellMm);
+  const Eigen::Isometry3d actor_from_truth = overlay.truth_from_actor.inverse();
+  std::vector<meshing::SurfacePoint> points;
+  for (int i = 0; i < truth.n_vertices(); ++i)
+    points.push_back(near.find(actor_from_truth * point(truth.mesh.positions, i)));
+  return points;
+}
+
+std::vector<float> resample(const std::vector<meshing::SurfacePoint>& nearest, std::span<const int32_t> triangles,
                             std::span<const float> truth) {
   std::vector<float> positions;
-  positions.reserve(3 * overlay.nearest.size());
-  for (const meshing::SurfacePoint& on : overlay.nearest) {
+  positions.reserve(3 * nearest.size());
+  for (const meshing::SurfacePoint& on : nearest) {
     Vector3d p = Vector3d::Zero();
     for (int k = 0; k < 3; ++k) p += on.weights[k] * point(truth, triangles[3 * static_cast<size_t>(on.triangle) + k]);
     for (int k = 0; k < 3; ++k) positions.push_back(static_cast<float>(p[k]));

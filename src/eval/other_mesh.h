@@ -20,9 +20,12 @@ struct RestOverlay {
 };
 RestOverlay overlay_rest(const Actor& actor, const Actor& truth);
 
-// Where the points of the true surface that the actor's vertices lie on at rest are, given the true vertices [3*n].
-// triangles: of the truth.
-std::vector<float> resample(const RestOverlay& overlay, std::span<const int32_t> triangles,
+// The same laid the other way round: the point of the actor's rest surface that each true vertex is nearest to.
+std::vector<meshing::SurfacePoint> true_vertices_on(const Actor& actor, const Actor& truth, const RestOverlay& overlay);
+
+// Where the points of the true surface that the actor's vertices lie on at rest are, given the true vertices [3*n] and
+// triangles; or those of the actor's that the true vertices lie on, given the captured ones.
+std::vector<float> resample(const std::vector<meshing::SurfacePoint>& nearest, std::span<const int32_t> triangles,
                             std::span<const float> truth);
 
 // Distances of every fifth captured vertex to the true surface, mm, after the translation that lays them on it: what

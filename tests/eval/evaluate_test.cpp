@@ -119,8 +119,11 @@ TEST_F(Evaluate, AShiftIsMeasuredAndAlignedAway) {
   const EvalReport report = compare({0, 0.1f, 0.1f, 0.1f}, {"nobody", "ok", "ok", "ok"});
   EXPECT_NEAR(report.vertex_mm.mean, 100, test::kMillimetreFloat);
   EXPECT_LT(report.vertex_aligned_mm.max, test::kMillimetreFloat);
+  EXPECT_EQ(report.true_vertex_aligned_mm.n, report.vertex_aligned_mm.n);
   EXPECT_NEAR(report.joint_mm.mean, 100, test::kMillimetreFloat);
   EXPECT_LT(report.joint_aligned_mm.max, test::kMillimetreFloat);
+  EXPECT_EQ(report.body_point_mm.mean, report.joint_mm.mean);  // the truth's own actor: the same joints
+  EXPECT_EQ(report.body_point_aligned_mm.max, report.joint_aligned_mm.max);
   EXPECT_LT(report.iou.max, 0.9);
   EXPECT_GT(report.iou.min, 0.2);
 }
@@ -149,6 +152,43 @@ TEST_F(Evaluate, RefusesAnotherActor) {
   }
 }
 
+// Both actors at rest in one place, their joints in theirs: the points of the body are where the joints are.
+TEST_F(Evaluate, JointsOfAnotherMeshAreAlsoPointsOfTheBody) {
+  compare({0, 0.1f, 0.1f, 0.1f}, {"nobody", "ok", "ok", "ok"});
+  const fs::path out = folder_ / "capture";
+  fs::remove(out / "vertices.pc2");
+  write_file_atomically(folder_ / "other.glb", make_builtin_actor_glb("trousers", kBuiltinHeightMm, 1400));
+  const EvalOptions options{out, folder_ / "truth", (folder_ / "other.glb").string(), "", {}};
+  EvalReport report = evaluate(options);
+  EXPECT_TRUE(report.other_mesh);
+  EXPECT_EQ(report.body_point_mm.n, 0);  // four joints do not tell how the bones turned
+  const Actor other = load_actor(folder_ / "other.glb");
+  std::string head = "index,pts_ms,tracked", angles = head, row, zeros;
+  const PosedSkeleton rest = forward_kinematics(other.skeleton, rest_pose(other.skeleton));
+  for (int bone = 0; bone < other.skeleton.n_bones(); ++bone) {
+    const Eigen::Vector3d p = rest.camera_from_bone[bone].translation() / 1000;
+    for (int k = 0; k < 3; ++k) {
+      head += ",joint_" + other.skeleton.bones[bone].name + "_" + "xyz"[k];
+      row += format(",%.9g", p[k] - (k == 1 ? 0.9 : k == 2 ? 3 : 0));
+    }
+  }
+  for (const Dof& dof : other.skeleton.dofs) {
+    angles += "," + dof.name;
+    zeros += format(",%.9g", dof.rest_rad * 180 / M_PI);
+  }
+  for (int k = 0; k < kFrames; ++k) {
+    head += format("\n%d,%d,1", k, 40 * k) + row;
+    angles += format("\n%d,%d,1", k, 40 * k) + zeros;
+  }
+  write_file_atomically(out / "joints.csv", head + "\n");
+  write_file_atomically(out / "angles.csv", angles + "\n");
+  report = evaluate(options);
+  EXPECT_EQ(report.body_point_mm.n, report.joint_mm.n);
+  EXPECT_NEAR(report.body_point_mm.mean, report.joint_mm.mean, test::kOtherMeshMm);
+  EXPECT_NE(eval_report_text(report).find("the same points of the body"), std::string::npos);
+  EXPECT_NE(eval_report_json(report).find("\"body_point_similarity_aligned_mm\": {"), std::string::npos);
+}
+
 // The same actor with its vertices in another order is another mesh of as many vertices: compared vertex by vertex it
 // would be off by half a metre, by surface points it is right.
 TEST_F(Evaluate, AnotherMeshIsComparedBySurface) {
@@ -172,6 +212,8 @@ TEST_F(Evaluate, AnotherMeshIsComparedBySurface) {
   EXPECT_NEAR(report.vertex_mm.mean, 100, test::kOtherMeshMm);
   EXPECT_LT(report.vertex_aligned_mm.mean, test::kOtherMeshMm);
   EXPECT_LT(report.surface_mm.mean, test::kOtherMeshMm);
+  EXPECT_EQ(report.true_vertex_aligned_mm.n, 3 * actor_.n_vertices());
+  EXPECT_LT(report.true_vertex_aligned_mm.mean, test::kOtherMeshMm);
   EXPECT_NE(eval_report_text(report).find("another mesh"), std::string::npos);
   EvalOptions wrong = options;
   wrong.truth_actor = "builtin:skirt";

@@ -1,0 +1,16 @@
+// The underside of a skirt or a dress, which no camera sees. Silhouettes close it with a lid at the hem; cloth is open
+// there.
+#pragma once
+
+#include "acquire/keypoints.h"
+#include "acquire/volume.h"
+
+namespace livecap::acquire {
+
+// Takes a roof at 45 degrees out of what is between a ring of cloth around both legs and the legs, from the hem
+// upwards: as much as needs no knowledge of what is inside but that cloth is thin. keypoints: in the volume's frame;
+// hips, knees and ankles are needed. False, and nothing changed, when no ring of cloth goes around both legs well below
+// the hips.
+bool open_skirt(const SpaceKeypoints& keypoints, Volume& volume);
+
+}  // namespace livecap::acquire

@@ -2,8 +2,9 @@
 //
 // Unknowns: [rotation vector 3 | t 3 | joint angles n_dofs | t' 3]. J has one row per residual and n_columns columns:
 // the unknowns, the residual itself in column n_unknowns, zeros up to a multiple of 16.
-// Rows: 8 per keypoint (2D 2, 3D 3, temporal 3), one per joint angle (anatomic), one per contour vertex.
-// Positions marked "root-relative" are camera-frame vectors from the root's origin t: floats keep more of them.
+// Rows: 8 per keypoint (2D 2, 3D 3, temporal 3), one per joint angle (anatomic), one per point of the soles (floor),
+// one per contour vertex. Positions marked "root-relative" are camera-frame vectors from the root's origin t: floats
+// keep more of them.
 #ifndef LC_POSE_LAYOUT_H
 #define LC_POSE_LAYOUT_H
 
@@ -45,16 +46,23 @@ typedef struct {
   int n_unknowns;  // n_dofs + 9
   int n_columns;   // n_unknowns + 1, rounded up to a multiple of 16
   int n_bones;
+  int n_soles;  // points of the soles
 } PoseLayout;
 
 // What one Gauss-Newton step uploads, in floats: for every column the axis (3 planes) and the moment origin x axis
-// (3 planes); keypoints xyz, root-relative; t'; t; joint angles; bone dual quaternions, root-relative.
+// (3 planes); keypoints xyz, root-relative; t'; t; joint angles; bone dual quaternions, root-relative; points of the
+// soles xyz, root-relative.
 #define LC_POSE_STEP_KEYPOINTS(layout) (6 * (layout).n_columns)
 #define LC_POSE_STEP_T_PRIME(layout) (LC_POSE_STEP_KEYPOINTS(layout) + 3 * LC_POSE_KEYPOINTS)
 #define LC_POSE_STEP_ROOT(layout) (LC_POSE_STEP_T_PRIME(layout) + 3)
 #define LC_POSE_STEP_ANGLES(layout) (LC_POSE_STEP_ROOT(layout) + 3)
 #define LC_POSE_STEP_DUAL_QUATS(layout) (LC_POSE_STEP_ANGLES(layout) + (layout).n_dofs)
-#define LC_POSE_STEP_SIZE(layout) (LC_POSE_STEP_DUAL_QUATS(layout) + 8 * (layout).n_bones)
+#define LC_POSE_STEP_SOLES(layout) (LC_POSE_STEP_DUAL_QUATS(layout) + 8 * (layout).n_bones)
+#define LC_POSE_STEP_SIZE(layout) (LC_POSE_STEP_SOLES(layout) + 3 * (layout).n_soles)
+
+// The ground: normal xyz, offset (mm), root of the weight (0: none is known), Huber threshold (mm; 0 = quadratic
+// everywhere); then for each point of the soles how sure it is to rest there.
+#define LC_POSE_GROUND_STANDS 6
 
 // The contour term's constants.
 typedef struct {

@@ -20,8 +20,8 @@
 kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_normal_equations(
     PoseLayout layout, float4 camera, int4 counts, PoseContour contour, float keypoint_huber_px, float match_huber_px,
     float shading_huber, float sqrt_anatomic, global const float* restrict step, global const float* restrict moves,
-    global const float* restrict targets, global const int* restrict keypoint_bones,
-    global const float* restrict limits, global const int* restrict contour_vertices,
+    global const float* restrict targets, global const int* restrict point_bones, global const float* restrict limits,
+    global const float* restrict ground, global const int* restrict contour_vertices,
     global const int* restrict match_vertices, global const float* restrict match_targets,
     global const int* restrict shaded_vertices, global const float* restrict shaded_targets,
     global const float* restrict rest, global const float* restrict rest_normals,
@@ -46,7 +46,7 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_norm
     const Pinhole cam = {camera.x, camera.y, camera.z, camera.w};
     if (id < min(ROWS, n_rows) && (limit >= 0 || row % LC_POSE_ROWS_PER_KEYPOINT == 0))
       point_records(limit >= 0 ? LC_POSE_KEYPOINTS + limit : row / LC_POSE_ROWS_PER_KEYPOINT, layout, cam,
-                    keypoint_huber_px, step, targets, keypoint_bones, limits, sqrt_anatomic, point, of_kind);
+                    keypoint_huber_px, step, targets, point_bones, limits, ground, sqrt_anatomic, point, of_kind);
   } else if (kind == 1) {
     if (id < min(ROWS, n_rows))
       contour_records(first + id, layout, camera, contour, step, contour_vertices, rest, rest_normals, displacement,

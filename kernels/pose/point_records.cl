@@ -1,8 +1,9 @@
-// Rows of the keypoint terms E_2D, E_3D, E_temporal and of the joint limits E_anatomic.
+// Rows of the keypoint terms E_2D, E_3D, E_temporal, of the joint limits E_anatomic and of E_floor.
 #include "pose/huber.h"
 #include "pose/layout.h"
 #include "pose/skinned_gradient.h"
 #include "terms/anatomic.cl"
+#include "terms/floor.cl"
 #include "terms/keypoint_2d.cl"
 #include "terms/keypoint_3d.cl"
 #include "terms/temporal.cl"
@@ -24,16 +25,27 @@ LC_FN Vec3 load_vec3(global const float* p) {
   return vec3(p[0], p[1], p[2]);
 }
 
-// i < LC_POSE_KEYPOINTS: the 8 rows of keypoint i; from there on a joint angle each.
-// step, targets: see layout.h. keypoint_bones [LC_POSE_KEYPOINTS], any valid bone for a keypoint without anchor.
-// limits [2*n_dofs] min, max. Out: records [LC_POSE_RECORD * rows], residuals [rows].
+// i < LC_POSE_KEYPOINTS: the 8 rows of keypoint i; from there on a joint angle each, then a point of the soles each.
+// step, targets, ground: see layout.h. bones [LC_POSE_KEYPOINTS + n_soles], any valid bone for a keypoint without
+// anchor. limits [2*n_dofs] min, max. Out: records [LC_POSE_RECORD * rows], residuals [rows].
 static inline void point_records(int i, PoseLayout layout, Pinhole cam, float huber_px,
                                  global const float* restrict step, global const float* restrict targets,
-                                 global const int* restrict keypoint_bones, global const float* restrict limits,
-                                 float sqrt_anatomic, global float* restrict records,
-                                 global float* restrict residuals) {
+                                 global const int* restrict bones, global const float* restrict limits,
+                                 global const float* restrict ground, float sqrt_anatomic,
+                                 global float* restrict records, global float* restrict residuals) {
   const Vec3 zero = vec3(0.0f, 0.0f, 0.0f);
 
+  if (i >= LC_POSE_KEYPOINTS + layout.n_dofs) {
+    const int k = i - LC_POSE_KEYPOINTS - layout.n_dofs;
+    const int row = LC_POSE_POINT_ROWS + layout.n_dofs + k;
+    const Vec3 p = load_vec3(step + LC_POSE_STEP_SOLES(layout) + 3 * k);
+    const Vec3 p_camera = add3(p, load_vec3(step + LC_POSE_STEP_ROOT(layout)));
+    FloorRow a = floor_row(p_camera, load_vec3(ground), ground[3], ground[LC_POSE_GROUND_STANDS + k]);
+    const float s = ground[4] * huber_factor(fabs(a.r), ground[5]);
+    write_point_row(records + row * LC_POSE_RECORD, residuals + row, s * a.r, p,
+                    scale3(vec3(a.J[0], a.J[1], a.J[2]), s), bones[LC_POSE_KEYPOINTS + k], layout.n_unknowns - 3, zero);
+    return;
+  }
   if (i >= LC_POSE_KEYPOINTS) {
     const int k = i - LC_POSE_KEYPOINTS;
     const int row = LC_POSE_POINT_ROWS + k;
@@ -48,7 +60,7 @@ static inline void point_records(int i, PoseLayout layout, Pinhole cam, float hu
   global float* record = records + first * LC_POSE_RECORD;
   global float* residual = residuals + first;
   global const float* target = targets + i * LC_POSE_TARGET;
-  const int bone = keypoint_bones[i];
+  const int bone = bones[i];
   const Vec3 p = load_vec3(step + LC_POSE_STEP_KEYPOINTS(layout) + 3 * i);
   const Vec3 p_camera = add3(p, load_vec3(step + LC_POSE_STEP_ROOT(layout)));
   for (int j = 0; j < LC_POSE_ROWS_PER_KEYPOINT; ++j)
@@ -81,13 +93,13 @@ static inline void point_records(int i, PoseLayout layout, Pinhole cam, float hu
 }
 
 #if LC_CPU
-// Over the keypoints and joint angles.
+// Over the keypoints, joint angles and points of the soles.
 kernel void pose_point_records(PoseLayout layout, Pinhole cam, float huber_px, global const float* restrict step,
-                               global const float* restrict targets, global const int* restrict keypoint_bones,
-                               global const float* restrict limits, float sqrt_anatomic, global float* restrict records,
-                               global float* restrict residuals) {
+                               global const float* restrict targets, global const int* restrict bones,
+                               global const float* restrict limits, global const float* restrict ground,
+                               float sqrt_anatomic, global float* restrict records, global float* restrict residuals) {
   const int i = get_global_id(0);
-  if (i >= LC_POSE_KEYPOINTS + layout.n_dofs) return;
-  point_records(i, layout, cam, huber_px, step, targets, keypoint_bones, limits, sqrt_anatomic, records, residuals);
+  if (i >= LC_POSE_KEYPOINTS + layout.n_dofs + layout.n_soles) return;
+  point_records(i, layout, cam, huber_px, step, targets, bones, limits, ground, sqrt_anatomic, records, residuals);
 }
 #endif

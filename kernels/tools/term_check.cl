@@ -3,6 +3,7 @@
 #include "terms/acceleration.cl"
 #include "terms/anatomic.cl"
 #include "terms/edge.cl"
+#include "terms/floor.cl"
 #include "terms/keypoint_2d.cl"
 #include "terms/keypoint_3d.cl"
 #include "terms/match.cl"
@@ -31,6 +32,7 @@ LC_CHECK_TERM(keypoint_2d, 2, 3, 6)
 LC_CHECK_TERM(keypoint_3d, 3, 6, 3)
 LC_CHECK_TERM(silhouette, 1, 3, 10)
 LC_CHECK_TERM(match, 2, 3, 9)
+LC_CHECK_TERM(floor, 1, 3, 5)
 LC_CHECK_TERM(temporal, 3, 3, 3)
 LC_CHECK_TERM(anatomic, 1, 1, 2)
 LC_CHECK_TERM(photo, 3, 3, 19)

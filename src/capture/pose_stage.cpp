@@ -33,6 +33,7 @@ PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camer
       visibility_(visibility),
       matcher_(device, actor, camera, options.match),
       shading_(device, actor, camera, options.shading),
+      floor_(actor, options.floor),
       solver_(device, actor, camera, options.pose),
       zero_(device, size_t(3) * actor.n_vertices()),
       skinned_(device, size_t(3) * actor.n_vertices()),
@@ -57,6 +58,12 @@ void PoseStage::reset() {
   lose_person();
   last_skin_.clear();
   shading_.forget();
+  floor_.forget();
+}
+
+void PoseStage::learn(const Pose* previous, const Pose& pose, const Detections& detections) {
+  shading_.learn(last_skin_);
+  if (previous) floor_.learn(*previous, pose, detections);
 }
 
 void PoseStage::render(const Pose& pose) {
@@ -121,6 +128,7 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
                                 .contour_vertices = contour,
                                 .matches = matches.found,
                                 .shaded = shaded,
+                                .floor = floor_.floor(),
                                 .arms_3d = refining ? options_.refined_arms_3d : 1,
                                 .n_steps = previous ? options_.pose.steps : options_.pose.first_steps,
                                 .settled_px = level == 0 ? options_.settled_last_step_px : options_.settled_step_px});
@@ -144,6 +152,7 @@ PoseResult PoseStage::find(const PoseStageInput& input) {
                                                    .initial = *initial,
                                                    .frame = input.silhouette.empty() ? nullptr : &input.frame,
                                                    .contour_vertices = contour,
+                                                   .floor = floor_.floor(),
                                                    .n_steps = options_.pose.first_steps});
   if (rough.status != SolveStatus::kOk) return rough;
   Solution found = solve_in_rounds(input, input.detections, rough.pose, nullptr);

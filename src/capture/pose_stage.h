@@ -12,6 +12,7 @@
 #include "livecap/camera.h"
 #include "match/skin_shading.h"
 #include "match/texture_matcher.h"
+#include "pose/floor.h"
 #include "pose/leg_exchange.h"
 #include "pose/pose_solver.h"
 #include "raster/depth.h"
@@ -42,12 +43,13 @@ class PoseStage {
 
   // Skins the template and renders it.
   void render(const Pose& pose);
-  // The last pose solved is believed: its skin tells of the light.
-  void learn_light() { shading_.learn(last_skin_); }
+  // The last pose solved is believed: its skin tells of the light, its feet of the floor. previous: that of the frame
+  // before, nullptr after another one.
+  void learn(const Pose* previous, const Pose& pose, const Detections& detections);
 
-  // Forgets what it knew of the last frames, but for the light.
+  // Forgets what it knew of the last frames, but for light and floor.
   void lose_person() { exchanged_frames_ = 0; }
-  // The light too.
+  // Those too.
   void reset();
 
  private:
@@ -84,6 +86,7 @@ class PoseStage {
   SurfaceVisibility& visibility_;
   TextureMatcher matcher_;
   SkinShading shading_;
+  FloorFinder floor_;
   PoseSolver solver_;
   ocl::Buffer<float> zero_;           // [3n] always zero
   ocl::Buffer<float> skinned_;        // [3n]

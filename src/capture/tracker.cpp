@@ -134,7 +134,8 @@ TrackResult Tracker::solve_pose(const TrackInput& given) {
   pose_before_last_ = last_pose_;
   last_pose_ = result.pose;
   if (person) missed_frames_ = 0;
-  if (person && doubtful_frames_ == 0) pose_stage_.learn_light();
+  if (person && doubtful_frames_ == 0)
+    pose_stage_.learn(pose_before_last_ ? &*pose_before_last_ : nullptr, *last_pose_, input.detections);
   return result;
 }
 

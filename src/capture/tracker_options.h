@@ -5,6 +5,7 @@
 
 #include "match/skin_shading.h"
 #include "match/texture_matcher.h"
+#include "pose/floor.h"
 #include "pose/pose_options.h"
 #include "raster/visibility.h"
 #include "surface/hanging_cloth.h"
@@ -22,6 +23,7 @@ struct TrackerOptions {
   SnapOptions snap;
   MatchOptions match;
   SkinShadingOptions shading;
+  FloorOptions floor;
   VisibilityOptions visibility;
   // Stage I of an actor with a texture: one solve per round, each with matches found at this resolution (half of it per
   // level) where the last one ended. Coarse ones first: patches are only right within a few px, and stripes match one

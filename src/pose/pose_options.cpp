@@ -20,6 +20,7 @@ bool set_weight(PoseWeights& weights, std::string_view term, double value) {
   if (term == "pose_silhouette") return weights.silhouette = value, true;
   if (term == "match") return weights.match = value, true;
   if (term == "shading") return weights.shading = value, true;
+  if (term == "floor") return weights.floor = value, true;
   if (term == "temporal") return weights.temporal = value, true;
   if (term == "anatomic") return weights.anatomic = value, true;
   return false;
@@ -65,6 +66,7 @@ void PoseOptions::validate() const {
   not_negative("weights.silhouette", weights.silhouette);
   not_negative("weights.match", weights.match);
   not_negative("weights.shading", weights.shading);
+  not_negative("weights.floor", weights.floor);
   not_negative("weights.temporal", weights.temporal);
   not_negative("weights.anatomic", weights.anatomic);
   for (double weight : keypoint_2d_weights) not_negative("keypoint_2d_weights", weight);
@@ -77,6 +79,7 @@ void PoseOptions::validate() const {
   not_negative("silhouette_huber_px", silhouette_huber_px);
   not_negative("match_huber_px", match_huber_px);
   not_negative("shading_huber", shading_huber);
+  not_negative("floor_huber_mm", floor_huber_mm);
   not_negative("max_predicted_turn_rad", max_predicted_turn_rad);
   not_negative("max_predicted_move_mm", max_predicted_move_mm);
   in_range("steps", steps, 1, 1000);

@@ -15,6 +15,7 @@ struct PoseWeights {
   double silhouette = 400;   // lambda_silhouette; the paper: 200
   double match = 1600;       // lambda_match; not in the paper
   double shading = 3e4;      // lambda_shading; not in the paper
+  double floor = 200;        // lambda_floor; not in the paper
   double temporal = 1.5;     // lambda_temporal
   double anatomic = 1e6;     // lambda_anatomic
 };
@@ -66,8 +67,9 @@ struct PoseOptions {
   // along.
   double keypoint_2d_huber_px = 8;
   double silhouette_huber_px = 3;
-  double match_huber_px = 2;  // patches that were moved onto something similar
-  double shading_huber = 2;   // standard deviations; shadows and highlights
+  double match_huber_px = 2;   // patches that were moved onto something similar
+  double shading_huber = 2;    // standard deviations; shadows and highlights
+  double floor_huber_mm = 20;  // a step, a floor thought too high
 
   // Bounds of the Euler step that predicts a frame, per frame.
   double max_predicted_turn_rad = 0.5;

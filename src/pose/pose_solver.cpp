@@ -60,6 +60,9 @@ PoseResult PoseSolver::solve(const PoseInput& input) {
   for (int k : {kLeftElbow, kRightElbow, kLeftWrist, kRightWrist, kLeftHand, kRightHand})
     targets[k].weight_3d *= input.arms_3d;
   system_.set_frame(targets, input.frame, input.contour_vertices, input.displacement_rest, input.matches, input.shaded);
+  std::vector<double> stands;
+  if (input.floor) stands = standing(system_.soles(), actor_.skeleton, *input.floor, input.initial, input.previous);
+  system_.set_floor(input.floor, stands);
   PoseResult result;
   result.pose = input.initial;
   if (!has_observation(targets) && system_.n_contour() == 0) {
@@ -113,7 +116,9 @@ void PoseSolver::measure(const PoseState& state, const KeypointTargets& targets,
     result.energy.keypoint_3d += energy(row + LC_POSE_ROW_3D, 3);
     result.energy.temporal += energy(row + LC_POSE_ROW_TEMPORAL, 3);
   }
-  result.energy.anatomic = energy(LC_POSE_POINT_ROWS, system_.n_point_rows() - LC_POSE_POINT_ROWS);
+  const int n_dofs = actor_.skeleton.n_dofs(), n_soles = int(system_.soles().size());
+  result.energy.anatomic = energy(LC_POSE_POINT_ROWS, n_dofs);
+  result.energy.floor = energy(LC_POSE_POINT_ROWS + n_dofs, n_soles);
   result.energy.silhouette = energy(system_.n_point_rows(), system_.n_contour());
   result.energy.match = energy(system_.n_point_rows() + system_.n_contour(), 2 * system_.n_matches());
   result.energy.shading = energy(system_.n_rows() - system_.n_shaded(), system_.n_shaded());

@@ -26,10 +26,11 @@ struct PoseInput {
   std::span<const VertexMatch> matches = {};       // where the picture shows vertices of the skinned template
   std::span<const ShadedVertex> shaded = {};       // how bright it shows skin
   const ocl::Buffer<float>* displacement_rest =
-      nullptr;            // [3n] mm added to the rest pose before skinning; may be nullptr
-  double arms_3d = 1;     // factor of lambda_i of E_3D of elbows, wrists and hands
-  int n_steps = 0;        // 0: PoseOptions::steps
-  double settled_px = 0;  // no further step after one that moves no keypoint so far in the picture
+      nullptr;                   // [3n] mm added to the rest pose before skinning; may be nullptr
+  const Floor* floor = nullptr;  // nullptr: none is known
+  double arms_3d = 1;            // factor of lambda_i of E_3D of elbows, wrists and hands
+  int n_steps = 0;               // 0: PoseOptions::steps
+  double settled_px = 0;         // no further step after one that moves no keypoint so far in the picture
 };
 
 // Weighted, as in the paper's E_pose.
@@ -39,9 +40,12 @@ struct PoseEnergies {
   double silhouette = 0;
   double match = 0;
   double shading = 0;
+  double floor = 0;
   double temporal = 0;
   double anatomic = 0;
-  double total() const { return keypoint_2d + keypoint_3d + silhouette + match + shading + temporal + anatomic; }
+  double total() const {
+    return keypoint_2d + keypoint_3d + silhouette + match + shading + floor + temporal + anatomic;
+  }
 };
 
 struct PoseResult {

@@ -19,7 +19,7 @@ constexpr int kTile = 8;
 constexpr int kMaxBones = LC_POSE_NO_BONE;
 
 static_assert(LC_POSE_KEYPOINTS == kKeypointCount);
-static_assert(sizeof(PoseLayout) == 16 && sizeof(PoseContour) == 24);
+static_assert(sizeof(PoseLayout) == 20 && sizeof(PoseContour) == 24);
 
 void require(bool ok, const std::string& message) {
   if (!ok) throw LogicError("pose: " + message);
@@ -70,6 +70,7 @@ void check_actor(const Actor& actor) {
 PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const PoseOptions& options)
     : skeleton_(actor.skeleton),
       keypoints_(actor.keypoints),
+      soles_(sole_points(actor)),
       options_(options),
       width_(camera.width),
       height_(camera.height),
@@ -83,7 +84,8 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
   layout_.n_unknowns = layout_.n_dofs + 9;
   layout_.n_columns = int(round_up(layout_.n_unknowns + 1, LC_POSE_SLICE));
   layout_.n_bones = skeleton_.n_bones();
-  n_point_rows_ = LC_POSE_POINT_ROWS + layout_.n_dofs;
+  layout_.n_soles = int(soles_.size());
+  n_point_rows_ = LC_POSE_POINT_ROWS + layout_.n_dofs + layout_.n_soles;
   const int side = layout_.n_columns / kTile;
   n_tiles_ = side * (side + 1) / 2;
   is_cpu_ = device.is_cpu();
@@ -101,15 +103,18 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
     limits.push_back(float(dof.min_rad));
     limits.push_back(float(dof.max_rad));
   }
-  std::vector<int32_t> keypoint_bones;
-  for (const KeypointAnchor& anchor : keypoints_) keypoint_bones.push_back(std::max(anchor.bone, 0));
+  std::vector<int32_t> point_bones;
+  for (const KeypointAnchor& anchor : keypoints_) point_bones.push_back(std::max(anchor.bone, 0));
+  for (const SolePoint& sole : soles_) point_bones.push_back(sole.bone);
 
   const size_t n_contour = round_up(options.max_contour_vertices, LC_POSE_SLICE);
   step_host_.resize(LC_POSE_STEP_SIZE(layout_));
   gram_host_.resize(size_t(n_tiles_) * kTile * kTile);
   step_ = ocl::Buffer<float>(device, step_host_.size());
   targets_ = ocl::Buffer<float>(device, size_t(LC_POSE_TARGET) * kKeypointCount);
-  keypoint_bones_ = ocl::Buffer<int32_t>(device, keypoint_bones);
+  point_bones_ = ocl::Buffer<int32_t>(device, point_bones);
+  ground_ = ocl::Buffer<float>(device, LC_POSE_GROUND_STANDS + soles_.size());
+  ground_.fill(0);
   limits_ = ocl::Buffer<float>(device, limits);
   moves_ = ocl::Buffer<float>(device, moves);
   rest_ = ocl::Buffer<float>(device, actor.mesh.positions);
@@ -189,6 +194,24 @@ void PoseSystem::set_frame(const KeypointTargets& targets, const DeviceFrame* fr
   contour_weight_ = options_.weights.silhouette * double(contour_vertices.size()) / double(n);
 }
 
+void PoseSystem::set_floor(const Floor* floor, std::span<const double> stands) {
+  std::vector<float> values(ground_.size(), 0.0f);
+  if (floor && options_.weights.floor > 0) {
+    if (stands.size() != soles_.size())
+      throw LogicError(format("pose: %zu points stand, the soles have %zu", stands.size(), soles_.size()));
+    const Eigen::Vector3f up = floor->up.cast<float>();
+    const float head[] = {up.x(),
+                          up.y(),
+                          up.z(),
+                          float(floor->offset_mm),
+                          float(std::sqrt(options_.weights.floor)),
+                          float(options_.floor_huber_mm)};
+    std::copy(std::begin(head), std::end(head), values.begin());
+    std::copy(stands.begin(), stands.end(), values.begin() + LC_POSE_GROUND_STANDS);
+  }
+  ground_.write_later(values);
+}
+
 void PoseSystem::set_matches(std::span<const VertexMatch> matches) {
   n_matches_ = 0;
   if (options_.weights.match == 0) return;
@@ -256,13 +279,17 @@ void PoseSystem::upload(const PoseState& state) {
   for (int k = 0; k < layout_.n_dofs; ++k) out[LC_POSE_STEP_ANGLES(layout_) + k] = float(state.pose.angles_rad[k]);
   const std::vector<float> dual_quats = bone_dual_quats(posed);
   std::copy(dual_quats.begin(), dual_quats.end(), out + LC_POSE_STEP_DUAL_QUATS(layout_));
+  for (size_t k = 0; k < soles_.size(); ++k) {
+    const Eigen::Vector3d p = posed.camera_from_rest[soles_[k].bone] * soles_[k].rest_mm;
+    for (int i = 0; i < 3; ++i) out[LC_POSE_STEP_SOLES(layout_) + 3 * k + i] = float(p[i]);
+  }
   step_.write_later(step_host_);
 }
 
 // On CPUs.
 void PoseSystem::launch_records() {
-  point_records_kernel_.launch(kKeypointCount + layout_.n_dofs, 0, layout_, pinhole_,
-                               float(options_.keypoint_2d_huber_px), step_, targets_, keypoint_bones_, limits_,
+  point_records_kernel_.launch(kKeypointCount + layout_.n_dofs + layout_.n_soles, 0, layout_, pinhole_,
+                               float(options_.keypoint_2d_huber_px), step_, targets_, point_bones_, limits_, ground_,
                                float(std::sqrt(options_.weights.anatomic)), point_records_, point_residuals_);
   if (n_matches_ > 0)
     match_records_kernel_.launch(n_slices(n_matches_), 1, layout_, pinhole_, n_matches_, float(options_.match_huber_px),
@@ -317,8 +344,8 @@ size_t PoseSystem::launch_normal_equations(bool write_rows) {
       n_groups * LC_POSE_GROUP, LC_POSE_GROUP, layout_, pinhole_,
       Counts{n_point_rows_, n_matches_, n_shaded_, write_rows}, contour_arg(), float(options_.keypoint_2d_huber_px),
       float(options_.match_huber_px), float(options_.shading_huber), float(std::sqrt(options_.weights.anatomic)), step_,
-      moves_, targets_, keypoint_bones_, limits_, contour_vertices_, match_vertices_, match_targets_, shaded_vertices_,
-      shaded_targets_, rest_, rest_normals_, displacement_ ? *displacement_ : rest_, bones_, weights_,
+      moves_, targets_, point_bones_, limits_, ground_, contour_vertices_, match_vertices_, match_targets_,
+      shaded_vertices_, shaded_targets_, rest_, rest_normals_, displacement_ ? *displacement_ : rest_, bones_, weights_,
       n_contour_ > 0 ? frame_->signed_distance : rest_, point_records_, contour_records_, match_records_,
       shading_records_, residuals_, J_, parts_,
       ocl::LocalMemory{sizeof(float) * LC_POSE_GROUP_ROWS * layout_.n_columns});

@@ -14,6 +14,7 @@
 #include "livecap/camera.h"
 #include "ocl/buffer.h"
 #include "ocl/kernel.h"
+#include "pose/floor.h"
 #include "pose/layout.h"
 #include "pose/pose_options.h"
 #include "pose/targets.h"
@@ -32,8 +33,8 @@ struct PoseNormalEquations {
   double energy = 0;    // F^T F
 };
 
-// All residuals, weighted: 8 per keypoint (2D 2, 3D 3, temporal 3), n_dofs joint limits, one per contour vertex, two
-// per match, one per shaded vertex.
+// All residuals, weighted: 8 per keypoint (2D 2, 3D 3, temporal 3), n_dofs joint limits, one per point of the soles,
+// one per contour vertex, two per match, one per shaded vertex.
 struct PoseResiduals {
   std::vector<float> rows;          // [n_rows]
   std::vector<float> distances_px;  // [n_contour] signed; NaN for a vertex that is not inside the image
@@ -50,6 +51,10 @@ class PoseSystem {
                  const ocl::Buffer<float>* displacement_rest, std::span<const VertexMatch> matches = {},
                  std::span<const ShadedVertex> shaded = {});
 
+  // stands: of each of soles() how sure it is to rest on the floor, 0..1. floor nullptr: none is known, as before the
+  // first call. Holds until the next call.
+  void set_floor(const Floor* floor, std::span<const double> stands);
+
   PoseNormalEquations assemble(const PoseState& state);
   PoseResiduals residuals(const PoseState& state);
   // J as the device filled it, [n_rows, n_unknowns].
@@ -58,6 +63,7 @@ class PoseSystem {
   int n_unknowns() const { return layout_.n_unknowns; }
   int n_rows() const { return n_point_rows_ + n_contour_ + 2 * n_matches_ + n_shaded_; }
   int n_point_rows() const { return n_point_rows_; }
+  const std::vector<SolePoint>& soles() const { return soles_; }
   int n_contour() const { return n_contour_; }
   int n_matches() const { return n_matches_; }
   int n_shaded() const { return n_shaded_; }
@@ -76,6 +82,7 @@ class PoseSystem {
 
   Skeleton skeleton_;
   std::array<KeypointAnchor, kKeypointCount> keypoints_;
+  std::vector<SolePoint> soles_;
   PoseOptions options_;
   int width_ = 0;
   int height_ = 0;
@@ -96,7 +103,8 @@ class PoseSystem {
 
   ocl::Buffer<float> step_;
   ocl::Buffer<float> targets_;
-  ocl::Buffer<int32_t> keypoint_bones_;
+  ocl::Buffer<int32_t> point_bones_;  // of keypoints, then of the soles
+  ocl::Buffer<float> ground_;
   ocl::Buffer<float> limits_;
   ocl::Buffer<float> moves_;
   ocl::Buffer<float> rest_;          // [3*n_vertices]

@@ -14,7 +14,7 @@ constexpr double kRelative = 1e-4;  // float rows against double central differe
 
 Actor two_bone_actor() {
   Actor actor;
-  actor.skeleton.bones = {{"root", -1, {0, 0, 0}}, {"arm", 0, {200, 0, 0}}};
+  actor.skeleton.bones = {{"root", -1, {0, 0, 0}}, {"left_ankle", 0, {200, 0, 0}}};  // a sole of vertex 2 alone
   actor.skeleton.dofs = {{"arm_z", 1, {0, 0, 1}, -0.2, 0.2, 0}};
   actor.mesh.positions = {0, 0, 0, 200, 50, 0, 400, 0, 10, 200, -50, 0, 200, 0, 60};
   actor.mesh.triangles = {0, 4, 1, 1, 4, 2, 2, 4, 3, 3, 4, 0};
@@ -32,7 +32,8 @@ reference::Vec3 to_vec3(const Eigen::Vector3d& v) {
 // The host's rows. The distance image is the plane 0.5 u - 0.25 v + 40: positive for every vertex, so that all b are 1.
 Eigen::VectorXd host_rows(const Actor& actor, const Camera& camera, const PoseOptions& options,
                           const KeypointTargets& targets, const std::vector<VertexMatch>& matches,
-                          const std::vector<ShadedVertex>& shaded, const PoseState& state) {
+                          const std::vector<ShadedVertex>& shaded, const Floor& floor, double stands,
+                          const PoseState& state) {
   const reference::Pinhole cam{camera.fx, camera.fy, camera.cx, camera.cy};
   const PosedSkeleton posed = forward_kinematics(actor.skeleton, state.pose);
   const auto positions = keypoint_positions(actor, posed);
@@ -50,6 +51,11 @@ Eigen::VectorXd host_rows(const Actor& actor, const Camera& camera, const PoseOp
   const Dof& dof = actor.skeleton.dofs[0];
   rows.push_back(std::sqrt(options.weights.anatomic) *
                  reference::anatomic_row(state.pose.angles_rad[0], dof.min_rad, dof.max_rad).r);
+  for (const SolePoint& sole : sole_points(actor)) {
+    const reference::Vec3 p = to_vec3(posed.camera_from_rest[sole.bone] * sole.rest_mm);
+    rows.push_back(std::sqrt(options.weights.floor) *
+                   reference::floor_row(p, to_vec3(floor.up), floor.offset_mm, stands).r);
+  }
   const auto blend = [&](int i) {
     reference::DualQuat q = reference::dual_quat_zero();
     for (int j = 0; j < 4; ++j) {
@@ -109,7 +115,7 @@ std::vector<ocl::SelfTestResult> pose_self_test(ocl::DeviceContext& device) {
   const Camera camera = camera_from_fov(64, 48, 60);
   PoseOptions options;
   options.keypoint_2d_huber_px = options.silhouette_huber_px = options.match_huber_px = options.shading_huber =
-      0;  // the expected rows are quadratic
+      options.floor_huber_mm = 0;  // the expected rows are quadratic
   PoseState state;
   state.pose.root_rotation = rotation_from_vector({0.1, -0.2, 0.3});
   state.pose.root_translation_mm = {-180, 10, 1500};
@@ -131,18 +137,22 @@ std::vector<ocl::SelfTestResult> pose_self_test(ocl::DeviceContext& device) {
   const std::vector<ShadedVertex> shaded = {{1, {0.5f, 0.25f, -1, 0.5f, 0.125f, 0.25f, -0.5f, 0.75f, 0.25f}, 0.5f, 2},
                                             {4, {0, 1, -2, 0.5f}, -0.25f, 1}};
   system.set_frame(targets, &frame, contour, nullptr, matches, shaded);
+  const Floor floor{Eigen::Vector3d(0.6, -0.8, 0), -40};
+  const double stands = 0.5;
+  system.set_floor(&floor, std::vector<double>{stands});
   const std::vector<float> rows = system.residuals(state).rows;
   const Eigen::VectorXd F = Eigen::Map<const Eigen::VectorXf>(rows.data(), rows.size()).cast<double>();
   const Eigen::MatrixXd J = system.jacobian(state).cast<double>();
   const PoseNormalEquations equations = system.assemble(state);
 
-  const Eigen::VectorXd expected_F = host_rows(actor, camera, options, targets, matches, shaded, state);
+  const Eigen::VectorXd expected_F = host_rows(actor, camera, options, targets, matches, shaded, floor, stands, state);
   Eigen::MatrixXd expected_J(F.size(), system.n_unknowns());
   for (int k = 0; k < system.n_unknowns(); ++k) {
     const Eigen::VectorXd step = 1e-5 * Eigen::VectorXd::Unit(system.n_unknowns(), k);
-    expected_J.col(k) = (host_rows(actor, camera, options, targets, matches, shaded, moved(state, step)) -
-                         host_rows(actor, camera, options, targets, matches, shaded, moved(state, -step))) /
-                        2e-5;
+    expected_J.col(k) =
+        (host_rows(actor, camera, options, targets, matches, shaded, floor, stands, moved(state, step)) -
+         host_rows(actor, camera, options, targets, matches, shaded, floor, stands, moved(state, -step))) /
+        2e-5;
   }
   const int n = system.n_point_rows();
   const int m = system.n_contour();

@@ -11,6 +11,7 @@ constexpr Term kTerms[] = {
     {"pose_silhouette", TermStage::kPose, 1, 3, 10, 200, reference::silhouette_flat, "check_silhouette"},
     {"match", TermStage::kPose, 2, 3, 9, 0, reference::match_flat, "check_match"},
     {"shading", TermStage::kPose, 1, 3, 10, 0, reference::shading_flat, "check_shading"},
+    {"floor", TermStage::kPose, 1, 3, 5, 0, reference::floor_flat, "check_floor"},
     {"temporal", TermStage::kPose, 3, 3, 3, 1.5, reference::temporal_flat, "check_temporal"},
     {"anatomic", TermStage::kPose, 1, 1, 2, 1e6, reference::anatomic_flat, "check_anatomic"},
     {"photo", TermStage::kSurface, 3, 3, 19, 1e4, reference::photo_flat, "check_photo"},

@@ -375,6 +375,7 @@ TEST(PoseSolver, EveryTermCanBeSwitchedOffByName) {
     const std::vector<int32_t> contour = test::some_vertices(actor, 2);
     const std::vector<VertexMatch> matches = {{.vertex = 3, .u_px = 10, .v_px = 20}};
     const std::vector<ShadedVertex> shaded = {{.vertex = 5, .light = {1, 0.5f}, .brightness = 3}};
+    const Floor floor{-Eigen::Vector3d::UnitY(), -5000};  // high above
     for (const Term& term : term_table()) {
       PoseOptions options;
       // Limits that no pose keeps, so that E_anatomic is never zero by itself.
@@ -390,6 +391,7 @@ TEST(PoseSolver, EveryTermCanBeSwitchedOffByName) {
                                          .contour_vertices = contour,
                                          .matches = matches,
                                          .shaded = shaded,
+                                         .floor = &floor,
                                          .n_steps = 1})
                                  .energy;
       EXPECT_EQ(e.keypoint_2d == 0, term.name == "keypoint_2d") << term.name;
@@ -397,6 +399,7 @@ TEST(PoseSolver, EveryTermCanBeSwitchedOffByName) {
       EXPECT_EQ(e.silhouette == 0, term.name == "pose_silhouette") << term.name;
       EXPECT_EQ(e.match == 0, term.name == "match") << term.name;
       EXPECT_EQ(e.shading == 0, term.name == "shading") << term.name;
+      EXPECT_EQ(e.floor == 0, term.name == "floor") << term.name;
       EXPECT_EQ(e.temporal == 0, term.name == "temporal") << term.name;
       EXPECT_EQ(e.anatomic == 0, term.name == "anatomic") << term.name;
     }

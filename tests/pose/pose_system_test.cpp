@@ -28,11 +28,21 @@ struct Scene {
   std::vector<int32_t> contour = test::some_vertices(actor, 2);
   std::vector<float> distance = test::smooth_distance(camera);
   std::vector<float> displacement;
+  // Through the middle of the feet, askew: some points are above it, some below.
+  Floor floor{Eigen::Vector3d(0.1, -0.98, -0.05).normalized()};
+  std::vector<double> stands;
 
   Scene() {
-    options.keypoint_2d_huber_px = options.silhouette_huber_px = 0;  // the reference is quadratic
-    state.pose.angles_rad[actor.skeleton.n_dofs() - 1] = 1.5;        // beyond its limit
+    options.keypoint_2d_huber_px = options.silhouette_huber_px = options.floor_huber_mm =
+        0;                                                     // the reference is quadratic
+    state.pose.angles_rad[actor.skeleton.n_dofs() - 1] = 1.5;  // beyond its limit
     state.pose.angles_rad[10] = -3.0;
+    const std::vector<SolePoint> soles = sole_points(actor);
+    const PosedSkeleton posed = forward_kinematics(actor.skeleton, state.pose);
+    for (const SolePoint& sole : soles) {
+      floor.offset_mm -= floor.up.dot(posed.camera_from_rest[sole.bone] * sole.rest_mm) / double(soles.size());
+      stands.push_back(0.1 * double(stands.size() % 10));
+    }
     std::uniform_real_distribution<float> uniform(-40, 40);
     displacement.resize(3 * actor.n_vertices());
     for (float& value : displacement) value = uniform(rng);
@@ -40,8 +50,12 @@ struct Scene {
   }
 
   test::PoseReference reference(double contour_weight) const {
-    return {actor,   camera,         options,  make_targets(actor, detections, &previous, options),
-            contour, contour_weight, distance, displacement};
+    return {actor,    camera,
+            options,  make_targets(actor, detections, &previous, options),
+            contour,  contour_weight,
+            distance, displacement,
+            floor,    sole_points(actor),
+            stands};
   }
 };
 
@@ -71,7 +85,9 @@ void with_system(Check&& check) {
       const ocl::Buffer<float> displacement(device, scene.displacement);
       system.set_frame(make_targets(scene.actor, scene.detections, &scene.previous, scene.options), &frame,
                        scene.contour, displaced ? &displacement : nullptr);
+      system.set_floor(&scene.floor, scene.stands);
       ASSERT_EQ(system.n_contour(), int(scene.contour.size()));
+      ASSERT_FALSE(system.soles().empty());
       check(system, scene.reference(system.contour_weight()), scene);
     }
   });
@@ -163,6 +179,7 @@ TEST(PoseSystem, ContourCountsAroundTheVectorWidth) {
     for (int n : {0, 1, 63, 64, 65}) {
       scene.contour.assign(all.begin(), all.begin() + n);
       system.set_frame(targets, &frame, scene.contour, nullptr);
+      system.set_floor(&scene.floor, scene.stands);
       const Eigen::VectorXd expected = scene.reference(system.contour_weight()).residuals(scene.state);
       const double energy = expected.squaredNorm();
       EXPECT_NEAR(system.assemble(scene.state).energy, energy, test::kPoseJacobian * energy) << n;

@@ -181,6 +181,30 @@ std::map<std::string_view, Restatement> restatements() {
           },
       .kinks = {{numbers({0.5}), numbers({-0.5, 0.5})}, {numbers({-0.5}), numbers({-0.5, 0.5})}}};
 
+  // Distance along the normal from the plane's nearest point to the origin.
+  const auto above = [](const Instance& i) {
+    const Vector3d normal = i.params.head<3>(), foot = -i.params[3] * normal;
+    return normal.dot(Vector3d(i.x) - foot);
+  };
+  table["floor"] = {
+      .residual = [=](const Instance& i) { return numbers({above(i) < 0 ? above(i) : i.params[4] * above(i)}); },
+      .sample =
+          [](std::mt19937& rng) {
+            const Vector3d point = random_point(rng), normal = random_vector(rng, 3, -1, 1).normalized();
+            const double height = (rng() % 2 ? 1 : -1) * uniform(rng, 1, 60);
+            return Instance{point, concat({normal, numbers({height - normal.dot(point), uniform(rng, 0, 1)})})};
+          },
+      .make_true = [=](Instance& i) { i.params[3] -= above(i); },
+      // Along the plane.
+      .symmetry =
+          [](const Instance& i, std::mt19937& rng) {
+            const Vector3d normal = i.params.head<3>();
+            Instance moved = i;
+            moved.x += normal.cross(Vector3d(random_vector(rng, 3, -100, 100)));
+            return moved;
+          },
+      .kinks = {{numbers({0, 0, 2000}), numbers({0, -1, 0, 0, 0.5})}}};
+
   table["photo"] = {
       .residual = [](const Instance& i) -> VectorXd {
         const Vector2d offset = project(i.x, i.params.head(4)) - Vector2d(i.params.segment<2>(13));

@@ -21,6 +21,9 @@ struct PoseReference {
   double contour_weight = 0;        // of each
   std::vector<float> distance;      // [width*height] or empty
   std::vector<float> displacement;  // [3n] or empty
+  Floor floor{};
+  std::vector<SolePoint> soles{};
+  std::vector<double> stands{};  // empty: no floor is known
 
   struct SkinnedVertex {
     Eigen::Vector3d position;
@@ -111,6 +114,11 @@ struct PoseReference {
       const double theta = state.pose.angles_rad[k];
       const double beyond = std::max(0.0, theta - dof.max_rad) - std::max(0.0, dof.min_rad - theta);
       rows.push_back(std::sqrt(options.weights.anatomic) * beyond);
+    }
+    for (size_t k = 0; k < soles.size(); ++k) {
+      const Eigen::Vector3d p = posed.camera_from_rest[soles[k].bone] * soles[k].rest_mm;
+      const double below = std::min(0.0, floor.height_mm(p)), above = std::max(0.0, floor.height_mm(p));
+      rows.push_back(stands.empty() ? 0 : std::sqrt(options.weights.floor) * (below + stands[k] * above));
     }
     for (int vertex : contour) {
       const Eigen::Vector3d v = skin(vertex, posed).position;

@@ -91,6 +91,11 @@ inline constexpr double kGramFloat = 3e-6;
 inline constexpr double kRecoveredMm = 1.0;
 // A torso that is turned about its axis alone onto detections of a standing figure, rad.
 inline constexpr double kTurnedTrunkRad = 0.03;
+// A floor learned from some hundred resting feet whose depth trembles by 8 mm: its tilt, and heights where they stood.
+inline constexpr double kLearnedFloorRad = 0.02;
+inline constexpr double kLearnedFloorMm = 5;
+// Squared error of the feet's depth with a known floor, as a share of that without, from keypoints 2 px off.
+inline constexpr double kFloorDepthShare = 0.1;
 // Light by albedo that SkinLight finds where brightness is a polynomial with 5 % of noise and a seventh in shadow.
 inline constexpr double kSkinLight = 0.08;
 // Where a twist in steps of 5 degrees puts a wrist, px and mm.

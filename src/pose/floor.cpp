@@ -1,0 +1,199 @@
+#include "pose/floor.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/text.h"
+#include "livecap/error.h"
+#include "pose/targets.h"
+
+namespace livecap {
+namespace {
+
+struct Foot {
+  Keypoint ankle;
+  const char* bone;
+};
+
+constexpr Foot kFeet[] = {{kLeftAnkle, "left_ankle"}, {kRightAnkle, "right_ankle"}};
+constexpr int kPointsPerSole = 6;
+constexpr double kSoleMm = 12;      // above the lowest vertex of a foot
+constexpr float kOwnWeight = 0.9f;  // of a vertex that moves with its foot
+constexpr double kRestingMm = 10;   // above the lowest point of a sole
+constexpr double kNearMm = 30;      // heights and moves
+constexpr double kStillMm = 20;     //   at which being at rest is a quarter as sure
+constexpr float kTrusted = 0.5f;    // confidence of an ankle
+constexpr double kMmPerM = 1000;
+
+// 1 at 0, a quarter at `scale`.
+double nearness(double value, double scale) {
+  const double k = 1 + value * value / (scale * scale);
+  return 1 / (k * k);
+}
+
+std::vector<Eigen::Vector3d> sole(const Actor& actor, int bone) {
+  std::vector<Eigen::Vector3d> foot, low;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < actor.n_vertices(); ++i) {
+    float own = 0;
+    for (int k = 4 * i; k < 4 * i + 4; ++k)
+      if (actor.skin.bones[k] == bone) own += actor.skin.weights[k];
+    if (own < kOwnWeight) continue;
+    foot.push_back(Eigen::Map<const Eigen::Vector3f>(&actor.mesh.positions[3 * i]).cast<double>());
+    lowest = std::min(lowest, foot.back().y());
+  }
+  std::copy_if(foot.begin(), foot.end(), std::back_inserter(low),
+               [&](const Eigen::Vector3d& p) { return p.y() <= lowest + kSoleMm; });
+  return low;
+}
+
+// `n` of the points, each as far as can be from those before; the foremost first.
+std::vector<Eigen::Vector3d> spread(const std::vector<Eigen::Vector3d>& points, size_t n) {
+  std::vector<Eigen::Vector3d> chosen;
+  std::vector<double> distance(points.size(), std::numeric_limits<double>::infinity());
+  while (chosen.size() < std::min(n, points.size())) {
+    size_t next = 0;
+    for (size_t i = 1; i < points.size(); ++i)
+      if (chosen.empty() ? points[i].z() > points[next].z() : distance[i] > distance[next]) next = i;
+    chosen.push_back(points[next]);
+    for (size_t i = 0; i < points.size(); ++i) distance[i] = std::min(distance[i], (points[i] - points[next]).norm());
+  }
+  return chosen;
+}
+
+std::vector<Eigen::Vector3d> positions(std::span<const SolePoint> soles, const PosedSkeleton& posed) {
+  std::vector<Eigen::Vector3d> points;
+  for (const SolePoint& sole : soles) points.push_back(posed.camera_from_rest[sole.bone] * sole.rest_mm);
+  return points;
+}
+
+// How far a point went across the line of sight: along it, captured points tremble.
+double move_across_mm(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  const Eigen::Vector3d ray = to.normalized(), move = to - from;
+  return (move - ray * ray.dot(move)).norm();
+}
+
+}  // namespace
+
+std::vector<SolePoint> sole_points(const Actor& actor) {
+  std::vector<SolePoint> points;
+  for (const Foot& foot : kFeet) {
+    const int bone = actor.skeleton.bone_index(foot.bone);
+    if (bone < 0) continue;
+    for (const Eigen::Vector3d& p : spread(sole(actor, bone), kPointsPerSole)) points.push_back({bone, p});
+  }
+  return points;
+}
+
+std::vector<double> standing(std::span<const SolePoint> soles, const Skeleton& skeleton, const Floor& floor,
+                             const Pose& pose, const Pose* previous) {
+  std::vector<double> stands(soles.size(), 0.0);
+  if (!previous) return stands;
+  const auto now = positions(soles, forward_kinematics(skeleton, pose));
+  const auto before = positions(soles, forward_kinematics(skeleton, *previous));
+  for (size_t i = 0; i < soles.size(); ++i) {
+    const double height = floor.height_mm(now[i]);
+    double lowest = height;
+    for (size_t j = 0; j < soles.size(); ++j)
+      if (soles[j].bone == soles[i].bone) lowest = std::min(lowest, floor.height_mm(now[j]));
+    if (height >= lowest + kRestingMm) continue;
+    stands[i] = std::sqrt(nearness(height, kNearMm) * nearness(move_across_mm(before[i], now[i]), kStillMm));
+  }
+  return stands;
+}
+
+void FloorOptions::validate() const {
+  const auto positive = [](const char* field, double value) {
+    if (!(value > 0) || !std::isfinite(value))
+      throw ConfigError(format("floor: %s is %g; it must be finite and above 0", field, value));
+  };
+  positive("memory", memory);
+  positive("least", least);
+  positive("tilt_deviation", tilt_deviation);
+  positive("height_deviation_mm", height_deviation_mm);
+  positive("outlier_mm", outlier_mm);
+  positive("max_contradicted_frames", max_contradicted_frames);
+}
+
+FloorFinder::FloorFinder(const Actor& actor, const FloorOptions& options)
+    : actor_(actor), options_(options), soles_(sole_points(actor)) {
+  options.validate();
+}
+
+void FloorFinder::forget() {
+  body_up_.setZero();
+  products_.setZero();
+  sums_.setZero();
+  n_resting_ = 0;
+  contradicted_frames_ = 0;
+  floor_.reset();
+}
+
+void FloorFinder::learn(const Pose& previous, const Pose& pose, const Detections& detections) {
+  for (int k : {kNeck, kLeftAnkle, kRightAnkle})
+    if (actor_.keypoints[k].bone < 0) return;
+  const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);
+  const auto now = positions(soles_, posed);
+  const auto before = positions(soles_, forward_kinematics(actor_.skeleton, previous));
+  const auto joints = keypoint_positions(actor_, posed);
+  body_up_ += (joints[kNeck] - (joints[kLeftAnkle] + joints[kRightAnkle]) / 2).normalized();
+  const Eigen::Vector3d up = floor_ ? floor_->up : body_up_.normalized();
+  if (!(up.y() < -0.5)) return;  // nobody who stands before a level camera
+
+  struct Lowest {
+    size_t point = 0;
+    double height_mm = std::numeric_limits<double>::infinity();
+  };
+  std::vector<Lowest> resting;
+  for (const Foot& foot : kFeet) {
+    if (!(detections.keypoints[foot.ankle].confidence >= kTrusted)) continue;
+    const int bone = actor_.skeleton.bone_index(foot.bone);
+    Lowest lowest;
+    for (size_t i = 0; i < soles_.size(); ++i)
+      if (soles_[i].bone == bone && up.dot(now[i]) < lowest.height_mm) lowest = {i, up.dot(now[i])};
+    if (std::isfinite(lowest.height_mm)) resting.push_back(lowest);
+  }
+  if (!floor_ && resting.size() == 2)  // only the lower foot surely stands
+    resting = {resting[0].height_mm < resting[1].height_mm ? resting[0] : resting[1]};
+  bool near = false, still = false;
+  for (const Lowest& lowest : resting) {
+    const Eigen::Vector3d& p = now[lowest.point];
+    double weight = nearness(move_across_mm(before[lowest.point], p), kStillMm);
+    still = still || weight > 0.5;
+    if (floor_) {
+      const double off = floor_->height_mm(p) / options_.outlier_mm;
+      near = near || std::abs(off) < 3;
+      weight /= 1 + off * off;
+    }
+    add(p, weight);
+  }
+  if (floor_ && still) contradicted_frames_ = near ? 0 : contradicted_frames_ + 1;
+  if (contradicted_frames_ > options_.max_contradicted_frames) return forget();
+  fit();
+}
+
+void FloorFinder::add(const Eigen::Vector3d& point_mm, double weight) {
+  const double fade = std::exp(-weight / options_.memory);
+  const Eigen::Vector3d row(1, point_mm.x() / kMmPerM, point_mm.z() / kMmPerM);
+  products_ = fade * products_ + weight * row * row.transpose();
+  sums_ = fade * sums_ + weight * point_mm.y() / kMmPerM * row;
+  n_resting_ = fade * n_resting_ + weight;
+}
+
+// y = c + a x + b z, m, with the tilt of what the body stands upright on as a prior.
+void FloorFinder::fit() {
+  if (!floor_ && n_resting_ < options_.least) return;
+  const Eigen::Vector3d up = body_up_.normalized();
+  const Eigen::Vector3d upright(0, -up.x() / up.y(), -up.z() / up.y());
+  const double tilts = std::pow(options_.height_deviation_mm / kMmPerM / options_.tilt_deviation, 2);
+  const Eigen::Vector3d prior(0, tilts, tilts);
+  const Eigen::Matrix3d matrix = products_ + Eigen::Matrix3d(prior.asDiagonal());
+  const Eigen::Vector3d plane = matrix.ldlt().solve(sums_ + prior.cwiseProduct(upright));
+  if (!plane.allFinite()) return;
+  const Eigen::Vector3d normal(plane[1], -1, plane[2]);
+  floor_ = Floor{normal.normalized(), kMmPerM * plane[0] / normal.norm()};
+}
+
+}  // namespace livecap

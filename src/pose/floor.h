@@ -1,0 +1,78 @@
+// The floor, and the soles that rest on it. A foot on a known floor is at a known depth, where the picture alone tells
+// a foot's depth several times less well than its place. Nobody says where the floor is: it is learned from where feet
+// were found to rest.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "actor/actor.h"
+#include "geometry/skeleton.h"
+#include "livecap/detections.h"
+
+namespace livecap {
+
+struct Floor {
+  Eigen::Vector3d up = -Eigen::Vector3d::UnitY();  // unit, camera frame
+  double offset_mm = 0;
+  double height_mm(const Eigen::Vector3d& point_mm) const { return up.dot(point_mm) + offset_mm; }
+};
+
+struct SolePoint {
+  int bone = 0;
+  Eigen::Vector3d rest_mm = Eigen::Vector3d::Zero();  // in the template's rest frame
+};
+
+// Six spread over each sole, left foot first; none of a foot that the skeleton does not have.
+std::vector<SolePoint> sole_points(const Actor& actor);
+
+// How sure each of the points is to rest on the floor, 0..1: those by which their foot is lowest, the nearer the floor
+// and the stiller, across the line of sight, since `previous`, one frame ago. nullptr: 0.
+std::vector<double> standing(std::span<const SolePoint> soles, const Skeleton& skeleton, const Floor& floor,
+                             const Pose& pose, const Pose* previous);
+
+struct FloorOptions {
+  double memory = 1000;          // after so many resting feet one's say has fallen to 1/e
+  double least = 15;             // resting feet before the floor is known
+  double tilt_deviation = 0.06;  // rad, of the floor against what a body stands upright on
+  // mm, of a resting foot's height: its depth is off by several times as much, for many frames alike.
+  double height_deviation_mm = 45;
+  double outlier_mm = 30;  // a foot so far from the floor has half a say (Cauchy)
+  // After so many frames on end in which no resting foot is within three times that: another floor.
+  int max_contradicted_frames = 30;
+
+  void validate() const;  // throws ConfigError
+};
+
+// A plane through the resting feet of the frames so far; where they do not tell its tilt, upright to the body from
+// ankles to neck, as that was on average.
+class FloorFinder {
+ public:
+  // Keeps a reference to the actor. Throws ConfigError.
+  FloorFinder(const Actor& actor, const FloorOptions& options);
+
+  // Two poses that are believed, a frame apart; feet whose ankles were not seen tell nothing.
+  void learn(const Pose& previous, const Pose& pose, const Detections& detections);
+  void forget();
+
+  // nullptr while it is not known.
+  const Floor* floor() const { return floor_ ? &*floor_ : nullptr; }
+
+ private:
+  void add(const Eigen::Vector3d& point_mm, double weight);
+  void fit();
+
+  const Actor& actor_;
+  FloorOptions options_;
+  std::vector<SolePoint> soles_;
+  Eigen::Vector3d body_up_ = Eigen::Vector3d::Zero();   // sum
+  Eigen::Matrix3d products_ = Eigen::Matrix3d::Zero();  // of (1, x, z), m
+  Eigen::Vector3d sums_ = Eigen::Vector3d::Zero();      // of y (1, x, z)
+  double n_resting_ = 0;                                // that its memory holds
+  int contradicted_frames_ = 0;
+  std::optional<Floor> floor_;
+};
+
+}  // namespace livecap

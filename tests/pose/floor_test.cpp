@@ -1,0 +1,198 @@
+// The floor learned from feet at rest, the points of the soles, and what it does to a pose.
+#include "pose/floor.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "livecap/error.h"
+#include "pose/pose_solver.h"
+#include "support/pose_scene.h"
+#include "support/test_device.h"
+#include "support/tolerances.h"
+
+namespace livecap {
+namespace {
+
+// Seen from a camera that looks down by 0.1 rad and is rolled by 0.02.
+const Eigen::Vector3d kUp = Eigen::Vector3d(0.02, -1, -0.1).normalized();
+
+std::vector<Eigen::Vector3d> soles_of(const Actor& actor, const Pose& pose) {
+  const PosedSkeleton posed = forward_kinematics(actor.skeleton, pose);
+  std::vector<Eigen::Vector3d> points;
+  for (const SolePoint& sole : sole_points(actor)) points.push_back(posed.camera_from_rest[sole.bone] * sole.rest_mm);
+  return points;
+}
+
+// Upright on the floor, which is 1.2 m below the camera, with the root at (x, ., z).
+Pose on_floor(const Actor& actor, double x_mm, double z_mm, const Floor& floor) {
+  Pose pose = test::standing_pose(actor, 0);
+  const Eigen::Vector3d upright = -Eigen::Vector3d::UnitY();
+  pose.root_rotation = Eigen::Quaterniond::FromTwoVectors(upright, floor.up) * pose.root_rotation;
+  pose.root_translation_mm = {x_mm, 0, z_mm};
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& p : soles_of(actor, pose)) lowest = std::min(lowest, floor.height_mm(p));
+  pose.root_translation_mm -= lowest * floor.up;
+  return pose;
+}
+
+Detections seen(const Actor& actor, const Pose& pose) {
+  return test::exact_detections(actor, test::portrait_camera(), pose);
+}
+
+TEST(Floor, SolesAreTheLowestPointsOfTheFeet) {
+  const Actor actor = test::make_test_actor();
+  const auto soles = sole_points(actor);
+  ASSERT_FALSE(soles.empty());
+  EXPECT_EQ(soles.front().bone, actor.skeleton.bone_index("left_ankle"));
+  EXPECT_EQ(soles.back().bone, actor.skeleton.bone_index("right_ankle"));
+  double lowest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < actor.n_vertices(); ++i) lowest = std::min(lowest, double(actor.mesh.positions[3 * i + 1]));
+  for (const SolePoint& sole : soles) EXPECT_LT(sole.rest_mm.y(), lowest + 15);
+  Actor no_feet = actor;
+  for (Bone& bone : no_feet.skeleton.bones) bone.name += "_";
+  EXPECT_TRUE(sole_points(no_feet).empty());
+}
+
+TEST(Floor, IsLearnedFromWhoWalksOnIt) {
+  const Actor actor = test::make_test_actor();
+  const Floor truth{kUp, 1200};
+  FloorFinder finder(actor, {});
+  std::mt19937 rng(5);
+  std::normal_distribution<double> trembles(0, 8);
+  for (int place = 0; place < 12; ++place) {
+    const Pose stands = on_floor(actor, 400 * std::cos(place), 3000 + 600 * std::sin(place), truth);
+    for (int frame = 0; frame < 10; ++frame) {
+      Pose found = stands;
+      found.root_translation_mm += trembles(rng) * stands.root_translation_mm.normalized();
+      finder.learn(stands, found, seen(actor, found));
+    }
+  }
+  ASSERT_NE(finder.floor(), nullptr);
+  EXPECT_LT(std::acos(finder.floor()->up.dot(kUp)), test::kLearnedFloorRad);
+  for (const Eigen::Vector3d& p : soles_of(actor, on_floor(actor, 0, 3000, truth)))
+    EXPECT_NEAR(finder.floor()->height_mm(p), truth.height_mm(p), test::kLearnedFloorMm);
+}
+
+// One place does not tell the tilt: it is that of who stands there.
+TEST(Floor, OfOnePlaceIsUprightToTheBody) {
+  const Actor actor = test::make_test_actor();
+  const Floor truth{kUp, 1200};
+  const Pose stands = on_floor(actor, 100, 3200, truth);
+  FloorFinder finder(actor, {});
+  for (int frame = 0; frame < 14; ++frame) finder.learn(stands, stands, seen(actor, stands));
+  EXPECT_EQ(finder.floor(), nullptr) << "known too early";
+  for (int frame = 0; frame < 6; ++frame) finder.learn(stands, stands, seen(actor, stands));
+  ASSERT_NE(finder.floor(), nullptr);
+  EXPECT_LT(std::acos(finder.floor()->up.dot(kUp)), test::kLearnedFloorRad);
+  finder.forget();
+  EXPECT_EQ(finder.floor(), nullptr);
+}
+
+TEST(Floor, FeetThatMoveOrAreNotSeenTellNothing) {
+  const Actor actor = test::make_test_actor();
+  const Floor truth{kUp, 1200};
+  FloorFinder finder(actor, {});
+  for (int frame = 0; frame < 40; ++frame) {
+    const Pose before = on_floor(actor, 60 * frame - 1200, 3200, truth);
+    Pose pose = before;
+    pose.root_translation_mm.x() += 60;
+    finder.learn(before, pose, seen(actor, pose));
+    Detections hidden = seen(actor, before);
+    hidden.keypoints[kLeftAnkle].confidence = hidden.keypoints[kRightAnkle].confidence = 0.2f;
+    finder.learn(before, before, hidden);
+  }
+  EXPECT_EQ(finder.floor(), nullptr);
+}
+
+TEST(Floor, WhoStandsOnAnotherOneForLongTellsOfThat) {
+  const Actor actor = test::make_test_actor();
+  const Floor lower{kUp, 1200}, higher{kUp, 900};
+  FloorFinder finder(actor, {});
+  const auto stand = [&](const Floor& floor, int n_frames) {
+    const Pose pose = on_floor(actor, 0, 3200, floor);
+    for (int frame = 0; frame < n_frames; ++frame) finder.learn(pose, pose, seen(actor, pose));
+  };
+  stand(lower, 60);
+  stand(higher, 10);  // a step on a chair
+  ASSERT_NE(finder.floor(), nullptr);
+  EXPECT_NEAR(finder.floor()->offset_mm, lower.offset_mm, 3 * test::kLearnedFloorMm);
+  stand(higher, 60);
+  ASSERT_NE(finder.floor(), nullptr);
+  EXPECT_NEAR(finder.floor()->offset_mm, higher.offset_mm, 3 * test::kLearnedFloorMm);
+}
+
+TEST(Floor, StandsWhatIsLowNearAndStill) {
+  const Actor actor = test::make_test_actor();
+  const Floor floor{kUp, 1200};
+  const auto soles = sole_points(actor);
+  const Pose pose = on_floor(actor, 0, 3200, floor);
+  const auto surest = [&](const Pose& now, const Pose* previous) {
+    double most = 0;
+    for (double s : standing(soles, actor.skeleton, floor, now, previous)) most = std::max(most, s);
+    return most;
+  };
+  EXPECT_GT(surest(pose, &pose), 0.9);
+  EXPECT_EQ(surest(pose, nullptr), 0);
+  Pose raised = pose, slid = pose, deeper = pose;
+  raised.root_translation_mm += 150 * kUp;
+  slid.root_translation_mm.x() += 80;
+  deeper.root_translation_mm *= 1.005;
+  EXPECT_LT(surest(raised, &raised), 0.05);
+  EXPECT_LT(surest(slid, &pose), 0.1);
+  EXPECT_GT(surest(deeper, &pose), 0.5) << "depth trembles";
+}
+
+// Keypoints a few px off leave the depth of the feet open; E_floor does not.
+TEST(Floor, TellsTheDepthOfTheFeet) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const Actor actor = test::make_test_actor();
+    const Camera camera = test::portrait_camera();
+    const Floor floor{kUp, 1200};
+    const Pose truth = on_floor(actor, 0, 3200, floor);
+    PoseOptions options;
+    options.weights.keypoint_3d = options.weights.temporal = 0;
+    PoseSolver solver(device, actor, camera, options);
+    std::mt19937 rng(3);
+    std::normal_distribution<float> noise_px(0, 2);
+    double with = 0, without = 0;  // mm^2
+    for (int i = 0; i < 20; ++i) {
+      Detections detections = test::exact_detections(actor, camera, truth);
+      for (KeypointDetection& keypoint : detections.keypoints) {
+        keypoint.x_px += noise_px(rng);
+        keypoint.y_px += noise_px(rng);
+      }
+      const auto squared_mm = [&](const Floor* known) {
+        const PoseResult result = solver.solve(
+            {.detections = detections, .initial = truth, .previous = &truth, .floor = known, .n_steps = 20});
+        EXPECT_EQ(result.status, SolveStatus::kOk);
+        EXPECT_EQ(result.energy.floor > 0, known != nullptr);
+        const auto got = soles_of(actor, result.pose), expected = soles_of(actor, truth);
+        double sum = 0;
+        for (size_t k = 0; k < got.size(); ++k) sum += std::pow(got[k].z() - expected[k].z(), 2);
+        return sum;
+      };
+      with += squared_mm(&floor);
+      without += squared_mm(nullptr);
+    }
+    RecordProperty("share", std::to_string(with / without));
+    EXPECT_LT(with, test::kFloorDepthShare * without);
+  });
+}
+
+TEST(Floor, BadOptionsAreNamed) {
+  const Actor actor = test::make_test_actor();
+  FloorOptions options;
+  options.height_deviation_mm = 0;
+  try {
+    FloorFinder finder(actor, options);
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("height_deviation_mm"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace livecap

@@ -112,6 +112,77 @@ TEST_P(BuiltinActor, HasNormalisedSmoothWeights) {
   }
 }
 
+// Where on the edges of the surface a joint and all below it have half of the weight.
+std::vector<Vector3d> half_and_half(const test::GlbFile& file, const std::vector<int>& parent, int joint) {
+  const auto bones = file.attribute<uint16_t>("JOINTS_0");
+  const auto weights = file.attribute<float>("WEIGHTS_0");
+  std::vector<double> share(file.vertices.size(), 0);
+  for (size_t i = 0; i < weights.size(); ++i) {
+    int bone = bones[i];
+    while (bone >= 0 && bone != joint) bone = parent[bone];
+    const size_t vertex = file.welded[i / 4];
+    if (bone == joint && file.first[vertex] == static_cast<int>(i / 4)) share[vertex] += weights[i];
+  }
+  std::vector<Vector3d> ring;
+  for (const auto& t : file.triangles)
+    for (int i = 0; i < 3; ++i) {
+      const int a = t[i], b = t[(i + 1) % 3];
+      if (a > b || (share[a] < 0.5) == (share[b] < 0.5)) continue;
+      ring.push_back(file.vertices[a] +
+                     (0.5 - share[a]) / (share[b] - share[a]) * (file.vertices[b] - file.vertices[a]));
+    }
+  return ring;
+}
+
+TEST_P(BuiltinActor, BendsAtItsJoints) {
+  const auto& model = file.model;
+  const auto& nodes = model.skins.at(0).joints;
+  std::map<std::string, int> bone;
+  std::map<int, int> bone_of_node;
+  for (size_t k = 0; k < nodes.size(); ++k)
+    bone[model.nodes[nodes[k]].name] = bone_of_node[nodes[k]] = static_cast<int>(k);
+  std::vector<int> parent(nodes.size(), -1);
+  std::vector<Vector3d> at(nodes.size());
+  for (size_t k = 0; k < nodes.size(); ++k) {
+    const auto& node = model.nodes[nodes[k]];
+    const Vector3d offset(node.translation.at(0), node.translation.at(1), node.translation.at(2));
+    at[k] = parent[k] < 0 ? offset : Vector3d(at[parent[k]] + offset);  // parents come first
+    for (int child : node.children)
+      if (bone_of_node.count(child)) parent[bone_of_node[child]] = static_cast<int>(k);
+  }
+  const auto direction = [&](const std::string& from, const std::string& to) {
+    return Vector3d((at[bone.at(to)] - at[bone.at(from)]).normalized());
+  };
+  const auto expect_ring = [&](const std::string& joint, const Vector3d& axis, double mean_mm,
+                               bool outer_half = false) {
+    double sum = 0, farthest = 0;
+    int n = 0;
+    const Vector3d& center = at[bone.at(joint)];
+    for (const Vector3d& p : half_and_half(file, parent, bone.at(joint))) {
+      if (outer_half && std::abs(p.x()) < std::abs(center.x())) continue;
+      const double along = 1000 * (p - center).dot(axis.normalized());
+      sum += along, ++n;
+      farthest = std::max(farthest, std::abs(along));
+    }
+    ASSERT_GT(n, 10) << joint;
+    EXPECT_LT(std::abs(sum / n), mean_mm) << joint;
+    EXPECT_LT(farthest, 3 * mean_mm) << joint;
+  };
+  for (const std::string s : {"Left", "Right"}) {
+    for (const auto& [above, joint, below] :
+         {std::array<std::string, 3>{"Arm", "ForeArm", "Hand"}, {"UpLeg", "Leg", "Foot"}})
+      expect_ring(s + joint, direction(s + above, s + joint) + direction(s + joint, s + below), test::kHingeMm);
+    expect_ring(s + "Hand", direction(s + "ForeArm", s + "Hand"), test::kHingeMm);
+    expect_ring(s + "ToeBase", Vector3d::UnitZ(), test::kHingeMm);
+    expect_ring(s + "Foot", direction(s + "Leg", s + "Foot"), test::kRoundJointMm);
+    expect_ring(s + "Arm", direction(s + "Arm", s + "ForeArm"), test::kRoundJointMm);
+    if (GetParam() == "trousers")  // between the legs it is at the crotch
+      expect_ring(s + "UpLeg", direction(s + "UpLeg", s + "Leg"), test::kRoundJointMm, true);
+  }
+  for (const std::string joint : {"Spine", "Spine1", "Spine2", "Neck", "Head"})
+    expect_ring(joint, Vector3d::UnitY(), test::kRoundJointMm);
+}
+
 TEST_P(BuiltinActor, HasBonesBoundWhereTheyStand) {
   const auto& model = file.model;
   const auto& skin = model.skins.at(0);

@@ -1,59 +1,53 @@
 #include "synth/rig.h"
 
-#include <algorithm>
-#include <functional>
-
 namespace livecap::synth {
 
 namespace {
 
-// Radii of the flesh at the joints, mm. Bones that meet have the radius of their joint in common: where both are
-// equally far, and a limb is moved half and half, is then at the joint. With radii of their own the thicker one would
-// pass it.
-constexpr double kTrunkRadius = 105, kChestRadius = 125, kNeckRadius = 54, kHeadRadius = 80;
-using LimbRadii = std::array<double, 8>;  // from collarbone and hip to wrist and toes
-constexpr LimbRadii kBareLimb = {42, 46, 38, 30, 80, 54, 36, 30}, kTrousersLimb = {42, 46, 38, 30, 92, 73, 48, 32};
-
 // The thick segments of one bone: how far a point is from the flesh it moves.
 double flesh_distance(const BodyShape& shape, int bone, const Vec3& p) {
   const auto& j = shape.joints();
-  const LimbRadii& limb_radius = shape.outfit() == Outfit::kTrousers ? kTrousersLimb : kBareLimb;
-  const auto flesh = [&](const Vec3& a, const Vec3& b, double radius_a, double radius_b) {
-    return std::max(tapered_capsule(p, a, b, radius_a, radius_b), 0.0);
+  const auto capsule = [&](const Vec3& a, const Vec3& b, double radius) {
+    return std::max(segment_distance(p, a, b) - radius, 0.0);
   };
-  const auto trunk = [&](int from, const Vec3& to) { return flesh(j[from], to, kTrunkRadius, kTrunkRadius); };
+  const auto beyond = [&](int from, int to, double length) {
+    return Vec3(j[to] + length * (j[to] - j[from]).normalized());
+  };
   const int first = bone >= kRightShoulder ? kRightShoulder : kLeftShoulder;
   switch (bone) {
     case kHips:
-      return std::min(trunk(kHips, j[kSpine]), flesh(j[kLeftUpLeg], j[kRightUpLeg], limb_radius[4], limb_radius[4]));
+      return std::min(capsule(j[kHips], j[kSpine], 110), capsule(j[kLeftUpLeg], j[kRightUpLeg], 72));
     case kSpine:
-      return trunk(kSpine, j[kSpine1]);
+      return capsule(j[kSpine], j[kSpine1], 105);
     case kSpine1:
-      return trunk(kSpine1, j[kSpine2]);
-    case kSpine2: {  // its dome passes through the ring around the neck's joint
-      const double dome = std::sqrt(kChestRadius * kChestRadius - kNeckRadius * kNeckRadius);
-      return flesh(j[kSpine2], j[kNeck] - Vec3(0, dome, 0), kTrunkRadius, kChestRadius);
-    }
+      return capsule(j[kSpine1], j[kSpine2], 105);
+    case kSpine2:
+      return capsule(j[kSpine2], j[kNeck] - Vec3(0, 40, 0), 112);
     case kNeck:
-      return flesh(j[kNeck], j[kHead], kNeckRadius, kNeckRadius);
+      return capsule(j[kNeck], j[kHead], 54);
     case kHead:
-      return flesh(j[kHead] + Vec3(0, 40, 15), Vec3(0, 1650, 0), kHeadRadius, kHeadRadius);
+      return capsule(j[kHead] + Vec3(0, 40, 15), Vec3(0, 1650, 0), 80);
     default:
       break;
   }
-  const int limb = bone - first;
-  const double radius = limb_radius[limb];
-  switch (limb) {
+  const int next = first + (bone - first) + 1;
+  switch (bone - first) {
+    case 0:
+      return capsule(j[bone], j[next], 42);
+    case 1:
+      return capsule(j[bone], j[next], 46);
+    case 2:
+      return capsule(j[bone], j[next], 34);
     case 3:
-      return flesh(j[bone], j[bone] + 150 * (j[bone] - j[bone - 1]).normalized(), radius, radius);
-    case 6: {  // and its heel, to which the ankle would be the nearest point of foot and shin alike
-      const Vec3 heel = j[bone] + Vec3(2, -54, -28);
-      return std::min(flesh(j[bone], j[bone + 1], radius, limb_radius[7]), flesh(j[bone], heel, radius, radius));
-    }
-    case 7:
-      return flesh(j[bone], j[bone] + Vec3(0, 0, 55), radius, radius);
+      return capsule(j[bone], beyond(bone - 1, bone, 150), 30);
+    case 4:
+      return capsule(j[bone], j[next], 72);
+    case 5:
+      return capsule(j[bone], j[next], 46);
+    case 6:
+      return capsule(j[bone], j[next], 36);
     default:
-      return flesh(j[bone], j[bone + 1], radius, limb_radius[limb + 1]);
+      return capsule(j[bone], j[bone] + Vec3(0, 0, 55), 30);
   }
 }
 
@@ -69,9 +63,8 @@ double permission(const BodyShape& shape, int bone, Part part, const Vec3& p) {
       return bone == kHead || bone == kNeck ? 1 : 0;
     case kNeckPart:
       return bone == kHead || bone == kNeck || bone == kSpine2 || limb == 0 ? 1 : 0;
-    case kTopPart:  // his shirt covers the joints of the hips, hers ends in the waist of the skirt
-      if (leg) return limb != 4 ? 0 : shape.outfit() == Outfit::kTrousers ? 1 : 0.3;
-      return (limb >= 0 && side < 20) || limb == 3 || bone == kHead ? 0 : 1;
+    case kTopPart:
+      return leg ? (limb == 4 ? 0.3 : 0) : (limb >= 0 && side < 20) || limb == 3 || bone == kHead ? 0 : 1;
     case kArmPart:
     case kHandPart:
       return arm && side > 0 ? 1 : 0;
@@ -137,10 +130,6 @@ std::vector<Influences> make_skin_weights(const BodyShape& shape, const Surface&
   }
   std::vector<Influences> result(n);
   for (size_t i = 0; i < n; ++i) {
-    Row sorted = weights[i];
-    std::sort(sorted.begin(), sorted.end(), std::greater<>());
-    // Less the first that finds no place: so bones come and go at 0, not in jumps.
-    weights[i].array() -= sorted[result[i].size()];
     double sum = 0;
     for (auto& slot : result[i]) {
       int bone;

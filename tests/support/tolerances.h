@@ -9,10 +9,6 @@ inline constexpr double kFiniteDifference = 2e-6;
 inline constexpr double kFloatRelative = 3e-6;
 // Built-in actors and sequences: twice a triangle's area over its longest edge squared (a right angle of 1:1 has 0.5).
 inline constexpr double kSliver = 0.02;
-// Built-in actors: how far along a limb its half-and-half ring may lie from its joint (each point: three times), mm. A
-// hinge's is exact but for the diffusion of weights on limbs that taper; where three and more bones meet (neck,
-// shoulder, hip, spine, ankle) it lies aslant. Bones with radii of their own missed elbows and knees by 25 to 68.
-inline constexpr double kHingeMm = 7, kRoundJointMm = 20;
 // Share of texels that two charts' triangles both claim: rounding along shared edges of the unwrapped surface.
 inline constexpr double kTextureOverlap = 0.003;
 // Share of truth vertices (mask pixels) within two pixels of the mask: half a pixel of rasterising, the rest is

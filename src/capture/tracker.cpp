@@ -131,11 +131,12 @@ TrackResult Tracker::solve_pose(const TrackInput& given) {
   }
   result.status = solved.initialized ? TrackStatus::kInitialized : TrackStatus::kOk;
   result.pose = solved.pose.pose;
+  const bool follows = last_pose_ && missed_frames_ == 0;
   pose_before_last_ = last_pose_;
   last_pose_ = result.pose;
   if (person) missed_frames_ = 0;
   if (person && doubtful_frames_ == 0)
-    pose_stage_.learn(pose_before_last_ ? &*pose_before_last_ : nullptr, *last_pose_, input.detections);
+    pose_stage_.learn(follows ? &*pose_before_last_ : nullptr, *last_pose_, input.detections);
   return result;
 }
 

@@ -25,6 +25,7 @@ constexpr double kRestingMm = 10;   // above the lowest point of a sole
 constexpr double kNearMm = 30;      // heights and moves
 constexpr double kStillMm = 20;     //   at which being at rest is a quarter as sure
 constexpr float kTrusted = 0.5f;    // confidence of an ankle
+constexpr double kUprightY = -0.5;  // above that in the camera frame nobody stands before a level camera
 constexpr double kMmPerM = 1000;
 
 // 1 at 0, a quarter at `scale`.
@@ -138,9 +139,10 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Detections
   const auto now = positions(soles_, posed);
   const auto before = positions(soles_, forward_kinematics(actor_.skeleton, previous));
   const auto joints = keypoint_positions(actor_, posed);
-  body_up_ += (joints[kNeck] - (joints[kLeftAnkle] + joints[kRightAnkle]) / 2).normalized();
+  const Eigen::Vector3d upright = (joints[kNeck] - (joints[kLeftAnkle] + joints[kRightAnkle]) / 2).normalized();
+  if (!(upright.y() < kUprightY)) return;
+  body_up_ += upright;
   const Eigen::Vector3d up = floor_ ? floor_->up : body_up_.normalized();
-  if (!(up.y() < -0.5)) return;  // nobody who stands before a level camera
 
   struct Lowest {
     size_t point = 0;
@@ -161,10 +163,11 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Detections
   for (const Lowest& lowest : resting) {
     const Eigen::Vector3d& p = now[lowest.point];
     double weight = nearness(move_across_mm(before[lowest.point], p), kStillMm);
-    still = still || weight > 0.5;
+    const bool rests = weight > 0.5;
+    still = still || rests;
     if (floor_) {
       const double off = floor_->height_mm(p) / options_.outlier_mm;
-      near = near || std::abs(off) < 3;
+      near = near || (rests && std::abs(off) < 3);
       weight /= 1 + off * off;
     }
     add(p, weight);

@@ -40,7 +40,7 @@ struct FloorOptions {
   // mm, of a resting foot's height: its depth is off by several times as much, for many frames alike.
   double height_deviation_mm = 45;
   double outlier_mm = 30;  // a foot so far from the floor has half a say (Cauchy)
-  // After so many frames on end in which no resting foot is within three times that: another floor.
+  // After more than so many frames on end in which no resting foot is within three times that: another floor.
   int max_contradicted_frames = 30;
 
   void validate() const;  // throws ConfigError

@@ -44,7 +44,7 @@ DenseSolution solve_normal_equations(const Eigen::MatrixXd& A, const Eigen::Vect
   }
 
   const Eigen::LDLT<Eigen::MatrixXd> ldlt(scaled);
-  const Eigen::VectorXd pivots = ldlt.vectorD().cwiseAbs();
+  const Eigen::VectorXd pivots = ldlt.vectorD();
   if (!(pivots.minCoeff() > kRankThreshold * pivots.maxCoeff())) {
     solution.status = SolveStatus::kRankDeficient;
     return solution;

@@ -5,7 +5,9 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
+#include <utility>
 
 #include "livecap/error.h"
 #include "pose/pose_solver.h"
@@ -107,6 +109,20 @@ TEST(Floor, FeetThatMoveOrAreNotSeenTellNothing) {
   EXPECT_EQ(finder.floor(), nullptr);
 }
 
+// Lying down changes neither where the floor is nor what is upright.
+TEST(Floor, WhoLiesTellsNothing) {
+  const Actor actor = test::make_test_actor();
+  const Pose stands = on_floor(actor, 100, 3200, {kUp, 1200});
+  Pose lies = stands;
+  lies.root_rotation = rotation_from_vector({0, 0, std::numbers::pi / 2}) * stands.root_rotation;
+  FloorFinder finder(actor, {});
+  for (int frame = 0; frame < 100; ++frame) finder.learn(lies, lies, seen(actor, lies));
+  EXPECT_EQ(finder.floor(), nullptr);
+  for (int frame = 0; frame < 20; ++frame) finder.learn(stands, stands, seen(actor, stands));
+  ASSERT_NE(finder.floor(), nullptr);
+  EXPECT_LT(std::acos(finder.floor()->up.dot(kUp)), test::kLearnedFloorRad);
+}
+
 TEST(Floor, WhoStandsOnAnotherOneForLongTellsOfThat) {
   const Actor actor = test::make_test_actor();
   const Floor lower{kUp, 1200}, higher{kUp, 900};
@@ -184,13 +200,21 @@ TEST(Floor, TellsTheDepthOfTheFeet) {
 
 TEST(Floor, BadOptionsAreNamed) {
   const Actor actor = test::make_test_actor();
-  FloorOptions options;
-  options.height_deviation_mm = 0;
-  try {
-    FloorFinder finder(actor, options);
-    FAIL();
-  } catch (const ConfigError& error) {
-    EXPECT_NE(std::string(error.what()).find("height_deviation_mm"), std::string::npos);
+  for (const auto& [field, value] :
+       {std::pair("memory", &FloorOptions::memory), std::pair("least", &FloorOptions::least),
+        std::pair("tilt_deviation", &FloorOptions::tilt_deviation),
+        std::pair("height_deviation_mm", &FloorOptions::height_deviation_mm),
+        std::pair("outlier_mm", &FloorOptions::outlier_mm)}) {
+    for (const double bad : {0.0, double(NAN)}) {
+      FloorOptions options;
+      options.*value = bad;
+      try {
+        FloorFinder finder(actor, options);
+        ADD_FAILURE() << field;
+      } catch (const ConfigError& error) {
+        EXPECT_NE(std::string(error.what()).find(field), std::string::npos);
+      }
+    }
   }
 }
 

@@ -8,7 +8,7 @@ while IFS=: read -r document entry; do
   file=${entry%%:*}
   symbol=
   [[ $entry != *:* ]] || symbol=${entry#*:}
-  if [[ $file == */floor.cl ]]; then continue; fi  # the invented term of add_a_term.md
+  if [[ $file == */wall.cl ]]; then continue; fi  # the invented term of add_a_term.md
   if [[ ! -e $file ]]; then
     echo "$document: there is no $file"
     bad=1

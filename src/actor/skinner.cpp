@@ -5,13 +5,13 @@
 #include "base/round_up.h"
 #include "base/text.h"
 #include "geometry/reference.h"
+#include "ocl/lanes.h"
 
 namespace livecap {
 namespace {
 
 constexpr const char* kSource = "surface/skin.cl";
 constexpr size_t kGroup = 64;  // on a GPU
-constexpr int kCpuLanes = 16;  // LANES of shared/lanes.h
 
 }  // namespace
 
@@ -27,9 +27,9 @@ Skinner::Skinner(ocl::DeviceContext& device, const Actor& actor, const SkinWeigh
   const TriangleFans fans = triangle_fans(actor.n_vertices(), actor.mesh.triangles);
   fan_offsets_ = ocl::Buffer<int32_t>(device, fans.offsets);
   if (device.is_cpu()) {
-    lanes_ = kCpuLanes;
+    lanes_ = int(ocl::kCpuLanes);
     n_triangles_ = actor.mesh.n_triangles();
-    areas_stride_ = int(round_up(n_triangles_, kCpuLanes)) + kCpuLanes;
+    areas_stride_ = int(round_up(n_triangles_, ocl::kCpuLanes) + ocl::kCpuLanes);
     triangles_ = ocl::Buffer<int32_t>(device, actor.mesh.triangles);
     fan_triangles_ = ocl::Buffer<int32_t>(device, fans.triangles);
     areas_ = ocl::Buffer<float>(device, size_t(3) * areas_stride_);
@@ -48,7 +48,7 @@ void Skinner::set_pose(std::span<const float> dual_quats) {
 
 ocl::Range Skinner::over(int n) const {
   const size_t local = lanes_ > 1 ? 1 : kGroup;
-  const size_t items = (n + lanes_ - 1) / lanes_;
+  const size_t items = ocl::lane_items(n, lanes_ > 1);
   return {round_up(items, local), 1, local, 1};
 }
 

@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "geometry/pinhole_arg.h"
 #include "livecap/error.h"
+#include "ocl/lanes.h"
 #include "raster/layout.h"
 
 namespace livecap {
@@ -14,8 +15,7 @@ namespace {
 
 constexpr char kFile[] = "raster/depth.cl";
 constexpr int kMaxBands = 32;
-constexpr size_t kLocal = 64;     // on a GPU
-constexpr size_t kCpuLanes = 16;  // LANES of shared/lanes.h
+constexpr size_t kLocal = 64;  // on a GPU
 
 // Every edge is run through once in each direction: a ray then meets as many front as back faces.
 bool is_closed(const Mesh& mesh) {
@@ -73,7 +73,7 @@ DepthRasterizer::DepthRasterizer(ocl::DeviceContext& device, const Mesh& mesh, i
 void DepthRasterizer::render(const ocl::Buffer<float>& positions_camera, const Camera& camera) {
   if (positions_camera.size() != size_t(3) * n_vertices_)
     throw LogicError(format("rasteriser: %zu coordinates for %d vertices", positions_camera.size(), n_vertices_));
-  const size_t vertices = is_cpu_ ? (n_vertices_ + kCpuLanes - 1) / kCpuLanes : n_vertices_;
+  const size_t vertices = ocl::lane_items(n_vertices_, is_cpu_);
   project_.launch(vertices, is_cpu_ ? 1 : kLocal, n_vertices_, pinhole_arg(camera), positions_camera, projected_);
   if (is_cpu_) {
     bands_.launch(n_bands_, 1, n_triangles_, width_, height_, n_bands_, cull_, projected_, triangles_, depth_, ids_,

@@ -7,13 +7,13 @@
 #include "base/round_up.h"
 #include "base/text.h"
 #include "livecap/error.h"
+#include "ocl/lanes.h"
 
 namespace livecap {
 namespace {
 
 constexpr char kFile[] = "raster/visibility.cl";
-constexpr size_t kLocal = 64;     // on a GPU
-constexpr size_t kCpuLanes = 16;  // LANES of shared/lanes.h
+constexpr size_t kLocal = 64;  // on a GPU
 
 // Vertices of edges that belong to one triangle only.
 std::vector<int32_t> open_edge_vertices(const Mesh& mesh) {
@@ -83,7 +83,7 @@ void SurfaceVisibility::find_contour(const DepthRasterizer& raster) {
 }
 
 ocl::Range SurfaceVisibility::over_vertices() const {
-  const size_t items = is_cpu_ ? (n_vertices_ + kCpuLanes - 1) / kCpuLanes : n_vertices_;
+  const size_t items = ocl::lane_items(n_vertices_, is_cpu_);
   const size_t local = is_cpu_ ? 1 : kLocal;
   return {round_up(items, local), 1, local, 1};
 }

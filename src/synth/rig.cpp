@@ -4,50 +4,47 @@ namespace livecap::synth {
 
 namespace {
 
-// The thick segments of one bone: how far a point is from the flesh it moves.
+// How far a point is from the flesh one bone moves: limbs whose radii meet where two of them meet, so that the surface
+// bends at the joint, however wide the clothes are around it.
 double flesh_distance(const BodyShape& shape, int bone, const Vec3& p) {
   const auto& j = shape.joints();
-  const auto capsule = [&](const Vec3& a, const Vec3& b, double radius) {
-    return std::max(segment_distance(p, a, b) - radius, 0.0);
-  };
-  const auto beyond = [&](int from, int to, double length) {
-    return Vec3(j[to] + length * (j[to] - j[from]).normalized());
+  const auto limb = [&](const Vec3& a, const Vec3& b, double ra, double rb) {
+    return std::max(tapered_capsule(p, a, b, ra, rb), 0.0);
   };
   const int first = bone >= kRightShoulder ? kRightShoulder : kLeftShoulder;
   switch (bone) {
     case kHips:
-      return std::min(capsule(j[kHips], j[kSpine], 110), capsule(j[kLeftUpLeg], j[kRightUpLeg], 72));
+      return std::min(limb(j[kHips], j[kSpine], 110, 105), limb(j[kLeftUpLeg], j[kRightUpLeg], 72, 72));
     case kSpine:
-      return capsule(j[kSpine], j[kSpine1], 105);
+      return limb(j[kSpine], j[kSpine1], 105, 105);
     case kSpine1:
-      return capsule(j[kSpine1], j[kSpine2], 105);
+      return limb(j[kSpine1], j[kSpine2], 105, 112);
     case kSpine2:
-      return capsule(j[kSpine2], j[kNeck] - Vec3(0, 40, 0), 112);
+      return limb(j[kSpine2], j[kNeck], 112, 54);
     case kNeck:
-      return capsule(j[kNeck], j[kHead], 54);
+      return limb(j[kNeck], j[kHead], 54, 54);
     case kHead:
-      return capsule(j[kHead] + Vec3(0, 40, 15), Vec3(0, 1650, 0), 80);
+      return limb(j[kHead] + Vec3(0, 40, 15), Vec3(0, 1650, 0), 80, 80);
     default:
       break;
   }
-  const int next = first + (bone - first) + 1;
   switch (bone - first) {
     case 0:
-      return capsule(j[bone], j[next], 42);
+      return limb(j[bone], j[bone + 1], 42, 46);
     case 1:
-      return capsule(j[bone], j[next], 46);
+      return limb(j[bone], j[bone + 1], 46, 37);
     case 2:
-      return capsule(j[bone], j[next], 34);
+      return limb(j[bone], j[bone + 1], 37, 30);
     case 3:
-      return capsule(j[bone], beyond(bone - 1, bone, 150), 30);
+      return limb(j[bone], j[bone] + 150 * (j[bone] - j[bone - 1]).normalized(), 30, 30);
     case 4:
-      return capsule(j[bone], j[next], 72);
+      return limb(j[bone], j[bone + 1], 72, 54);
     case 5:
-      return capsule(j[bone], j[next], 46);
-    case 6:
-      return capsule(j[bone], j[next], 36);
+      return limb(j[bone], j[bone + 1], 54, 36);
+    case 6:  // with the heel
+      return std::min(limb(j[bone], j[bone + 1], 36, 30), limb(j[bone], j[bone] + Vec3(0, -46, -36), 36, 36));
     default:
-      return capsule(j[bone], j[bone] + Vec3(0, 0, 55), 30);
+      return limb(j[bone], j[bone] + Vec3(0, 0, 55), 30, 30);
   }
 }
 

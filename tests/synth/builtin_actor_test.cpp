@@ -112,6 +112,42 @@ TEST_P(BuiltinActor, HasNormalisedSmoothWeights) {
   }
 }
 
+// A limb bends where its two bones move the surface alike: on average over the ring of these vertices at the joint.
+TEST_P(BuiltinActor, BendsAtItsJoints) {
+  const auto joints = file.attribute<uint16_t>("JOINTS_0");
+  const auto weights = file.attribute<float>("WEIGHTS_0");
+  const auto& skin = file.model.skins.at(0);
+  const auto inverse_bind = file.values<float>(skin.inverseBindMatrices);
+  const auto bone = [&](const std::string& name) {
+    for (size_t k = 0; k < skin.joints.size(); ++k)
+      if (file.model.nodes[skin.joints[k]].name == name) return k;
+    ADD_FAILURE() << "no bone " << name;
+    return size_t{0};
+  };
+  const auto place = [&](size_t k) {
+    return -Vector3d(inverse_bind[16 * k + 12], inverse_bind[16 * k + 13], inverse_bind[16 * k + 14]);
+  };
+  for (const auto& [upper_name, lower_name] : {std::pair{"LeftArm", "LeftForeArm"},
+                                               {"RightArm", "RightForeArm"},
+                                               {"LeftUpLeg", "LeftLeg"},
+                                               {"RightUpLeg", "RightLeg"},
+                                               {"Spine2", "Neck"}}) {
+    const size_t upper = bone(upper_name), lower = bone(lower_name);
+    const Vector3d along = (place(lower) - place(upper)).normalized();
+    std::vector<double> at_mm;
+    for (size_t v = 0; v < file.vertices.size(); ++v) {
+      double of_upper = 0, of_lower = 0;
+      for (size_t k = 4 * file.first[v]; k < 4 * file.first[v] + 4u; ++k)
+        if (joints[k] == upper || joints[k] == lower) (joints[k] == upper ? of_upper : of_lower) += weights[k];
+      if (of_upper > 0.3 && of_lower > 0.3) at_mm.push_back(1000 * along.dot(file.vertices[v] - place(lower)));
+    }
+    ASSERT_GE(at_mm.size(), 8u) << lower_name;
+    double mean = 0;
+    for (const double mm : at_mm) mean += mm / static_cast<double>(at_mm.size());
+    EXPECT_NEAR(mean, 0, 15) << "mm beyond " << lower_name;
+  }
+}
+
 TEST_P(BuiltinActor, HasBonesBoundWhereTheyStand) {
   const auto& model = file.model;
   const auto& skin = model.skins.at(0);

@@ -23,16 +23,19 @@ struct Segment {
 // The line of flesh each bone moves. The chest is a cage, not a line: without the ribs out to the sides the collarbones
 // and upper arms own up to half of it (the nearest lines), and a twist of the trunk is taken for one of theirs.
 std::vector<Segment> bone_segments(const BodyJoints& j) {
-  constexpr double kRibsDown[] = {0.1, 0.25};  // below the neck, of neck to hips: under the collarbones, at the armpits
-  constexpr double kRibsWide = 0.75;           // of the way to the shoulder joints
+  constexpr double kRibsDown[] = {0.15, 0.3};  // below the neck, of neck to hips: under the collarbones, at the armpits
+  constexpr double kRibsWide = 0.7;            // of the way to the shoulder joints
   constexpr double kFree = 0.3;                // of collarbone and neck: the inner part is the cage's
+  constexpr double kJaw = 0.8;   // of the neck's length in front of the head's joint: else it is the neck's
+  constexpr double kHeel = 0.3;  // of the foot's length behind the ankle: else half of it is the shank's
   const double head = (j[kHeadBone] - j[kNeckBone]).norm();
   const Vector3d crown = j[kHeadBone] + 1.2 * head * Vector3d::UnitY();
   std::vector<Segment> segments = {{kHipsBone, j[kHipsBone], j[kSpineBone]},
                                    {kHipsBone, j[kLeftUpLegBone], j[kRightUpLegBone]},
                                    {kSpineBone, j[kSpineBone], j[kNeckBone]},
                                    {kNeckBone, j[kNeckBone] + kFree * (j[kHeadBone] - j[kNeckBone]), j[kHeadBone]},
-                                   {kHeadBone, j[kHeadBone], crown}};
+                                   {kHeadBone, j[kHeadBone], crown},
+                                   {kHeadBone, j[kHeadBone], j[kHeadBone] + kJaw * head * Vector3d::UnitZ()}};
   for (double down : kRibsDown) {
     const Vector3d middle = j[kNeckBone] + down * (j[kHipsBone] - j[kNeckBone]);
     const Vector3d half = 0.5 * kRibsWide * (j[kLeftArmBone] - j[kRightArmBone]);
@@ -47,6 +50,8 @@ std::vector<Segment> bone_segments(const BodyJoints& j) {
   for (int first : {kLeftUpLegBone, kRightUpLegBone}) {
     for (int i = 0; i < 3; ++i) segments.push_back({first + i, j[first + i], j[first + i + 1]});
     const Vector3d along = j[first + 3] - j[first + 2];
+    segments.push_back(
+        {first + 2, j[first + 2], j[first + 2] + Vector3d(-kHeel * along.x(), along.y(), -kHeel * along.z())});
     segments.push_back({first + 3, j[first + 3], Vector3d(j[first + 3] + 0.4 * Vector3d(along.x(), 0, along.z()))});
   }
   return segments;

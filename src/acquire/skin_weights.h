@@ -13,7 +13,7 @@
 namespace livecap::acquire {
 
 struct SkinOptions {
-  double heat = 4;  // strength of the contact, c in c/d^2: higher keeps vertices closer to their own bone
+  double heat = 2.4;  // strength of the contact, c in c/d^2: higher keeps vertices closer to their own bone
 };
 
 // surface: closed, rest frame, mm. At most four bones of kBodyBones each, strongest first, sum 1.

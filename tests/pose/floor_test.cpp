@@ -140,6 +140,25 @@ TEST(Floor, WhoStandsOnAnotherOneForLongTellsOfThat) {
   EXPECT_NEAR(finder.floor()->offset_mm, higher.offset_mm, 3 * test::kLearnedFloorMm);
 }
 
+TEST(Floor, ThatWasMeasuredStaysWhatItIs) {
+  const Actor actor = test::make_test_actor();
+  Camera camera = test::portrait_camera();
+  EXPECT_FALSE(measured_floor(camera));
+  camera.floor = FloorPlane{{kUp.x(), kUp.y(), kUp.z()}, 1200};
+  FloorFinder finder(actor, {}, measured_floor(camera));
+  const auto expect_measured = [&] {
+    ASSERT_NE(finder.floor(), nullptr);
+    EXPECT_EQ(finder.floor()->up, kUp);
+    EXPECT_EQ(finder.floor()->offset_mm, 1200);
+  };
+  expect_measured();
+  const Pose higher = on_floor(actor, 0, 3200, {kUp, 900});
+  for (int frame = 0; frame < 100; ++frame) finder.learn(higher, higher, seen(actor, higher));
+  expect_measured();
+  finder.forget();
+  expect_measured();
+}
+
 TEST(Floor, StandsWhatIsLowNearAndStill) {
   const Actor actor = test::make_test_actor();
   const Floor floor{kUp, 1200};

@@ -217,6 +217,32 @@ TEST(Floor, TellsTheDepthOfTheFeet) {
   });
 }
 
+// Whoever gives a floor that is too high gets feet that are nearer, one that is too low feet that are further away.
+TEST(Floor, AWrongOneMovesTheFeet) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const Actor actor = test::make_test_actor();
+    const Camera camera = test::portrait_camera();
+    const Pose truth = on_floor(actor, 0, 3200, {kUp, 1200});
+    PoseOptions options;
+    options.weights.keypoint_3d = options.weights.temporal = 0;
+    PoseSolver solver(device, actor, camera, options);
+    const Detections detections = test::exact_detections(actor, camera, truth);
+    const auto feet_z = [&](double height_mm) {
+      const Floor floor{kUp, height_mm};
+      const PoseResult result = solver.solve(
+          {.detections = detections, .initial = truth, .previous = &truth, .floor = &floor, .n_steps = 20});
+      EXPECT_EQ(result.status, SolveStatus::kOk);
+      double sum = 0;
+      const auto soles = soles_of(actor, result.pose);
+      for (const Eigen::Vector3d& p : soles) sum += p.z();
+      return sum / static_cast<double>(soles.size());
+    };
+    const double right = feet_z(1200);
+    EXPECT_LT(feet_z(1180), right - test::kLearnedFloorMm);
+    EXPECT_GT(feet_z(1220), right + test::kLearnedFloorMm);
+  });
+}
+
 TEST(Floor, BadOptionsAreNamed) {
   const Actor actor = test::make_test_actor();
   for (const auto& [field, value] :

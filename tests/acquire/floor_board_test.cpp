@@ -155,8 +155,8 @@ TEST(FloorBoard, RefusesWhatIsNoFloor) {
   Camera other = lens();
   other.width = 640;
   EXPECT_NE(refusal(options, other).find("the picture is 960x720, the camera is for 640x720"), std::string::npos);
-  const test::BoardPaint bent = [&](double x, double y) { return paint(x + 0.3 * std::sin(0.9 * y), y); };
-  refused(bent, lying(up, on_floor(up, 1400, 470, 500), 0.3), "px off; is the board flat");
+  const test::BoardPaint bent = [&](double x, double y) { return paint(x + 0.35 * std::sin(0.9 * y), y); };
+  refused(bent, lying(up, on_floor(up, 700, 470, 450), 0.3), "px off; is the board flat");
   options.square_mm = 0;
   EXPECT_NE(refusal(options, lens()).find("--square"), std::string::npos);
   options.square_mm = 60;

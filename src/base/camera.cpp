@@ -1,5 +1,6 @@
 #include "livecap/camera.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -7,6 +8,32 @@
 #include "livecap/error.h"
 
 namespace livecap {
+namespace {
+
+constexpr double kUnitNormal = 1e-3;
+// A camera may look down steeply or be held on its side, but nobody films upside down: such a normal's sign is wrong.
+constexpr double kDownY = 0.5;
+
+double length_of(const std::array<double, 3>& v) {
+  return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+void validate(const FloorPlane& floor) {
+  const auto& n = floor.normal;
+  if (!(std::abs(length_of(n) - 1) <= kUnitNormal))
+    throw ConfigError(
+        format("camera: floor.normal [%g, %g, %g] has length %g; it must be 1", n[0], n[1], n[2], length_of(n)));
+  if (n[1] > kDownY)
+    throw ConfigError(
+        format("camera: floor.normal [%g, %g, %g] points down; it must point up, out of the floor (y is below 0 for a "
+               "level camera)",
+               n[0], n[1], n[2]));
+  if (!(floor.distance_mm > 0) || !std::isfinite(floor.distance_mm))
+    throw ConfigError(format("camera: floor.distance_mm is %g; it must be above 0, the camera's height over the floor",
+                             floor.distance_mm));
+}
+
+}  // namespace
 
 bool Camera::has_distortion() const {
   for (double k : distortion) {
@@ -23,6 +50,7 @@ void Camera::validate() const {
   for (double k : distortion) {
     if (!std::isfinite(k)) throw ConfigError("camera: a distortion coefficient is not finite");
   }
+  if (floor) livecap::validate(*floor);
 }
 
 Camera load_camera(const std::filesystem::path& path) {
@@ -63,6 +91,15 @@ Camera load_camera(const std::filesystem::path& path) {
       camera.distortion[i] = list[i].get<double>();
     }
   }
+  if (json.contains("floor")) {
+    const auto& floor = json["floor"];
+    const auto is_number = [](const nlohmann::json& value) { return value.is_number(); };
+    if (!floor.is_object() || !floor.contains("normal") || !floor["normal"].is_array() || floor["normal"].size() != 3 ||
+        !std::all_of(floor["normal"].begin(), floor["normal"].end(), is_number) || !floor.contains("distance_mm") ||
+        !is_number(floor["distance_mm"]))
+      throw IoError(path.string() + ": field \"floor\" must be {\"normal\": [x, y, z], \"distance_mm\": number}");
+    camera.floor = FloorPlane{floor["normal"].get<std::array<double, 3>>(), floor["distance_mm"].get<double>()};
+  }
   try {
     camera.validate();
   } catch (const ConfigError& e) {
@@ -94,6 +131,7 @@ void save_camera(const Camera& camera, const std::filesystem::path& path) {
   json["cx"] = camera.cx;
   json["cy"] = camera.cy;
   json["distortion"] = camera.distortion;
+  if (camera.floor) json["floor"] = {{"normal", camera.floor->normal}, {"distance_mm", camera.floor->distance_mm}};
   write_file_atomically(path, json.dump(2) + "\n");
 }
 

@@ -33,7 +33,7 @@ PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camer
       visibility_(visibility),
       matcher_(device, actor, camera, options.match),
       shading_(device, actor, camera, options.shading),
-      floor_(actor, options.floor),
+      floor_(actor, options.floor, measured_floor(camera)),
       solver_(device, actor, camera, options.pose),
       zero_(device, size_t(3) * actor.n_vertices()),
       skinned_(device, size_t(3) * actor.n_vertices()),

@@ -78,6 +78,12 @@ double move_across_mm(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
 
 }  // namespace
 
+std::optional<Floor> measured_floor(const Camera& camera) {
+  if (!camera.floor) return std::nullopt;
+  const auto& [x, y, z] = camera.floor->normal;
+  return Floor{Eigen::Vector3d(x, y, z).normalized(), camera.floor->distance_mm};
+}
+
 std::vector<SolePoint> sole_points(const Actor& actor) {
   std::vector<SolePoint> points;
   for (const Foot& foot : kFeet) {
@@ -118,12 +124,17 @@ void FloorOptions::validate() const {
   positive("max_contradicted_frames", max_contradicted_frames);
 }
 
-FloorFinder::FloorFinder(const Actor& actor, const FloorOptions& options)
-    : actor_(actor), options_(options), soles_(sole_points(actor)) {
+FloorFinder::FloorFinder(const Actor& actor, const FloorOptions& options, const std::optional<Floor>& measured)
+    : actor_(actor),
+      options_(options),
+      soles_(sole_points(actor)),
+      is_measured_(measured.has_value()),
+      floor_(measured) {
   options.validate();
 }
 
 void FloorFinder::forget() {
+  if (is_measured_) return;
   body_up_.setZero();
   products_.setZero();
   sums_.setZero();
@@ -133,6 +144,7 @@ void FloorFinder::forget() {
 }
 
 void FloorFinder::learn(const Pose& previous, const Pose& pose, const Detections& detections) {
+  if (is_measured_) return;
   for (int k : {kNeck, kLeftAnkle, kRightAnkle})
     if (actor_.keypoints[k].bone < 0) return;
   const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);

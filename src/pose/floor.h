@@ -1,6 +1,6 @@
 // The floor, and the soles that rest on it. A foot on a known floor is at a known depth, where the picture alone tells
-// a foot's depth several times less well than its place. Nobody says where the floor is: it is learned from where feet
-// were found to rest.
+// a foot's depth several times less well than its place. Where the floor is the camera's file says, or nobody: then it
+// is learned from where feet were found to rest.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,6 +10,7 @@
 
 #include "actor/actor.h"
 #include "geometry/skeleton.h"
+#include "livecap/camera.h"
 #include "livecap/detections.h"
 
 namespace livecap {
@@ -19,6 +20,9 @@ struct Floor {
   double offset_mm = 0;
   double height_mm(const Eigen::Vector3d& point_mm) const { return up.dot(point_mm) + offset_mm; }
 };
+
+// nullopt when the camera's floor was not measured.
+std::optional<Floor> measured_floor(const Camera& camera);
 
 struct SolePoint {
   int bone = 0;
@@ -47,17 +51,17 @@ struct FloorOptions {
 };
 
 // A plane through the resting feet of the frames so far; where they do not tell its tilt, upright to the body from
-// ankles to neck, as that was on average.
+// ankles to neck, as that was on average. A floor that was measured stays what it is.
 class FloorFinder {
  public:
   // Keeps a reference to the actor. Throws ConfigError.
-  FloorFinder(const Actor& actor, const FloorOptions& options);
+  FloorFinder(const Actor& actor, const FloorOptions& options, const std::optional<Floor>& measured = {});
 
   // Two poses that are believed, a frame apart; feet whose ankles were not seen tell nothing.
   void learn(const Pose& previous, const Pose& pose, const Detections& detections);
   void forget();
 
-  // nullptr while it is not known.
+  // nullptr while it is not known; a measured one is from the beginning.
   const Floor* floor() const { return floor_ ? &*floor_ : nullptr; }
 
  private:
@@ -72,6 +76,7 @@ class FloorFinder {
   Eigen::Vector3d sums_ = Eigen::Vector3d::Zero();      // of y (1, x, z)
   double n_resting_ = 0;                                // that its memory holds
   int contradicted_frames_ = 0;
+  const bool is_measured_;
   std::optional<Floor> floor_;
 };
 

@@ -38,6 +38,10 @@ View make_view(const SynthOptions& options) {
   rotation = Eigen::AngleAxisd(options.camera_roll_deg * M_PI / 180, Vec3::UnitZ()).toRotationMatrix() * rotation;
   view.camera_from_room_rotation = rotation;
   view.camera_from_room_translation = -rotation * eye;
+  if (options.floor) {
+    const Vec3 up = rotation * Vec3::UnitY();
+    view.camera.floor = FloorPlane{{up.x(), up.y(), up.z()}, eye.y()};
+  }
   return view;
 }
 

@@ -61,6 +61,7 @@ struct SynthOptions {
   double gain_drift = 0.015;       // slow change of exposure, relative
   double blur_px = 0.45;           // standard deviation of the lens blur
   bool cloth = true;               // false: the surface is pure skinning
+  bool floor = false;              // true: camera.json says where the floor is
   uint64_t seed = 1;               // of the noise and the room's texture
 
   // Throws ConfigError naming the field.

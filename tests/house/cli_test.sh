@@ -113,6 +113,8 @@ sed 's/"width": *540/"width": 640/' seq/camera.json >wide.json
 expect_capture 2 'wide.json width 640 540' --camera wide.json
 sed 's/"fx": *[0-9.]*/"fx": -1/' seq/camera.json >negative.json
 expect_capture 2 'negative.json fx' --camera negative.json
+sed 's/^{/{"floor":{"normal":[0,1,0],"distance_mm":1200},/' seq/camera.json >ceiling.json
+expect_capture 2 'ceiling.json floor.normal down' --camera ceiling.json
 sed 's/"fx": *[0-9.]*/"fx": "long"/' seq/camera.json >text.json
 expect_capture 2 'text.json fx' --camera text.json
 # An actor whose bones nobody knows: the names are overwritten at the same length, so that the container stays whole.
@@ -241,6 +243,14 @@ expect 2 'none.mp4' calibrate --video none.mp4 --board 9x6 --out c.json
 expect 2 'nothing holds no .png' calibrate --images nothing --board 9x6 --out c.json
 expect 2 'seq/truth/masks: no board with 9x6 inner corners' calibrate --images seq/truth/masks --board 9x6 --out c.json
 expect 2 'seq/video.mp4: no board' calibrate --video seq/video.mp4 --charuco 7x5 --out c.json
+floor=(calibrate --camera seq/camera.json --floor seq/background.png --out c.json)
+expect 2 '--camera --floor' calibrate --camera seq/camera.json --board 9x6 --out c.json
+expect 2 '--camera --images' "${floor[@]}" --images seq --board 9x6 --square 30
+expect 2 '--square mm' "${floor[@]}" --board 9x6
+expect 2 '--square -3' "${floor[@]}" --board 9x6 --square -3
+expect 2 'seq/background.png no board with 9x6' "${floor[@]}" --board 9x6 --square 30
+expect 2 'none.png' calibrate --camera seq/camera.json --out c.json --floor none.png --board 9x6 --square 30
+expect 2 'negative.json' calibrate --camera negative.json --out c.json --floor seq/background.png --board 9x6 --square 30
 [[ ! -e c.json ]] || { echo "FAILED: calibrate left a file"; failures=$((failures + 1)); }
 
 # bench.

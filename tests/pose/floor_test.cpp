@@ -140,6 +140,25 @@ TEST(Floor, WhoStandsOnAnotherOneForLongTellsOfThat) {
   EXPECT_NEAR(finder.floor()->offset_mm, higher.offset_mm, 3 * test::kLearnedFloorMm);
 }
 
+TEST(Floor, ThatWasMeasuredStaysWhatItIs) {
+  const Actor actor = test::make_test_actor();
+  Camera camera = test::portrait_camera();
+  EXPECT_FALSE(measured_floor(camera));
+  camera.floor = FloorPlane{{kUp.x(), kUp.y(), kUp.z()}, 1200};
+  FloorFinder finder(actor, {}, measured_floor(camera));
+  const auto expect_measured = [&] {
+    ASSERT_NE(finder.floor(), nullptr);
+    EXPECT_EQ(finder.floor()->up, kUp);
+    EXPECT_EQ(finder.floor()->offset_mm, 1200);
+  };
+  expect_measured();
+  const Pose higher = on_floor(actor, 0, 3200, {kUp, 900});
+  for (int frame = 0; frame < 100; ++frame) finder.learn(higher, higher, seen(actor, higher));
+  expect_measured();
+  finder.forget();
+  expect_measured();
+}
+
 TEST(Floor, StandsWhatIsLowNearAndStill) {
   const Actor actor = test::make_test_actor();
   const Floor floor{kUp, 1200};
@@ -195,6 +214,32 @@ TEST(Floor, TellsTheDepthOfTheFeet) {
     }
     RecordProperty("share", std::to_string(with / without));
     EXPECT_LT(with, test::kFloorDepthShare * without);
+  });
+}
+
+// Whoever gives a floor that is too high gets feet that are nearer, one that is too low feet that are further away.
+TEST(Floor, AWrongOneMovesTheFeet) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const Actor actor = test::make_test_actor();
+    const Camera camera = test::portrait_camera();
+    const Pose truth = on_floor(actor, 0, 3200, {kUp, 1200});
+    PoseOptions options;
+    options.weights.keypoint_3d = options.weights.temporal = 0;
+    PoseSolver solver(device, actor, camera, options);
+    const Detections detections = test::exact_detections(actor, camera, truth);
+    const auto feet_z = [&](double height_mm) {
+      const Floor floor{kUp, height_mm};
+      const PoseResult result = solver.solve(
+          {.detections = detections, .initial = truth, .previous = &truth, .floor = &floor, .n_steps = 20});
+      EXPECT_EQ(result.status, SolveStatus::kOk);
+      double sum = 0;
+      const auto soles = soles_of(actor, result.pose);
+      for (const Eigen::Vector3d& p : soles) sum += p.z();
+      return sum / static_cast<double>(soles.size());
+    };
+    const double right = feet_z(1200);
+    EXPECT_LT(feet_z(1180), right - test::kLearnedFloorMm);
+    EXPECT_GT(feet_z(1220), right + test::kLearnedFloorMm);
   });
 }
 

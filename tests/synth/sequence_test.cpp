@@ -112,6 +112,27 @@ TEST(Sequence, HasTheFilesAndFrames) {
   EXPECT_EQ(video.info().height, 480);
 }
 
+// The lowest point of who stands there is on the floor that camera.json tells, if it was asked to.
+TEST(Sequence, TellsTheFloorWhenAsked) {
+  EXPECT_FALSE(skirt().camera.floor);
+  SynthOptions options = small("trousers");
+  options.motions = {"turn"};
+  options.n_frames = kEmpty + 4;
+  options.cloth = false;
+  options.floor = true;
+  const Sequence s(options, "floor");
+  ASSERT_TRUE(s.camera.floor);
+  const auto& n = s.camera.floor->normal;
+  for (int frame = kEmpty; frame < s.report.n_frames; ++frame) {
+    double lowest = 1e9;
+    for (int i = 0; i < s.truth.n_points; ++i) {
+      const float* p = s.truth.sample(frame) + 3 * i;  // glTF, metres
+      lowest = std::min(lowest, 1000 * (n[0] * p[0] - n[1] * p[1] - n[2] * p[2]) + s.camera.floor->distance_mm);
+    }
+    EXPECT_NEAR(lowest, 0, test::kOnFloorMm) << "frame " << frame;
+  }
+}
+
 TEST(Sequence, StartsEmpty) {
   const Sequence& s = skirt();
   for (int frame = 0; frame < kEmpty; ++frame) {

@@ -1,9 +1,11 @@
-// livecap calibrate: views of a chessboard or ChArUco board -> camera.json.
+// livecap calibrate: views of a chessboard or ChArUco board -> camera.json; and where the floor is, from one of them.
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "acquire/calibrate.h"
+#include "acquire/floor_board.h"
 #include "base/log.h"
 #include "base/text.h"
 #include "command.h"
@@ -15,7 +17,8 @@ namespace {
 
 struct Options {
   acquire::CalibrateOptions calibrate;
-  std::string images, video;
+  acquire::FloorBoardOptions floor;
+  std::string images, video, camera;
   std::string board, charuco;
   std::string dictionary = "4x4_50";
   std::string out;
@@ -39,32 +42,67 @@ void print(const acquire::Calibration& result, const std::string& out) {
     std::printf("  %-32s %6.3f%s\n", view.name.c_str(), view.rms_px, view.left_out.empty() ? "" : "  left out");
 }
 
-int calibrate(const Options& options) {
-  acquire::CalibrateOptions given = options.calibrate;
-  if (options.images.empty() == options.video.empty())
-    throw ConfigError("calibrate: give either --images (a folder) or --video");
+void print(const acquire::FloorBoard& result) {
+  std::printf("floor: the camera is %.0f mm above it, looks down by %.1f degrees and is rolled by %.1f degrees\n",
+              result.floor.distance_mm, result.down_deg, result.roll_deg);
+  std::printf(
+      "  from %d corners %.2f m away, reprojection %.3f px (RMS); a metre from the board uncertain by %.1f mm\n",
+      result.n_corners, result.away_mm / 1000, result.rms_px, result.sigma_mm);
+}
+
+acquire::BoardOptions board_of(const Options& options) {
+  acquire::BoardOptions board = options.calibrate.board;
   if (options.board.empty() == options.charuco.empty())
     throw ConfigError(
         "calibrate: give either --board COLUMNSxROWS (inner corners) or --charuco COLUMNSxROWS (squares)");
-  given.source = options.images.empty() ? options.video : options.images;
   if (options.charuco.empty()) {
-    acquire::read_board_size(options.board, "--board", given.board.columns, given.board.rows);
+    acquire::read_board_size(options.board, "--board", board.columns, board.rows);
   } else {
-    acquire::read_board_size(options.charuco, "--charuco", given.board.columns, given.board.rows);
-    given.board.dictionary = options.dictionary;
+    acquire::read_board_size(options.charuco, "--charuco", board.columns, board.rows);
+    board.dictionary = options.dictionary;
   }
-  given.validate();
+  return board;
+}
+
+acquire::Calibration calibrate_views(const acquire::CalibrateOptions& options) {
   catch_interrupt();
   Progress progress("calibrate");
-  const acquire::BoardViews views = acquire::gather_board_views(given, [&](int done, int total) {
+  const acquire::BoardViews views = acquire::gather_board_views(options, [&](int done, int total) {
     progress.update(done, total);
     return !interrupted();
   });
   progress.finish();
-  const acquire::Calibration result = acquire::calibrate(views);
-  save_camera(result.camera, options.out);
-  for (const std::string& note : result.notes) log_warning(note);
-  print(result, options.out);
+  return acquire::calibrate(views);
+}
+
+int calibrate(const Options& options) {
+  const bool has_floor = !options.floor.picture.empty(), has_camera = !options.camera.empty();
+  if (has_camera && (!options.images.empty() || !options.video.empty()))
+    throw ConfigError("calibrate: --camera is one that is calibrated already; it does not go with --images or --video");
+  if (has_camera && !has_floor) throw ConfigError("calibrate: --camera needs --floor, the picture to add to it");
+  if (!has_camera && options.images.empty() == options.video.empty())
+    throw ConfigError("calibrate: give either --images (a folder) or --video");
+  acquire::CalibrateOptions views = options.calibrate;
+  acquire::FloorBoardOptions floor = options.floor;
+  views.board = floor.board = board_of(options);
+  views.source = options.images.empty() ? options.video : options.images;
+  if (!has_camera) views.validate();
+  if (has_floor) floor.validate();
+
+  std::optional<acquire::Calibration> calibration;
+  if (!has_camera) calibration = calibrate_views(views);
+  Camera camera = has_camera ? load_camera(options.camera) : calibration->camera;
+  std::optional<acquire::FloorBoard> found;
+  if (has_floor) {
+    found = acquire::find_floor(floor, camera);
+    camera.floor = found->floor;
+  }
+  save_camera(camera, options.out);
+  for (const auto* notes : {calibration ? &calibration->notes : nullptr, found ? &found->notes : nullptr})
+    if (notes)
+      for (const std::string& note : *notes) log_warning(note);
+  if (calibration) print(*calibration, options.out);
+  if (found) print(*found);
   return kExitOk;
 }
 
@@ -80,6 +118,9 @@ void add_calibrate_command(CLI::App& app, Action& action) {
   command->add_option("--dictionary", options->dictionary, "of the ChArUco markers")->capture_default_str();
   command->add_option("--marker", options->calibrate.board.marker_share, "side of a marker over that of its square")
       ->capture_default_str();
+  command->add_option("--floor", options->floor.picture, "also where the floor is: a picture of the board lying on it");
+  command->add_option("--square", options->floor.square_mm, "side of a square in mm, for --floor");
+  command->add_option("--camera", options->camera, "camera.json to add the floor to, instead of --images or --video");
   command->add_option("--max-views", options->calibrate.max_views, "the most different ones are used")
       ->capture_default_str();
   command->add_option("--out", options->out, "camera.json to write")->required();

@@ -1,0 +1,87 @@
+// camera.json: what is written is read back, and what is wrong in it is named.
+#include "livecap/camera.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <tuple>
+
+#include "base/text.h"
+#include "livecap/error.h"
+
+namespace livecap {
+namespace {
+
+class File {
+ public:
+  ~File() { std::filesystem::remove(path_); }
+  const std::filesystem::path& path() const { return path_; }
+  std::string refusal() const {
+    try {
+      load_camera(path_);
+      return "";
+    } catch (const IoError& error) {
+      return error.what();
+    }
+  }
+
+ private:
+  std::filesystem::path path_ =
+      std::filesystem::temp_directory_path() / format("livecap_camera_test_%d.json", int(::getpid()));
+};
+
+Camera camera() {
+  return {540, 960, 1010.5, 1009, 269.25, 479.5, {-0.2, 0.07, 0.001, -0.002, 0.01}};
+}
+
+TEST(Camera, IsReadAsItWasWritten) {
+  const File file;
+  for (const bool with_floor : {false, true}) {
+    Camera written = camera();
+    if (with_floor) written.floor = FloorPlane{{0.02, -std::sqrt(1 - 0.0404), -0.2}, 1234.5};
+    save_camera(written, file.path());
+    const Camera read = load_camera(file.path());
+    EXPECT_EQ(
+        std::tie(read.width, read.height, read.fx, read.fy, read.cx, read.cy, read.distortion),
+        std::tie(written.width, written.height, written.fx, written.fy, written.cx, written.cy, written.distortion));
+    ASSERT_EQ(read.floor.has_value(), with_floor);
+    EXPECT_EQ(read_file(file.path()).find("floor") != std::string::npos, with_floor);
+    if (!with_floor) continue;
+    EXPECT_EQ(read.floor->normal, written.floor->normal);
+    EXPECT_EQ(read.floor->distance_mm, written.floor->distance_mm);
+  }
+}
+
+TEST(Camera, FloorsThatCannotBeAreNamed) {
+  const File file;
+  const auto refusal = [&](const std::string& floor) {
+    write_file_atomically(
+        file.path(), R"({"width":540,"height":960,"fx":1010,"fy":1010,"cx":269.5,"cy":479.5,"floor":)" + floor + "}");
+    return file.refusal();
+  };
+  EXPECT_EQ(refusal(R"({"normal":[0,-0.96,-0.28],"distance_mm":1500})"), "");
+  EXPECT_EQ(refusal(R"({"normal":[1,0,0],"distance_mm":1500})"), "") << "a camera on its side";
+  EXPECT_EQ(refusal(R"({"normal":[0,0,-1],"distance_mm":2500})"), "") << "a camera under the ceiling";
+  for (const auto& [floor, named] :
+       {std::pair{"1200", "field \"floor\" must be"}, std::pair{"null", "field \"floor\" must be"},
+        std::pair{R"({"normal":[0,-1,0]})", "distance_mm"}, std::pair{R"({"distance_mm":1200})", "normal"},
+        std::pair{R"({"normal":[0,-1],"distance_mm":1200})", "[x, y, z]"},
+        std::pair{R"({"normal":[0,"up",0],"distance_mm":1200})", "[x, y, z]"},
+        std::pair{R"({"normal":[0,-1,0],"distance_mm":"1200"})", "number"},
+        std::pair{R"({"normal":[0,-2,0],"distance_mm":1200})", "length 2"},
+        std::pair{R"({"normal":[0,0,0],"distance_mm":1200})", "length 0"},
+        std::pair{R"({"normal":[0,0.96,0.28],"distance_mm":1500})", "points down"},
+        std::pair{R"({"normal":[0,-1,0],"distance_mm":-1200})", "distance_mm is -1200"},
+        std::pair{R"({"normal":[0,-1,0],"distance_mm":0})", "distance_mm is 0"},
+        std::pair{R"({"normal":[0,-1,0],"distance_mm":1e999})", ""}}) {
+    const std::string message = refusal(floor);
+    EXPECT_EQ(message.find(file.path().string()), 0u) << floor << ": " << message;
+    EXPECT_NE(message.find(named), std::string::npos) << floor << ": " << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  }
+}
+
+}  // namespace
+}  // namespace livecap

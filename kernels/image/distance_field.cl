@@ -95,7 +95,7 @@ static inline int end_of_run(global const ushort* row, int from, int width, usho
   for (int x = from & ~(LC_LANES - 1); x < width; x += LC_LANES) {
     const short16 other = as_short16(vload16(0, row + x) ^ kind) < (short16)0;
     if (!any(other)) continue;
-    uint bits = lane_bits(convert_int16(other));
+    uint bits = bits_of_16(convert_int16(other));
     if (x < from) bits &= ~0u << (from - x);
     if (bits) return min(x + lowest_bit(bits), width);
   }
@@ -106,7 +106,8 @@ static inline int end_of_run(global const ushort* row, int from, int width, usho
 // than the run's ends, which are at height 0: their parabolas meet in the middle, and what is not lower there is not
 // lower anywhere. A run that goes on beyond the first or last column has no end there.
 static inline uint near_columns(global const ushort* row, int x, int begin, int end, int width, int16* squares) {
-  const int16 column = x + LANE_IDS, far = convert_int16(vload16(0, row + x) & LC_STEPS);
+  const int16 column = x + (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  const int16 far = convert_int16(vload16(0, row + x) & LC_STEPS);
   const int16 height = far * far;
   const int before = begin - 1;
   int16 near = far < LC_NONE && column >= begin && column < end;
@@ -118,7 +119,7 @@ static inline uint near_columns(global const ushort* row, int x, int begin, int 
     near &= height < (column - before) * (2 * (end - 1) - before - column);
   }
   *squares = height;
-  return any(near) ? lane_bits(near) : 0;
+  return any(near) ? bits_of_16(near) : 0;
 }
 
 // One work-item per n_band rows. sites: [3 * (n_columns + 2)] ints of scratch per work-item. distance: [w*h] px, half a

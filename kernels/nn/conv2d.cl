@@ -1,25 +1,109 @@
 // CONV_2D, NHWC: y[p, n] = clamp(bias[n] + sum over kernel taps and input channels of x[p + tap, k] * w[n, tap, k] +
-// residual). On CPUs (GPUs: layers.cl) one work-item is a register tile of NN_TILE pixels x NN_PANEL channels.
+// residual). On CPUs (GPUs: layers.cl) one work-item makes two panels of some pixels, a register tile at a time.
 #include "nn/panel.h"
 
-// Written out: compilers contract the expression to one instruction; PoCL's mad() is a multiplication and an addition.
-#define NN_MAD(x, w, sum) ((float16)(x) * (w) + (sum))
+// Register tiles, pixels x output channels: with AVX-512 eight pixels x two panels take half of the 32 registers, and
+// two panels halve the reads of inputs. Elsewhere a panel is two of 16 registers: six pixels x a panel, or eight x half
+// a panel. Sums are written out: compilers contract them to one instruction; PoCL's mad() is a multiplication and an
+// addition.
+#define NN_6_PIXELS(M) M(0) M(1) M(2) M(3) M(4) M(5)
+#define NN_8_PIXELS(M) NN_6_PIXELS(M) M(6) M(7)
 
-// The register tile: NN_TILE pixels of one panel (a) or of two neighbours (a, b), which halves the reads of inputs.
-#define NN_EACH_PIXEL(M) M(0) M(1) M(2) M(3) M(4) M(5) M(6) M(7)
-#define NN_CLEAR(p) float16 a##p = bias_a, b##p = bias_b;
-#define NN_ADD_ONE(p) a##p = NN_MAD(NN_INPUT(p), wa, a##p);
-#define NN_ADD_TWO(p)              \
-  {                                \
-    const float16 x = NN_INPUT(p); \
-    a##p = x * wa + a##p;          \
-    b##p = x * wb + b##p;          \
+#define NN_HALF_BIAS const float8 bias = vload8(0, biases);
+#define NN_HALF_CLEAR(p) float8 a##p = bias;
+#define NN_HALF_WEIGHTS const float8 wa = vload8(0, w + k * NN_PANEL);
+#define NN_HALF_ADD(p) a##p = x##p[k] * wa + a##p;
+#define NN_HALF_STORE(p) \
+  if (p < n_pixels) nn_store_half(op, arena, at + p * op.out_channels, a##p, n);
+
+#define NN_ONE_BIAS const float16 bias = vload16(0, biases);
+#define NN_ONE_CLEAR(p) float16 a##p = bias;
+#define NN_ONE_WEIGHTS const float16 wa = vload16(k, w);
+#define NN_ONE_ADD(p) a##p = x##p[k] * wa + a##p;
+#define NN_ONE_STORE(p) \
+  if (p < n_pixels) nn_store_panel(op, arena, at + p * op.out_channels, a##p, n);
+
+#define NN_TWO_BIAS const float16 bias = vload16(0, biases), bias_b = vload16(1, biases);
+#define NN_TWO_CLEAR(p) float16 a##p = bias, b##p = bias_b;
+#define NN_TWO_WEIGHTS const float16 wa = vload16(k, w), wb = vload16(k, w + panel_size);
+#define NN_TWO_ADD(p)          \
+  {                            \
+    const float16 x = x##p[k]; \
+    a##p = x * wa + a##p;      \
+    b##p = x * wb + b##p;      \
   }
-#define NN_STORE(p)                                                                              \
-  if (p < n_pixels) {                                                                            \
-    nn_store_panel(op, arena, at + p * op.out_channels, a##p, n);                                \
-    if (two) nn_store_panel(op, arena, at + p * op.out_channels + NN_PANEL, b##p, n - NN_PANEL); \
+#define NN_TWO_STORE(p)                                                                 \
+  if (p < n_pixels) {                                                                   \
+    nn_store_panel(op, arena, at + p * op.out_channels, a##p, n);                       \
+    nn_store_panel(op, arena, at + p * op.out_channels + NN_PANEL, b##p, n - NN_PANEL); \
   }
+
+// Output channels from c on of pixels first..end-1, by a kernel of 1x1.
+#define NN_POINT(p) global const float* x##p = x + min(p, n_pixels - 1) * op.in_channels;
+#define NN_POINTWISE_TILES(NAME, KIND, COUNT)                                                                    \
+  static inline void NAME(NnOp op, int first, int end, int c, global const float* restrict weights,              \
+                          global float* arena) {                                                                 \
+    const int n = op.out_channels - c, panel_size = op.in_channels * NN_PANEL;                                   \
+    global const float* restrict w = weights + op.weight_offset + c / NN_PANEL * panel_size;                     \
+    global const float* restrict biases = weights + op.bias_offset + c;                                          \
+    KIND##_BIAS for (; first < end; first += COUNT) {                                                            \
+      const int n_pixels = end - first;                                                                          \
+      global const float* x = arena + op.in_offset + first * op.in_channels;                                     \
+      NN_##COUNT##_PIXELS(NN_POINT) NN_##COUNT##_PIXELS(KIND##_CLEAR) for (int k = 0; k < op.in_channels; ++k) { \
+        KIND##_WEIGHTS NN_##COUNT##_PIXELS(KIND##_ADD)                                                           \
+      }                                                                                                          \
+      const int at = first * op.out_channels + c;                                                                \
+      NN_##COUNT##_PIXELS(KIND##_STORE)                                                                          \
+    }                                                                                                            \
+  }
+
+// Likewise of columns first..end-1 of row y, by any kernel. Inside the image the kernel's columns are contiguous in
+// memory and count as one long row of inputs; what is outside is read from the zeros at the beginning of the arena.
+#define NN_PLACE(p)                          \
+  const int px##p = tap_x + p * op.stride_w; \
+  global const float* x##p = arena + (px##p >= 0 && px##p < op.in_width ? row + px##p * channels : 0);
+#define NN_WINDOW_TILES(NAME, KIND, COUNT)                                                                           \
+  static inline void NAME(NnOp op, int y, int first, int end, int c, global const float* restrict weights,           \
+                          global float* arena) {                                                                     \
+    const int channels = op.in_channels;                                                                             \
+    const int n = op.out_channels - c, panel_size = op.kernel_h * op.kernel_w * channels * NN_PANEL;                 \
+    global const float* restrict biases = weights + op.bias_offset + c;                                              \
+    KIND##_BIAS for (; first < end; first += COUNT) {                                                                \
+      const int n_pixels = end - first;                                                                              \
+      const int in_x = first * op.stride_w - op.pad_left;                                                            \
+      const int reach = (COUNT - 1) * op.stride_w + op.kernel_w;                                                     \
+      const int inside = op.dilation_w == 1 && in_x >= 0 && in_x + reach <= op.in_width;                             \
+      const int n_segments = inside ? 1 : op.kernel_w;                                                               \
+      const int segment = inside ? op.kernel_w * channels : channels;                                                \
+      NN_##COUNT##_PIXELS(KIND##_CLEAR) for (int ky = 0; ky < op.kernel_h; ++ky) {                                   \
+        const int in_y = y * op.stride_h - op.pad_top + ky * op.dilation_h;                                          \
+        if (in_y < 0 || in_y >= op.in_height) continue;                                                              \
+        const int row = op.in_offset + in_y * op.in_width * channels;                                                \
+        for (int s = 0; s < n_segments; ++s) {                                                                       \
+          const int tap_x = in_x + s * op.dilation_w;                                                                \
+          NN_##COUNT##_PIXELS(NN_PLACE) global const float* restrict w =                                             \
+              weights + op.weight_offset + c / NN_PANEL * panel_size + (ky * op.kernel_w + s) * channels * NN_PANEL; \
+          for (int k = 0; k < segment; ++k) {                                                                        \
+            KIND##_WEIGHTS NN_##COUNT##_PIXELS(KIND##_ADD)                                                           \
+          }                                                                                                          \
+        }                                                                                                            \
+      }                                                                                                              \
+      const int at = (y * op.out_width + first) * op.out_channels + c;                                               \
+      NN_##COUNT##_PIXELS(KIND##_STORE)                                                                              \
+    }                                                                                                                \
+  }
+
+#if LC_VECTOR == 16
+NN_POINTWISE_TILES(pointwise_one, NN_ONE, 8)
+NN_POINTWISE_TILES(pointwise_two, NN_TWO, 8)
+NN_WINDOW_TILES(window_one, NN_ONE, 8)
+NN_WINDOW_TILES(window_two, NN_TWO, 8)
+#else
+NN_POINTWISE_TILES(pointwise_half, NN_HALF, 8)
+NN_POINTWISE_TILES(pointwise_one, NN_ONE, 6)
+NN_WINDOW_TILES(window_half, NN_HALF, 8)
+NN_WINDOW_TILES(window_one, NN_ONE, 6)
+#endif
 
 // 1x1 kernel, stride 1: a matrix product [pixels x in_channels] [in_channels x out_channels]. One work-item = NN_STRIP
 // pixels x two panels. count = strips * ceil(panels / 2).
@@ -27,45 +111,29 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_pointwise(NnOp o
                                                                           global float* arena) {
   const int id = get_global_id(0);
   if (id >= op.count) return;
-  const int all_pixels = op.out_height * op.out_width;
-  const int n_strips = (all_pixels + NN_STRIP - 1) / NN_STRIP;
+  const int n_pixels = op.out_height * op.out_width;
+  const int n_strips = (n_pixels + NN_STRIP - 1) / NN_STRIP;
   const int n_pairs = (op.out_channels + 2 * NN_PANEL - 1) / (2 * NN_PANEL);
-  const int strip = op.panels_innermost ? id / n_pairs : id % n_strips;
-  const int panel = 2 * (op.panels_innermost ? id % n_pairs : id / n_strips);
-  const int n = op.out_channels - panel * NN_PANEL;
-  const int two = n > NN_PANEL;
-  const int k_count = op.in_channels;
-  global const float* restrict weights_a = weights + op.weight_offset + panel * k_count * NN_PANEL;
-  global const float* restrict weights_b = weights_a + (two ? k_count * NN_PANEL : 0);
-  const float16 bias_a = vload16(panel, weights + op.bias_offset);
-  const float16 bias_b = vload16(panel + two, weights + op.bias_offset);
-  const int end = min((strip + 1) * NN_STRIP, all_pixels);
-  for (int first = strip * NN_STRIP; first < end; first += NN_TILE) {
-    const int n_pixels = end - first;
-    global const float* x = arena + op.in_offset + first * k_count;
-#define NN_POINT(p) global const float* x##p = x + min(p, n_pixels - 1) * k_count;
-    NN_EACH_PIXEL(NN_POINT)
-    NN_EACH_PIXEL(NN_CLEAR)
-#define NN_INPUT(p) x##p[k]
-    if (two) {
-      for (int k = 0; k < k_count; ++k) {
-        const float16 wa = vload16(k, weights_a), wb = vload16(k, weights_b);
-        NN_EACH_PIXEL(NN_ADD_TWO)
-      }
-    } else {
-      for (int k = 0; k < k_count; ++k) {
-        const float16 wa = vload16(k, weights_a);
-        NN_EACH_PIXEL(NN_ADD_ONE)
-      }
-    }
-#undef NN_INPUT
-    const int at = first * op.out_channels + panel * NN_PANEL;
-    NN_EACH_PIXEL(NN_STORE)
+  const int first = (op.panels_innermost ? id / n_pairs : id % n_strips) * NN_STRIP;
+  const int c = (op.panels_innermost ? id % n_pairs : id / n_strips) * 2 * NN_PANEL;
+  const int end = min(first + NN_STRIP, n_pixels), n = op.out_channels - c;
+#if LC_VECTOR == 16
+  if (n > NN_PANEL) {
+    pointwise_two(op, first, end, c, weights, arena);
+  } else {
+    pointwise_one(op, first, end, c, weights, arena);
   }
+#else
+  if (n > NN_PANEL / 2) pointwise_one(op, first, end, c, weights, arena);
+  if (n > NN_PANEL + NN_PANEL / 2) pointwise_one(op, first, end, c + NN_PANEL, weights, arena);
+  const int rest = n % NN_PANEL;
+  if (n < 2 * NN_PANEL && rest > 0 && rest <= NN_PANEL / 2)
+    pointwise_half(op, first, end, c + n - rest, weights, arena);
+#endif
 }
 
-// Any kernel, stride, dilation and padding. The tile is NN_TILE neighbours in one row; pixels outside the image are
-// read from the zeros at the beginning of the arena. count = rows * tiles per row * ceil(panels / 2).
+// Any kernel, stride, dilation and padding. One work-item = NN_TILE neighbours in one row x two panels. count = rows *
+// tiles per row * ceil(panels / 2).
 kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_window(NnOp op, global const float* restrict weights,
                                                                        global float* arena) {
   const int id = get_global_id(0);
@@ -74,53 +142,23 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_window(NnOp op, 
   const int n_tiles = op.out_height * tiles_per_row;
   const int n_pairs = (op.out_channels + 2 * NN_PANEL - 1) / (2 * NN_PANEL);
   const int tile = op.panels_innermost ? id / n_pairs : id % n_tiles;
-  const int panel = 2 * (op.panels_innermost ? id % n_pairs : id / n_tiles);
+  const int c = (op.panels_innermost ? id % n_pairs : id / n_tiles) * 2 * NN_PANEL;
   const int y = tile / tiles_per_row;
-  const int x_first = tile % tiles_per_row * NN_TILE;
-  const int channels = op.in_channels;
-  const int in_x = x_first * op.stride_w - op.pad_left;
-  const int reach = (NN_TILE - 1) * op.stride_w + op.kernel_w;
-  const int inside = op.dilation_w == 1 && in_x >= 0 && in_x + reach <= op.in_width;
-  // Inside, the kernel's columns are contiguous in memory and count as one long row of inputs.
-  const int n_segments = inside ? 1 : op.kernel_w;
-  const int segment = inside ? op.kernel_w * channels : channels;
-  const int n = op.out_channels - panel * NN_PANEL;
-  const int two = n > NN_PANEL;
-  const int panel_size = op.kernel_h * op.kernel_w * channels * NN_PANEL;
-  const float16 bias_a = vload16(panel, weights + op.bias_offset);
-  const float16 bias_b = vload16(panel + two, weights + op.bias_offset);
-  NN_EACH_PIXEL(NN_CLEAR)
-  for (int ky = 0; ky < op.kernel_h; ++ky) {
-    const int in_y = y * op.stride_h - op.pad_top + ky * op.dilation_h;
-    if (in_y < 0 || in_y >= op.in_height) continue;
-    const int row = op.in_offset + in_y * op.in_width * channels;
-    for (int s = 0; s < n_segments; ++s) {
-      const int tap_x = in_x + s * op.dilation_w;
-#define NN_PLACE(p)                          \
-  const int px##p = tap_x + p * op.stride_w; \
-  global const float* x##p = arena + (px##p >= 0 && px##p < op.in_width ? row + px##p * channels : 0);
-      NN_EACH_PIXEL(NN_PLACE)
-      global const float* restrict weights_a =
-          weights + op.weight_offset + panel * panel_size + (ky * op.kernel_w + s) * channels * NN_PANEL;
-      global const float* restrict weights_b = weights_a + (two ? panel_size : 0);
-#define NN_INPUT(p) x##p[k]
-      if (two) {
-        for (int k = 0; k < segment; ++k) {
-          const float16 wa = vload16(k, weights_a), wb = vload16(k, weights_b);
-          NN_EACH_PIXEL(NN_ADD_TWO)
-        }
-      } else {
-        for (int k = 0; k < segment; ++k) {
-          const float16 wa = vload16(k, weights_a);
-          NN_EACH_PIXEL(NN_ADD_ONE)
-        }
-      }
-#undef NN_INPUT
-    }
+  const int first = tile % tiles_per_row * NN_TILE;
+  const int end = min(first + NN_TILE, op.out_width), n = op.out_channels - c;
+#if LC_VECTOR == 16
+  if (n > NN_PANEL) {
+    window_two(op, y, first, end, c, weights, arena);
+  } else {
+    window_one(op, y, first, end, c, weights, arena);
   }
-  const int n_pixels = op.out_width - x_first;
-  const int at = (y * op.out_width + x_first) * op.out_channels + panel * NN_PANEL;
-  NN_EACH_PIXEL(NN_STORE)
+#else
+  if (n > NN_PANEL / 2) window_one(op, y, first, end, c, weights, arena);
+  if (n > NN_PANEL + NN_PANEL / 2) window_one(op, y, first, end, c + NN_PANEL, weights, arena);
+  const int rest = n % NN_PANEL;
+  if (n < 2 * NN_PANEL && rest > 0 && rest <= NN_PANEL / 2)
+    window_half(op, y, first, end, c + n - rest, weights, arena);
+#endif
 }
 
 // A window convolution to a few channels (a mask): a panel would be nearly empty, so the input channels are the vector.

@@ -66,8 +66,64 @@
 NN_DEPTHWISE(depthwise_3x3, 3, 1, 1)
 NN_DEPTHWISE(depthwise_3x3_stride_2, 3, 2, 1)
 NN_DEPTHWISE(depthwise_3x3_pairs, 3, 1, 2)
+#if LC_VECTOR == 16
 NN_DEPTHWISE(depthwise_5x5, 5, 1, 1)
 NN_DEPTHWISE(depthwise_5x5_stride_2, 5, 2, 1)
+#else
+
+// Where sixteen channels are two of 16 registers: eight channels of NN_TOGETHER pixels at a time and a row of weights
+// in registers. Each column of the inputs is read once for all pixels whose windows it is in.
+#define NN_TOGETHER 8
+
+// COUNTS: whether column j is in the image.
+#define NN_HALF_ROW(K, STEP, COUNTS)                                         \
+  _Pragma("unroll") for (int j = 0; j < (NN_TOGETHER - 1) * STEP + K; ++j) { \
+    if (!(COUNTS)) continue;                                                 \
+    const float8 v = vload8(0, row + j * channels);                          \
+    _Pragma("unroll") for (int i = 0; i < NN_TOGETHER; ++i) {                \
+      const int kx = j - i * STEP;                                           \
+      if (kx >= 0 && kx < K) sum[i] = v * w_row[kx] + sum[i];                \
+    }                                                                        \
+  }
+#define NN_DEPTHWISE_HALVES(NAME, K, STEP)                                                                       \
+  kernel __attribute__((reqd_work_group_size(1, 1, 1))) void NAME(NnOp op, global const float* restrict weights, \
+                                                                  global float* arena) {                         \
+    const int id = get_global_id(0);                                                                             \
+    if (id >= op.count) return;                                                                                  \
+    const int n_panels = (op.out_channels + NN_PANEL - 1) / NN_PANEL;                                            \
+    const int y = id / n_panels;                                                                                 \
+    const int panel = id % n_panels;                                                                             \
+    const int channels = op.in_channels;                                                                         \
+    const int in_y = y * op.stride_h - op.pad_top;                                                               \
+    for (int x = 0; x < op.out_width; x += NN_TOGETHER) {                                                        \
+      const int in_x = x * STEP - op.pad_left;                                                                   \
+      const int inside = in_x >= 0 && in_x + (NN_TOGETHER - 1) * STEP + K <= op.in_width;                        \
+      for (int c = panel * NN_PANEL; c < min((panel + 1) * NN_PANEL, channels); c += NN_PANEL / 2) {             \
+        global const float* restrict w = weights + op.weight_offset + panel * K * K * NN_PANEL + c % NN_PANEL;   \
+        const float8 bias = vload8(0, weights + op.bias_offset + c);                                             \
+        float8 sum[NN_TOGETHER];                                                                                 \
+        _Pragma("unroll") for (int i = 0; i < NN_TOGETHER; ++i) sum[i] = bias;                                   \
+        for (int ky = max(0, -in_y); ky < min(K, op.in_height - in_y); ++ky) {                                   \
+          float8 w_row[K];                                                                                       \
+          _Pragma("unroll") for (int kx = 0; kx < K; ++kx) w_row[kx] = vload8(0, w + (ky * K + kx) * NN_PANEL);  \
+          global const float* row = arena + op.in_offset + ((in_y + ky) * op.in_width + in_x) * channels + c;    \
+          if (inside) {                                                                                          \
+            NN_HALF_ROW(K, STEP, 1)                                                                              \
+          } else {                                                                                               \
+            NN_HALF_ROW(K, STEP, in_x + j >= 0 && in_x + j < op.in_width)                                        \
+          }                                                                                                      \
+        }                                                                                                        \
+        const int at = (y * op.out_width + x) * channels + c;                                                    \
+        _Pragma("unroll") for (int i = 0; i < NN_TOGETHER; ++i) {                                                \
+          if (x + i < op.out_width) nn_store_half(op, arena, at + i * channels, sum[i], channels - c);           \
+        }                                                                                                        \
+      }                                                                                                          \
+    }                                                                                                            \
+  }
+
+NN_DEPTHWISE_HALVES(depthwise_5x5, 5, 1)
+NN_DEPTHWISE_HALVES(depthwise_5x5_stride_2, 5, 2)
+#endif
 
 // Any kernel. One work-item = one pixel x NN_PANEL channels. count = pixels * panels.
 kernel __attribute__((reqd_work_group_size(1, 1, 1))) void depthwise_any(NnOp op, global const float* restrict weights,

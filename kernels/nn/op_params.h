@@ -6,10 +6,10 @@
 // Weights of a convolution are packed in panels of this many output channels: [cout/16][kh][kw][cin][16], of a
 // depthwise one [c/16][kh][kw][16], biases [c/16][16], the last panel filled up with zeros.
 #define NN_PANEL 16
-// Output pixels in the register tile of a convolution.
-#define NN_TILE 8
-// Output pixels of one work-item of a 1x1 convolution on a CPU, a multiple of NN_TILE.
-#define NN_STRIP 32
+// Neighbouring output pixels of one work-item on a CPU, whole register tiles of six or eight: of a window convolution
+// and of one of 1x1.
+#define NN_TILE 24
+#define NN_STRIP 48
 // The arena begins with zeros for reads outside an image and ends with slack, so that a vector of NN_PANEL channels may
 // be read (never written) past the last channel of the last pixel.
 #define NN_SLACK 64

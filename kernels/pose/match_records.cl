@@ -30,7 +30,7 @@ static inline void match_records(int first, PoseLayout layout, float4 camera, in
     const REAL residual = before ? huber * row.r[j] : (REAL)0.0f;
 #if LC_CPU
     float lanes[LANES];
-    vstore16(residual, 0, lanes);
+    STORE_LANES(residual, lanes);
     for (int k = 0; k < LANES; ++k) residuals[2 * (first + k) + j] = lanes[k];
 #else
     residuals[2 * first + j] = residual;

@@ -72,11 +72,7 @@ LC_FN void write_skinned_row(global float* restrict record, int first, const Ski
 #pragma unroll
     for (int k = 0; k < 6; ++k) STORE(counts ? values[k] : (REAL)0.0f, record, (6 * j + k) * SLICE);
   }
-#if LC_CPU
-  STORE(as_float16(s->packed_bones), record, LC_POSE_RECORD_BONES * SLICE);
-#else
-  STORE(as_float(s->packed_bones), record, LC_POSE_RECORD_BONES * SLICE);
-#endif
+  STORE(LANE_BITS_AS_REAL(s->packed_bones), record, LC_POSE_RECORD_BONES * SLICE);
 }
 
 #endif

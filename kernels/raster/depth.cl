@@ -67,19 +67,19 @@ kernel void raster_bands(int n_triangles, int width, int height, int n_bands, in
   }
   const float8 lane = (float8)(0, 1, 2, 3, 4, 5, 6, 7);
   const int last_at = max(width - 8, 0);
-  for (int first = 0; first < n_triangles; first += 16) {
-    const RasterTriangles sixteen =
+  for (int first = 0; first < n_triangles; first += LANES) {
+    const RasterTriangles several =
         raster_triangles(lane_rows(first, n_triangles), width, height, cull, projected, triangles);
-    if (band == 0) store_int16(sixteen.facing, facing + first);
-    const int16 here = first + LANE_IDS < n_triangles && sixteen.y0 <= last_row && sixteen.y1 >= first_row;
-    int x0s[16], x1s[16], y0s[16], y1s[16];
-    vstore16(sixteen.x0, 0, x0s);
-    vstore16(sixteen.x1, 0, x1s);
-    vstore16(max(sixteen.y0, first_row), 0, y0s);
-    vstore16(min(sixteen.y1, last_row), 0, y1s);
-    for (uint left = lane_bits(sixteen.covers && here); left; left &= left - 1) {
+    if (band == 0) store_lanes(several.facing, facing + first);
+    const LaneInt here = first + LANE_IDS < n_triangles && several.y0 <= last_row && several.y1 >= first_row;
+    int x0s[LANES], x1s[LANES], y0s[LANES], y1s[LANES];
+    STORE_LANES(several.x0, x0s);
+    STORE_LANES(several.x1, x1s);
+    STORE_LANES(max(several.y0, first_row), y0s);
+    STORE_LANES(min(several.y1, last_row), y1s);
+    for (uint left = lane_bits(several.covers && here); left; left &= left - 1) {
       const int k = lowest_bit(left), t = first + k;
-      const RasterTriangle tri = one_triangle(&sixteen, k);
+      const RasterTriangle tri = one_triangle(&several, k);
       const int x0 = x0s[k], x1 = x1s[k], y0 = y0s[k], y1 = y1s[k];
       for (int strip = y0 / LC_STRIP_ROWS; strip <= y1 / LC_STRIP_ROWS; ++strip) {
         drawn[2 * strip] = min(drawn[2 * strip], x0);

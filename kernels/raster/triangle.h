@@ -1,4 +1,4 @@
-// Projected triangles over the pixel grid. CPU bodies set up sixteen triangles at once and look at eight neighbouring
+// Projected triangles over the pixel grid. CPU bodies set up several triangles at once and look at eight neighbouring
 // pixels of one, GPU bodies at one of each; the formulas are the same. Contraction is explicit (fma), so that two
 // kernels and the two triangles of an edge get the same bits: edges are evaluated from their lower vertex index and
 // leave no gap.

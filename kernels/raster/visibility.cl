@@ -123,15 +123,15 @@ kernel void contour_vertices(int n, int width, int height, int radius_px, float 
 #if LC_CPU
     int x[LANES], y[LANES], at_outline[LANES];
     float z[LANES];
-    vstore16(q.x, 0, x);
-    vstore16(q.y, 0, y);
-    vstore16(q.z, 0, z);
-    vstore16(result, 0, at_outline);
+    STORE_LANES(q.x, x);
+    STORE_LANES(q.y, y);
+    STORE_LANES(q.z, z);
+    STORE_LANES(result, at_outline);
     for (uint left = lane_bits(bends); left; left &= left - 1) {
       const int k = lowest_bit(left);
       at_outline[k] = is_at_outline(x[k], y[k], z[k], width, height, radius_px, tolerance_mm, depth);
     }
-    result = vload16(0, at_outline);
+    result = LOAD_LANES(at_outline);
 #else
     if (bends) result = is_at_outline(q.x, q.y, q.z, width, height, radius_px, tolerance_mm, depth);
 #endif

@@ -1,9 +1,43 @@
-// Sixteen values from or to anywhere, for the bodies for CPUs: one instruction where the processor has it, which PoCL's
-// compiler does not make of sixteen reads or writes.
+// Sixteen or eight values from or to anywhere, for the bodies for CPUs: one instruction where the processor has it,
+// which PoCL's compiler does not make of sixteen reads or writes.
 #ifndef LC_SHARED_GATHER_H
 #define LC_SHARED_GATHER_H
 
 #if LC_CPU
+
+#define LC_EIGHT_OF(p, i) (p[i.s0], p[i.s1], p[i.s2], p[i.s3], p[i.s4], p[i.s5], p[i.s6], p[i.s7])
+
+static inline float8 gather8(global const float* restrict p, int8 i) {
+  return (float8)LC_EIGHT_OF(p, i);
+}
+
+static inline int8 gather_int8(global const int* restrict p, int8 i) {
+  return (int8)LC_EIGHT_OF(p, i);
+}
+
+// The first `lanes` values; places differ.
+static inline void scatter8(float8 value, global float* restrict p, int8 i, int lanes) {
+  float values[8];
+  int places[8];
+  vstore8(value, 0, values);
+  vstore8(i, 0, places);
+  for (int k = 0; k < lanes && k < 8; ++k) p[places[k]] = values[k];
+}
+
+// A bit for each that holds (-1).
+static inline uint bits_of_8(int8 condition) {
+  const int8 bits = condition & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
+  const int4 four = bits.lo | bits.hi;
+  return (uint)(four.x | four.y | four.z | four.w);
+}
+
+static inline uint bits_of_16(int16 condition) {
+  const int16 bits = condition & (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
+  const int8 eight = bits.lo | bits.hi;
+  const int4 four = eight.lo | eight.hi;
+  return (uint)(four.x | four.y | four.z | four.w);
+}
+
 #ifdef __AVX512F__
 
 static inline float16 gather16(global const float* restrict p, int16 i) {

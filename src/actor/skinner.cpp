@@ -17,6 +17,7 @@ constexpr size_t kGroup = 64;  // on a GPU
 
 Skinner::Skinner(ocl::DeviceContext& device, const Actor& actor, const SkinWeights& skin, int n_bones)
     : n_vertices_(actor.n_vertices()),
+      lanes_(device.lanes()),
       rest_(device, actor.mesh.positions),
       bones_(device, skin.bones),
       weights_(device, skin.weights),
@@ -27,9 +28,8 @@ Skinner::Skinner(ocl::DeviceContext& device, const Actor& actor, const SkinWeigh
   const TriangleFans fans = triangle_fans(actor.n_vertices(), actor.mesh.triangles);
   fan_offsets_ = ocl::Buffer<int32_t>(device, fans.offsets);
   if (device.is_cpu()) {
-    lanes_ = int(ocl::kCpuLanes);
     n_triangles_ = actor.mesh.n_triangles();
-    areas_stride_ = int(round_up(n_triangles_, ocl::kCpuLanes) + ocl::kCpuLanes);
+    areas_stride_ = int(round_up(n_triangles_, ocl::kSliceRows) + ocl::kSliceRows);
     triangles_ = ocl::Buffer<int32_t>(device, actor.mesh.triangles);
     fan_triangles_ = ocl::Buffer<int32_t>(device, fans.triangles);
     areas_ = ocl::Buffer<float>(device, size_t(3) * areas_stride_);
@@ -48,7 +48,7 @@ void Skinner::set_pose(std::span<const float> dual_quats) {
 
 ocl::Range Skinner::over(int n) const {
   const size_t local = lanes_ > 1 ? 1 : kGroup;
-  const size_t items = ocl::lane_items(n, lanes_ > 1);
+  const size_t items = ocl::lane_items(n, lanes_);
   return {round_up(items, local), 1, local, 1};
 }
 

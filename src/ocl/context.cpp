@@ -63,6 +63,7 @@ cl_program DeviceContext::program(const std::string& path, const std::string& ex
 
   const std::string source = resolve_kernel_source(path);
   const std::string options = std::string("-cl-std=CL1.2 -D LC_DEVICE=1 -D LC_CPU=") + (is_cpu() ? "1" : "0") +
+                              " -D LC_VECTOR=" + std::to_string(lanes()) +
                               (extra_options.empty() ? "" : " " + extra_options);
   const std::filesystem::path cache_file = program_cache_file(source, options, info_);
   cl_program program = load_cached_program(cache_file, context_, info_.device, options);

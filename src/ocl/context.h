@@ -28,6 +28,8 @@ class DeviceContext {
 
   const DeviceInfo& info() const { return info_; }
   bool is_cpu() const { return info_.is_cpu; }
+  // Rows of a work-item of kernels/shared/lanes.h.
+  int lanes() const { return info_.is_cpu ? info_.cpu_lanes : 1; }
   cl_context context() const { return context_; }
   cl_command_queue queue() const { return queue_; }
 

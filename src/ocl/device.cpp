@@ -39,6 +39,15 @@ T device_value(cl_device_id device, cl_device_info what) {
   return value;
 }
 
+// Of the processor this runs on, which is the one that a CPU driver compiles for.
+int processor_lanes() {
+#ifdef __x86_64__
+  return __builtin_cpu_supports("avx512f") ? 16 : 8;
+#else
+  return 8;
+#endif
+}
+
 DeviceInfo describe(cl_platform_id platform, cl_device_id device) {
   DeviceInfo info;
   info.platform = platform;
@@ -50,6 +59,7 @@ DeviceInfo describe(cl_platform_id platform, cl_device_id device) {
   const auto type = device_value<cl_device_type>(device, CL_DEVICE_TYPE);
   info.is_cpu = type & CL_DEVICE_TYPE_CPU;
   info.is_gpu = type & CL_DEVICE_TYPE_GPU;
+  info.cpu_lanes = processor_lanes();
   info.compute_units = device_value<cl_uint>(device, CL_DEVICE_MAX_COMPUTE_UNITS);
   info.global_memory_bytes = device_value<cl_ulong>(device, CL_DEVICE_GLOBAL_MEM_SIZE);
   info.max_allocation_bytes = device_value<cl_ulong>(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE);

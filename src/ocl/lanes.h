@@ -7,11 +7,11 @@
 
 namespace livecap::ocl {
 
-inline constexpr size_t kCpuLanes = 16;  // LANES there
+inline constexpr size_t kSliceRows = 16;  // SLICE there
 
-// Work-items for n rows.
-constexpr size_t lane_items(size_t n, bool is_cpu) {
-  return is_cpu ? round_up(n, kCpuLanes) / kCpuLanes : n;
+// Work-items for n rows, `lanes` each (DeviceContext::lanes).
+constexpr size_t lane_items(size_t n, int lanes) {
+  return round_up(n, size_t(lanes)) / size_t(lanes);
 }
 
 }  // namespace livecap::ocl

@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "geometry/mesh.h"
 #include "livecap/error.h"
+#include "ocl/lanes.h"
 
 namespace livecap {
 namespace {
@@ -89,6 +90,7 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
   const int side = layout_.n_columns / kTile;
   n_tiles_ = side * (side + 1) / 2;
   is_cpu_ = device.is_cpu();
+  lanes_ = device.lanes();
 
   // Every column but t' and the residual's moves bones: the root's six all of them, a joint those below it.
   std::vector<float> moves(size_t(layout_.n_bones) * layout_.n_columns, 0.0f);
@@ -288,19 +290,20 @@ void PoseSystem::upload(const PoseState& state) {
 
 // On CPUs.
 void PoseSystem::launch_records() {
+  const auto lane_items = [this](int n) { return ocl::lane_items(n, lanes_); };
   point_records_kernel_.launch(kKeypointCount + layout_.n_dofs + layout_.n_soles, 0, layout_, pinhole_,
                                float(options_.keypoint_2d_huber_px), step_, targets_, point_bones_, limits_, ground_,
                                float(std::sqrt(options_.weights.anatomic)), point_records_, point_residuals_);
   if (n_matches_ > 0)
-    match_records_kernel_.launch(n_slices(n_matches_), 1, layout_, pinhole_, n_matches_, float(options_.match_huber_px),
-                                 step_, match_vertices_, match_targets_, rest_, bones_, weights_, match_records_,
-                                 match_residuals_);
+    match_records_kernel_.launch(lane_items(n_matches_), 1, layout_, pinhole_, n_matches_,
+                                 float(options_.match_huber_px), step_, match_vertices_, match_targets_, rest_, bones_,
+                                 weights_, match_records_, match_residuals_);
   if (n_shaded_ > 0)
-    shading_records_kernel_.launch(n_slices(n_shaded_), 1, layout_, n_shaded_, float(options_.shading_huber), step_,
+    shading_records_kernel_.launch(lane_items(n_shaded_), 1, layout_, n_shaded_, float(options_.shading_huber), step_,
                                    shaded_vertices_, shaded_targets_, rest_normals_, bones_, weights_, shading_records_,
                                    shading_residuals_);
   if (n_contour_ == 0) return;
-  contour_records_kernel_.launch(n_slices(n_contour_), 1, layout_, pinhole_, contour_arg(), step_, contour_vertices_,
+  contour_records_kernel_.launch(lane_items(n_contour_), 1, layout_, pinhole_, contour_arg(), step_, contour_vertices_,
                                  rest_, rest_normals_, displacement_ ? *displacement_ : rest_, bones_, weights_,
                                  frame_->signed_distance, contour_records_, contour_residuals_, distances_px_);
 }
@@ -312,11 +315,6 @@ PoseContour PoseSystem::contour_arg() const {
           displacement_ ? 1 : 0,
           float(std::sqrt(contour_weight_)),
           float(options_.silhouette_huber_px)};
-}
-
-// Slices of vertices.
-size_t PoseSystem::n_slices(int n) {
-  return round_up(n, LC_POSE_SLICE) / LC_POSE_SLICE;
 }
 
 // On CPUs.

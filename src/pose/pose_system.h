@@ -78,7 +78,6 @@ class PoseSystem {
   void launch_rows();
   size_t launch_normal_equations(bool write_rows);
   PoseContour contour_arg() const;
-  static size_t n_slices(int n);
 
   Skeleton skeleton_;
   std::array<KeypointAnchor, kKeypointCount> keypoints_;
@@ -95,6 +94,7 @@ class PoseSystem {
   int n_matches_ = 0;
   int n_shaded_ = 0;
   bool is_cpu_ = true;
+  int lanes_ = 1;
   int n_tiles_ = 0;
   const DeviceFrame* frame_ = nullptr;
   const ocl::Buffer<float>* displacement_ = nullptr;

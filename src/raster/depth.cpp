@@ -40,7 +40,8 @@ DepthRasterizer::DepthRasterizer(ocl::DeviceContext& device, const Mesh& mesh, i
       height_(height),
       n_vertices_(mesh.n_vertices()),
       n_triangles_(mesh.n_triangles()),
-      is_cpu_(device.is_cpu()) {
+      is_cpu_(device.is_cpu()),
+      lanes_(device.lanes()) {
   if (width <= 0 || height <= 0)
     throw ConfigError(format("rasteriser: image size %dx%d is not positive", width, height));
   for (int32_t index : mesh.triangles) {
@@ -73,7 +74,7 @@ DepthRasterizer::DepthRasterizer(ocl::DeviceContext& device, const Mesh& mesh, i
 void DepthRasterizer::render(const ocl::Buffer<float>& positions_camera, const Camera& camera) {
   if (positions_camera.size() != size_t(3) * n_vertices_)
     throw LogicError(format("rasteriser: %zu coordinates for %d vertices", positions_camera.size(), n_vertices_));
-  const size_t vertices = ocl::lane_items(n_vertices_, is_cpu_);
+  const size_t vertices = ocl::lane_items(n_vertices_, lanes_);
   project_.launch(vertices, is_cpu_ ? 1 : kLocal, n_vertices_, pinhole_arg(camera), positions_camera, projected_);
   if (is_cpu_) {
     bands_.launch(n_bands_, 1, n_triangles_, width_, height_, n_bands_, cull_, projected_, triangles_, depth_, ids_,

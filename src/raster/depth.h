@@ -55,6 +55,7 @@ class DepthRasterizer {
   int n_bands_;
   int cull_;  // 1 when the mesh is closed
   bool is_cpu_;
+  int lanes_;
   ocl::Buffer<int32_t> triangles_;
   ocl::Buffer<float> projected_;
   ocl::Buffer<float> depth_;

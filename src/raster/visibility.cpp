@@ -42,7 +42,11 @@ void VisibilityOptions::validate() const {
 }
 
 SurfaceVisibility::SurfaceVisibility(ocl::DeviceContext& device, const Mesh& mesh, const VisibilityOptions& options)
-    : options_(options), n_vertices_(mesh.n_vertices()), n_triangles_(mesh.n_triangles()), is_cpu_(device.is_cpu()) {
+    : options_(options),
+      n_vertices_(mesh.n_vertices()),
+      n_triangles_(mesh.n_triangles()),
+      is_cpu_(device.is_cpu()),
+      lanes_(device.lanes()) {
   options_.validate();
   const TriangleFans fans = triangle_fans(n_vertices_, mesh.triangles);
   fan_offsets_ = ocl::Buffer<int32_t>(device, fans.offsets);
@@ -83,7 +87,7 @@ void SurfaceVisibility::find_contour(const DepthRasterizer& raster) {
 }
 
 ocl::Range SurfaceVisibility::over_vertices() const {
-  const size_t items = ocl::lane_items(n_vertices_, is_cpu_);
+  const size_t items = ocl::lane_items(n_vertices_, lanes_);
   const size_t local = is_cpu_ ? 1 : kLocal;
   return {round_up(items, local), 1, local, 1};
 }

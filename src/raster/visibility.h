@@ -43,6 +43,7 @@ class SurfaceVisibility {
   int n_vertices_;
   int n_triangles_;
   bool is_cpu_;
+  int lanes_;
   ocl::Buffer<int32_t> fan_offsets_;    // [n+1] triangles around each vertex, compressed rows
   ocl::Buffer<int32_t> fan_triangles_;  // [3*n_triangles]
   ocl::Buffer<int32_t> on_open_edge_;   // [n]

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "geometry/pinhole_arg.h"
+#include "ocl/lanes.h"
 #include "surface/sell.h"
 #include "surface/surface_solver.h"
 
@@ -24,7 +25,7 @@ class Bench {
     rows_ = graph_.n_rows;
     stride_ = graph_.stride;
     const bool cpu = device.is_cpu();
-    lane_items_ = cpu ? rows_ / kSlice : rows_;
+    lane_items_ = ocl::lane_items(rows_, device.lanes());
     sum_items_ = cpu ? 1 : std::min<size_t>(256, device.info().max_work_group_size);
     vertices_ = triangle.positions;
   }

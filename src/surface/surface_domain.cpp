@@ -1,10 +1,12 @@
 #include "surface/surface_domain.h"
 
+#include "ocl/lanes.h"
+
 namespace livecap {
 
 SurfaceDomain::SurfaceDomain(ocl::DeviceContext& device, const Actor& actor, const Camera& undistorted)
     : graph(make_sell_graph(actor.mesh)),
-      lane_items(device.is_cpu() ? graph.n_rows / kSlice : graph.n_rows),
+      lane_items(ocl::lane_items(graph.n_rows, device.lanes())),
       lane_local(device.is_cpu() ? 1 : 64),
       camera(pinhole_arg(undistorted)),
       width(undistorted.width),

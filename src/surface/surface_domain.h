@@ -19,7 +19,7 @@ struct SurfaceDomain {
 
   SellGraph graph;
   ocl::Buffer<int32_t> order, slice_offsets, neighbors;  // of the graph
-  size_t lane_items, lane_local;                         // work items of a kernel that takes the graph slice by slice
+  size_t lane_items, lane_local;  // work items of a kernel that takes the graph a vector of rows at a time
   PinholeArg camera;
   int width;
   int height;

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Every kernel file compiles alone as OpenCL C 1.2 without a warning, for both device kinds, whatever the driver says.
+# Every kernel file compiles alone as OpenCL C 1.2 without a warning, for GPUs and for CPUs with vectors of either size,
+# whatever the driver says.
 set -euo pipefail
 cd "$1"
 clang=$(command -v clang-14 || command -v clang || true)
@@ -8,9 +9,10 @@ clang=$(command -v clang-14 || command -v clang || true)
 lint() {
   local options=(-x cl -cl-std=CL1.2 -fsyntax-only -Xclang -finclude-default-header -Xclang -fdeclare-opencl-builtins
     -target spir64 -Wall -Wextra -Werror -Wno-unused-function -D LC_DEVICE=1 -I kernels)
-  local cpu
-  for cpu in 0 1; do
-    "$clang" "${options[@]}" -D LC_CPU=$cpu "$1" || { echo "$1: does not compile with LC_CPU=$cpu"; return 1; }
+  local lanes
+  for lanes in 1 8 16; do
+    "$clang" "${options[@]}" -D LC_CPU=$((lanes > 1)) -D LC_VECTOR=$lanes "$1" ||
+      { echo "$1: does not compile with LC_VECTOR=$lanes"; return 1; }
   done
 }
 export -f lint

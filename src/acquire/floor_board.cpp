@@ -17,8 +17,7 @@ constexpr double kDegPerRad = 180 / M_PI;
 constexpr double kLargestTiltDeg = 60;  // of the floor against what is level for a level camera
 constexpr double kLargestRmsPx = 3;
 constexpr double kDoubtfulRmsPx = 1;
-constexpr double kLowestMm = 50, kHighestMm = 20000;  // camera above the floor
-constexpr double kAroundMm = 1000;                    // how far from the board the floor must be known
+constexpr double kAroundMm = 1000;  // how far from the board the floor must be known
 constexpr double kLargestSigmaMm = 60;
 constexpr double kDoubtfulSigmaMm = 15;
 constexpr double kAsGood = 1.5;  // the other of a plane's two poses, by its RMS
@@ -104,7 +103,8 @@ class BoardPicture {
     for (int i = 0; i < 36; ++i) {
       const Eigen::Vector3d p = middle + around_mm * (Eigen::AngleAxisd(M_PI * i / 18, normal) * side);
       const Eigen::Vector4d at(p.x(), p.y(), p.z(), 1);
-      most = std::max(most, at.dot(of_plane * at));
+      const double here = at.dot(of_plane * at);
+      if (!(here <= most)) most = here;  // and what is no number stays one
     }
     return std::sqrt(most);
   }
@@ -192,15 +192,20 @@ FloorBoard find_floor(const FloorBoardOptions& options, const Camera& camera) {
     throw ConfigError(
         options.picture +
         format(": the board %s (%.0f degrees from level for a level camera); it must lie flat on the floor, below the "
-               "camera, and the picture must be upright",
+               "camera, which looks down by 60 degrees at most, and the picture must be upright",
                pose.plane.y() > 0 ? "seems to hang above the camera" : "seems to stand", tilt_deg(pose.plane)));
   const double height_mm = pose.plane.w();
-  if (!(height_mm >= kLowestMm && height_mm <= kHighestMm))
+  result.floor = {{pose.plane.x(), pose.plane.y(), pose.plane.z()}, height_mm};
+  Camera above = camera;
+  above.floor = result.floor;
+  try {
+    above.validate();
+  } catch (const ConfigError&) {
     throw ConfigError(options.picture +
                       format(": the camera would be %.3g m above the floor; is --square %g the side of "
                              "a square in mm?",
                              height_mm / 1000, options.square_mm));
-  result.floor = {{pose.plane.x(), pose.plane.y(), pose.plane.z()}, height_mm};
+  }
   result.n_corners = static_cast<int>(corners.pixels.size());
   result.rms_px = pose.rms_px;
   result.down_deg = std::asin(std::clamp(-pose.plane.z(), -1.0, 1.0)) * kDegPerRad;
@@ -208,7 +213,7 @@ FloorBoard find_floor(const FloorBoardOptions& options, const Camera& camera) {
   result.away_mm = picture.middle_mm(pose).norm();
   result.sigma_mm = picture.sigma_mm(pose, kAroundMm);
   const char* larger = "a larger board, or one nearer to where the person will be and to the camera, helps";
-  if (result.sigma_mm > kLargestSigmaMm)
+  if (!(result.sigma_mm <= kLargestSigmaMm))
     throw ConfigError(options.picture + format(": a metre from the board the floor is uncertain by %.0f mm; %s",
                                                result.sigma_mm, larger));
   if (result.sigma_mm > kDoubtfulSigmaMm)

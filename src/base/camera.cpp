@@ -13,6 +13,8 @@ namespace {
 constexpr double kUnitNormal = 1e-3;
 // A camera may look down steeply or be held on its side, but nobody films upside down: such a normal's sign is wrong.
 constexpr double kDownY = 0.5;
+// Of a camera above its floor. Metres are the likeliest mistake.
+constexpr double kLowestMm = 50, kHighestMm = 20000;
 
 double length_of(const std::array<double, 3>& v) {
   return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
@@ -28,9 +30,10 @@ void validate(const FloorPlane& floor) {
         format("camera: floor.normal [%g, %g, %g] points down; it must point up, out of the floor (y is below 0 for a "
                "level camera)",
                n[0], n[1], n[2]));
-  if (!(floor.distance_mm > 0) || !std::isfinite(floor.distance_mm))
-    throw ConfigError(format("camera: floor.distance_mm is %g; it must be above 0, the camera's height over the floor",
-                             floor.distance_mm));
+  if (!(floor.distance_mm >= kLowestMm && floor.distance_mm <= kHighestMm))
+    throw ConfigError(
+        format("camera: floor.distance_mm is %g; it must be %g..%g, the camera's height over the floor in mm",
+               floor.distance_mm, kLowestMm, kHighestMm));
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ class DeviceContext {
   cl_command_queue queue() const { return queue_; }
 
   // The program of kernels/<path> with these extra options ("-D NAME=1"), built at the first request (from the binary
-  // cache when it has it). LC_DEVICE=1 and LC_CPU=0|1 are always defined. Throws OclError with the build log.
+  // cache when it has it). LC_DEVICE=1, LC_CPU=0|1, LC_VECTOR=lanes() are defined. Throws OclError with the build log.
   cl_program program(const std::string& path, const std::string& options = {});
 
   // Waits until everything enqueued has run.

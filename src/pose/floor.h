@@ -55,7 +55,7 @@ struct FloorOptions {
 class FloorFinder {
  public:
   // Keeps a reference to the actor. Throws ConfigError.
-  FloorFinder(const Actor& actor, const FloorOptions& options, const std::optional<Floor>& measured = {});
+  FloorFinder(const Actor& actor, const FloorOptions& options, const std::optional<Floor>& measured);
 
   // Two poses that are believed, a frame apart; feet whose ankles were not seen tell nothing.
   void learn(const Pose& previous, const Pose& pose, const Detections& detections);

@@ -75,6 +75,7 @@ TEST(Camera, FloorsThatCannotBeAreNamed) {
         std::pair{R"({"normal":[0,0.96,0.28],"distance_mm":1500})", "points down"},
         std::pair{R"({"normal":[0,-1,0],"distance_mm":-1200})", "distance_mm is -1200"},
         std::pair{R"({"normal":[0,-1,0],"distance_mm":0})", "distance_mm is 0"},
+        std::pair{R"({"normal":[0,-1,0],"distance_mm":1.2})", "in mm"},
         std::pair{R"({"normal":[0,-1,0],"distance_mm":1e999})", ""}}) {
     const std::string message = refusal(floor);
     EXPECT_EQ(message.find(file.path().string()), 0u) << floor << ": " << message;

@@ -246,6 +246,7 @@ expect 2 'seq/video.mp4: no board' calibrate --video seq/video.mp4 --charuco 7x5
 floor=(calibrate --camera seq/camera.json --floor seq/background.png --out c.json)
 expect 2 '--camera --floor' calibrate --camera seq/camera.json --board 9x6 --out c.json
 expect 2 '--camera --images' "${floor[@]}" --images seq --board 9x6 --square 30
+expect 2 '--square --floor' calibrate --images seq --board 9x6 --square 30 --out c.json
 expect 2 '--square mm' "${floor[@]}" --board 9x6
 expect 2 '--square -3' "${floor[@]}" --board 9x6 --square -3
 expect 2 'seq/background.png no board with 9x6' "${floor[@]}" --board 9x6 --square 30

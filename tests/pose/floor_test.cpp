@@ -61,7 +61,7 @@ TEST(Floor, SolesAreTheLowestPointsOfTheFeet) {
 TEST(Floor, IsLearnedFromWhoWalksOnIt) {
   const Actor actor = test::make_test_actor();
   const Floor truth{kUp, 1200};
-  FloorFinder finder(actor, {});
+  FloorFinder finder(actor, {}, {});
   std::mt19937 rng(5);
   std::normal_distribution<double> trembles(0, 8);
   for (int place = 0; place < 12; ++place) {
@@ -83,7 +83,7 @@ TEST(Floor, OfOnePlaceIsUprightToTheBody) {
   const Actor actor = test::make_test_actor();
   const Floor truth{kUp, 1200};
   const Pose stands = on_floor(actor, 100, 3200, truth);
-  FloorFinder finder(actor, {});
+  FloorFinder finder(actor, {}, {});
   for (int frame = 0; frame < 14; ++frame) finder.learn(stands, stands, seen(actor, stands));
   EXPECT_EQ(finder.floor(), nullptr) << "known too early";
   for (int frame = 0; frame < 6; ++frame) finder.learn(stands, stands, seen(actor, stands));
@@ -96,7 +96,7 @@ TEST(Floor, OfOnePlaceIsUprightToTheBody) {
 TEST(Floor, FeetThatMoveOrAreNotSeenTellNothing) {
   const Actor actor = test::make_test_actor();
   const Floor truth{kUp, 1200};
-  FloorFinder finder(actor, {});
+  FloorFinder finder(actor, {}, {});
   for (int frame = 0; frame < 40; ++frame) {
     const Pose before = on_floor(actor, 60 * frame - 1200, 3200, truth);
     Pose pose = before;
@@ -115,7 +115,7 @@ TEST(Floor, WhoLiesTellsNothing) {
   const Pose stands = on_floor(actor, 100, 3200, {kUp, 1200});
   Pose lies = stands;
   lies.root_rotation = rotation_from_vector({0, 0, std::numbers::pi / 2}) * stands.root_rotation;
-  FloorFinder finder(actor, {});
+  FloorFinder finder(actor, {}, {});
   for (int frame = 0; frame < 100; ++frame) finder.learn(lies, lies, seen(actor, lies));
   EXPECT_EQ(finder.floor(), nullptr);
   for (int frame = 0; frame < 20; ++frame) finder.learn(stands, stands, seen(actor, stands));
@@ -126,7 +126,7 @@ TEST(Floor, WhoLiesTellsNothing) {
 TEST(Floor, WhoStandsOnAnotherOneForLongTellsOfThat) {
   const Actor actor = test::make_test_actor();
   const Floor lower{kUp, 1200}, higher{kUp, 900};
-  FloorFinder finder(actor, {});
+  FloorFinder finder(actor, {}, {});
   const auto stand = [&](const Floor& floor, int n_frames) {
     const Pose pose = on_floor(actor, 0, 3200, floor);
     for (int frame = 0; frame < n_frames; ++frame) finder.learn(pose, pose, seen(actor, pose));
@@ -254,7 +254,7 @@ TEST(Floor, BadOptionsAreNamed) {
       FloorOptions options;
       options.*value = bad;
       try {
-        FloorFinder finder(actor, options);
+        FloorFinder finder(actor, options, {});
         ADD_FAILURE() << field;
       } catch (const ConfigError& error) {
         EXPECT_NE(std::string(error.what()).find(field), std::string::npos);

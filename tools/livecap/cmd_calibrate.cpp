@@ -42,12 +42,13 @@ void print(const acquire::Calibration& result, const std::string& out) {
     std::printf("  %-32s %6.3f%s\n", view.name.c_str(), view.rms_px, view.left_out.empty() ? "" : "  left out");
 }
 
-void print(const acquire::FloorBoard& result) {
+void print(const acquire::FloorBoard& result, const std::string& out) {
   std::printf("floor: the camera is %.0f mm above it, looks down by %.1f degrees and is rolled by %.1f degrees\n",
               result.floor.distance_mm, result.down_deg, result.roll_deg);
   std::printf(
       "  from %d corners %.2f m away, reprojection %.3f px (RMS); a metre from the board uncertain by %.1f mm\n",
       result.n_corners, result.away_mm / 1000, result.rms_px, result.sigma_mm);
+  std::printf("%s written\n", out.c_str());
 }
 
 acquire::BoardOptions board_of(const Options& options) {
@@ -80,6 +81,8 @@ int calibrate(const Options& options) {
   if (has_camera && (!options.images.empty() || !options.video.empty()))
     throw ConfigError("calibrate: --camera is one that is calibrated already; it does not go with --images or --video");
   if (has_camera && !has_floor) throw ConfigError("calibrate: --camera needs --floor, the picture to add to it");
+  if (!has_floor && options.floor.square_mm > 0)
+    throw ConfigError("calibrate: --square is for --floor, the picture of the board on the floor");
   if (!has_camera && options.images.empty() == options.video.empty())
     throw ConfigError("calibrate: give either --images (a folder) or --video");
   acquire::CalibrateOptions views = options.calibrate;
@@ -102,7 +105,7 @@ int calibrate(const Options& options) {
     if (notes)
       for (const std::string& note : *notes) log_warning(note);
   if (calibration) print(*calibration, options.out);
-  if (found) print(*found);
+  if (found) print(*found, options.out);
   return kExitOk;
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/log.h"
 #include "pose/other_starts.h"
 #include "pose/person_height.h"
 #include "surface/hanging_cloth.h"
@@ -63,7 +64,10 @@ void PoseStage::reset() {
 
 void PoseStage::learn(const Pose* previous, const Pose& pose, const Detections& detections) {
   shading_.learn(last_skin_);
-  if (previous) floor_.learn(*previous, pose, detections);
+  if (!previous || floor_.is_contradicted()) return;
+  floor_.learn(*previous, pose, detections);
+  if (floor_.is_contradicted())
+    log_warning("feet do not rest on the floor of camera.json; was the camera moved since it was measured?");
 }
 
 void PoseStage::render(const Pose& pose) {

@@ -144,7 +144,7 @@ void FloorFinder::forget() {
 }
 
 void FloorFinder::learn(const Pose& previous, const Pose& pose, const Detections& detections) {
-  if (is_measured_) return;
+  if (is_contradicted()) return;
   for (int k : {kNeck, kLeftAnkle, kRightAnkle})
     if (actor_.keypoints[k].bone < 0) return;
   const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);
@@ -182,9 +182,10 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Detections
       near = near || (rests && std::abs(off) < 3);
       weight /= 1 + off * off;
     }
-    add(p, weight);
+    if (!is_measured_) add(p, weight);
   }
   if (floor_ && still) contradicted_frames_ = near ? 0 : contradicted_frames_ + 1;
+  if (is_measured_) return;
   if (contradicted_frames_ > options_.max_contradicted_frames) return forget();
   fit();
 }

@@ -61,6 +61,10 @@ class FloorFinder {
   void learn(const Pose& previous, const Pose& pose, const Detections& detections);
   void forget();
 
+  // A measured floor on which no foot has rested for so long that a learned one would have been forgotten: the camera
+  // was moved, or it is another camera's. It stays so.
+  bool is_contradicted() const { return is_measured_ && contradicted_frames_ > options_.max_contradicted_frames; }
+
   // nullptr while it is not known; a measured one is from the beginning.
   const Floor* floor() const { return floor_ ? &*floor_ : nullptr; }
 

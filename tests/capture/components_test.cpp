@@ -5,6 +5,7 @@
 
 #include "capture/capture_run.h"
 #include "eval/evaluate.h"
+#include "livecap/camera.h"
 #include "nn/models.h"
 
 namespace livecap {
@@ -57,6 +58,30 @@ TEST(Components, EachOneMakesADifference) {
   options.without.clear();
   options.rigidity = 2;
   EXPECT_FALSE(captured() == everything);
+}
+
+TEST(Components, AFloorThatIsGivenCountsBeforeOneIsLearned) {
+  LIVECAP_MODEL_OR_SKIP(model, "lite");
+  const test::ScratchFolder scratch;
+  SynthOptions synth = test::small_sequence(8, 2);
+  synth.motions = {"squat"};
+  synth.floor = true;
+  write_sequence(synth, scratch / "sequence");
+  CaptureOptions options = test::capture_of(scratch / "sequence", scratch / "capture", model);
+  options.surface = false;
+  const auto angles = [&](const std::vector<std::string>& without) {
+    options.without = without;
+    run_capture(options);
+    return read_file(scratch / "capture/angles.csv");
+  };
+  const std::string given = angles({}), given_unused = angles({"floor"});
+  EXPECT_TRUE(load_camera(scratch / "capture/camera.json").floor.has_value());
+  Camera camera = load_camera(options.camera);
+  ASSERT_TRUE(camera.floor.has_value());
+  camera.floor.reset();
+  save_camera(camera, options.camera);
+  EXPECT_TRUE(angles({"floor"}) == given_unused);
+  EXPECT_FALSE(angles({}) == given);
 }
 
 TEST(Components, TheFloorMakesADifferenceOnceItIsKnown) {

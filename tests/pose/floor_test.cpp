@@ -152,8 +152,17 @@ TEST(Floor, ThatWasMeasuredStaysWhatItIs) {
     EXPECT_EQ(finder.floor()->offset_mm, 1200);
   };
   expect_measured();
-  const Pose higher = on_floor(actor, 0, 3200, {kUp, 900});
-  for (int frame = 0; frame < 100; ++frame) finder.learn(higher, higher, seen(actor, higher));
+  const auto stand = [&](const Floor& floor, int n_frames) {
+    const Pose pose = on_floor(actor, 0, 3200, floor);
+    for (int frame = 0; frame < n_frames; ++frame) finder.learn(pose, pose, seen(actor, pose));
+  };
+  stand({kUp, 1200}, 60);
+  stand({kUp, 900}, 20);
+  stand({kUp, 1200}, 1);
+  stand({kUp, 900}, 20);
+  EXPECT_FALSE(finder.is_contradicted()) << "a step on a chair";
+  stand({kUp, 900}, 60);
+  EXPECT_TRUE(finder.is_contradicted());
   expect_measured();
   finder.forget();
   expect_measured();

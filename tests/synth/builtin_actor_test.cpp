@@ -124,7 +124,7 @@ TEST_P(BuiltinActor, BendsAtItsJoints) {
     ADD_FAILURE() << "no bone " << name;
     return size_t{0};
   };
-  const auto place = [&](size_t k) {
+  const auto place = [&](size_t k) -> Vector3d {
     return -Vector3d(inverse_bind[16 * k + 12], inverse_bind[16 * k + 13], inverse_bind[16 * k + 14]);
   };
   for (const auto& [upper_name, lower_name] : {std::pair{"LeftArm", "LeftForeArm"},

@@ -48,9 +48,9 @@ double tilt_deg(const Plane& plane) {
 }
 
 // The corners as OpenCV takes them, and both poses in which a plane looks nearly alike.
-class BoardPicture {
+class BoardSight {
  public:
-  BoardPicture(const BoardCorners& corners, const Camera& camera, double square_mm)
+  BoardSight(const BoardCorners& corners, const Camera& camera, double square_mm)
       : matrix_((cv::Mat_<double>(3, 3) << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1)),
         distortion_(camera.distortion.begin(), camera.distortion.end()) {
     for (const auto& p : corners.board) board_.emplace_back(square_mm * p.x(), square_mm * p.y(), 0.0);
@@ -140,26 +140,6 @@ class BoardPicture {
   std::vector<cv::Point2d> pixels_;
 };
 
-BoardCorners corners_in(const FloorBoardOptions& options, const Camera& camera, std::vector<std::string>& notes) {
-  const ImageGray image = read_image_gray(options.picture);
-  if (image.width != camera.width || image.height != camera.height)
-    throw IoError(options.picture + format(": the picture is %dx%d, the camera is for %dx%d; take it as the videos are",
-                                           image.width, image.height, camera.width, camera.height));
-  BoardOptions board = options.board;
-  std::string note;
-  BoardCorners corners;
-  if (recognize_board({image}, board, note)) corners = find_board(image, board);
-  if (corners.empty())
-    throw ConfigError(
-        options.picture +
-        format(
-            ": no board with %dx%d %s; it must be sharp, wholly in the picture, have a white rim and squares of some "
-            "ten pixels: lay it nearer to the camera, or take a larger one",
-            board.columns, board.rows, board.is_charuco() ? "squares" : "inner corners"));
-  if (!note.empty()) notes.push_back(note);
-  return corners;
-}
-
 }  // namespace
 
 void FloorBoardOptions::validate() const {
@@ -172,25 +152,45 @@ void FloorBoardOptions::validate() const {
                square_mm));
 }
 
-FloorBoard find_floor(const FloorBoardOptions& options, const Camera& camera) {
+FloorPicture read_floor_picture(const FloorBoardOptions& options) {
   options.validate();
+  const ImageGray image = read_image_gray(options.picture);
+  FloorPicture picture{options.picture, image.width, image.height, {}, options.square_mm, {}};
+  BoardOptions board = options.board;
+  std::string note;
+  if (recognize_board({image}, board, note)) picture.corners = find_board(image, board);
+  if (picture.corners.empty())
+    throw ConfigError(
+        options.picture +
+        format(
+            ": no board with %dx%d %s; it must be sharp, wholly in the picture, have a white rim and squares of some "
+            "ten pixels: lay it nearer to the camera, or take a larger one",
+            board.columns, board.rows, board.is_charuco() ? "squares" : "inner corners"));
+  if (!note.empty()) picture.notes.push_back(note);
+  return picture;
+}
+
+FloorBoard find_floor(const FloorPicture& picture, const Camera& camera) {
   camera.validate();
+  if (picture.width != camera.width || picture.height != camera.height)
+    throw IoError(picture.name + format(": the picture is %dx%d, the camera is for %dx%d; take it as the videos are",
+                                        picture.width, picture.height, camera.width, camera.height));
   FloorBoard result;
-  const BoardCorners corners = corners_in(options, camera, result.notes);
-  const BoardPicture picture(corners, camera, options.square_mm);
-  const std::vector<BoardPose> poses = picture.poses();
-  if (poses.empty()) throw ConfigError(options.picture + ": the board's corners do not tell where it lies");
+  result.notes = picture.notes;
+  const BoardSight sight(picture.corners, camera, picture.square_mm);
+  const std::vector<BoardPose> poses = sight.poses();
+  if (poses.empty()) throw ConfigError(picture.name + ": the board's corners do not tell where it lies");
   const auto lies = [](const BoardPose& pose) { return tilt_deg(pose.plane) <= kLargestTiltDeg; };
   const BoardPose& pose =
       poses.size() > 1 && !lies(poses[0]) && lies(poses[1]) && poses[1].rms_px < kAsGood * poses[0].rms_px ? poses[1]
                                                                                                            : poses[0];
   if (pose.rms_px > kLargestRmsPx)
-    throw ConfigError(options.picture + format(": the corners are %.1f px off; is the board flat, and the camera this "
-                                               "one, with its zoom and focus unchanged?",
-                                               pose.rms_px));
+    throw ConfigError(picture.name + format(": the corners are %.1f px off; is the board flat, and the camera this "
+                                            "one, with its zoom and focus unchanged?",
+                                            pose.rms_px));
   if (!lies(pose))
     throw ConfigError(
-        options.picture +
+        picture.name +
         format(": the board %s (%.0f degrees from level for a level camera); it must lie flat on the floor, below the "
                "camera, which looks down by 60 degrees at most, and the picture must be upright",
                pose.plane.y() > 0 ? "seems to hang above the camera" : "seems to stand", tilt_deg(pose.plane)));
@@ -201,21 +201,20 @@ FloorBoard find_floor(const FloorBoardOptions& options, const Camera& camera) {
   try {
     above.validate();
   } catch (const ConfigError&) {
-    throw ConfigError(options.picture +
-                      format(": the camera would be %.3g m above the floor; is --square %g the side of "
-                             "a square in mm?",
-                             height_mm / 1000, options.square_mm));
+    throw ConfigError(picture.name + format(": the camera would be %.3g m above the floor; is --square %g the side of "
+                                            "a square in mm?",
+                                            height_mm / 1000, picture.square_mm));
   }
-  result.n_corners = static_cast<int>(corners.pixels.size());
+  result.n_corners = static_cast<int>(picture.corners.pixels.size());
   result.rms_px = pose.rms_px;
   result.down_deg = std::asin(std::clamp(-pose.plane.z(), -1.0, 1.0)) * kDegPerRad;
   result.roll_deg = std::atan2(pose.plane.x(), -pose.plane.y()) * kDegPerRad;
-  result.away_mm = picture.middle_mm(pose).norm();
-  result.sigma_mm = picture.sigma_mm(pose, kAroundMm);
+  result.away_mm = sight.middle_mm(pose).norm();
+  result.sigma_mm = sight.sigma_mm(pose, kAroundMm);
   const char* larger = "a larger board, or one nearer to where the person will be and to the camera, helps";
   if (!(result.sigma_mm <= kLargestSigmaMm))
-    throw ConfigError(options.picture + format(": a metre from the board the floor is uncertain by %.0f mm; %s",
-                                               result.sigma_mm, larger));
+    throw ConfigError(picture.name + format(": a metre from the board the floor is uncertain by %.0f mm; %s",
+                                            result.sigma_mm, larger));
   if (result.sigma_mm > kDoubtfulSigmaMm)
     result.notes.push_back(
         format("a metre from the board the floor is uncertain by %.0f mm: %s", result.sigma_mm, larger));

@@ -17,6 +17,15 @@ struct FloorBoardOptions {
   void validate() const;  // throws ConfigError
 };
 
+// The board in the picture, by whatever camera.
+struct FloorPicture {
+  std::string name;
+  int width = 0, height = 0;  // px
+  BoardCorners corners;
+  double square_mm = 0;
+  std::vector<std::string> notes;  // what was corrected, one line each
+};
+
 struct FloorBoard {
   FloorPlane floor;
   int n_corners = 0;
@@ -28,8 +37,11 @@ struct FloorBoard {
   std::vector<std::string> notes;  // what was corrected or is doubtful, one line each
 };
 
-// Throws IoError when the picture cannot be read or is not of the camera's size, ConfigError when the board is not in
-// it or does not lie on a floor below a camera that is held upright.
-FloorBoard find_floor(const FloorBoardOptions& options, const Camera& camera);
+// Throws IoError when the picture cannot be read, ConfigError when the board is not in it.
+FloorPicture read_floor_picture(const FloorBoardOptions& options);
+
+// Throws IoError when the picture is not of the camera's size, ConfigError when the board does not lie on a floor below
+// a camera that is held upright.
+FloorBoard find_floor(const FloorPicture& picture, const Camera& camera);
 
 }  // namespace livecap

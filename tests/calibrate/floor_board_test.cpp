@@ -70,9 +70,13 @@ class FloorBoardPicture {
       std::filesystem::temp_directory_path() / ("livecap_floor_" + std::to_string(::getpid()) + ".png");
 };
 
+FloorBoard floor_of(const FloorBoardOptions& options) {
+  return find_floor(read_floor_picture(options), lens());
+}
+
 std::string refusal(const FloorBoardOptions& options, const Camera& camera) {
   try {
-    find_floor(options, camera);
+    find_floor(read_floor_picture(options), camera);
   } catch (const Error& error) {
     return error.what();
   }
@@ -107,7 +111,7 @@ TEST(FloorBoard, TellsThePlane) {
        {std::tuple{25.0, 1.5, 1400.0, 0.3}, {40.0, -3.0, 2000.0, 1.2}, {18.0, 0.0, 900.0, -0.8}}) {
     const Eigen::Vector3d up = up_of(down_deg, roll_deg), middle = on_floor(up, height_mm, 470, 500);
     const FloorBoard found =
-        find_floor(picture.take(test::chessboard_paint(kColumns + 1, kRows + 1), lying(up, middle, turn), ++i), lens());
+        floor_of(picture.take(test::chessboard_paint(kColumns + 1, kRows + 1), lying(up, middle, turn), ++i));
     expect_floor(found, up, height_mm, middle);
     EXPECT_NEAR(found.down_deg, down_deg, test::kFloorBoardDeg);
     EXPECT_NEAR(found.roll_deg, roll_deg, test::kFloorBoardDeg);
@@ -123,7 +127,7 @@ TEST(FloorBoard, TellsThePlaneOfACharucoBoard) {
   pose.linear().col(1) *= -1, pose.linear().col(2) *= -1;
   FloorBoardOptions options = picture.take(test::charuco_paint(8, 6, 0.75, cv::aruco::DICT_4X4_50), pose);
   options.board.columns = 8, options.board.rows = 6, options.board.dictionary = "4x4_50";
-  expect_floor(find_floor(options, lens()), up, 1200, middle);
+  expect_floor(floor_of(options), up, 1200, middle);
 }
 
 TEST(FloorBoard, TheSquareIsTheScale) {
@@ -131,7 +135,7 @@ TEST(FloorBoard, TheSquareIsTheScale) {
   const Eigen::Vector3d up = up_of(25, 0), middle = on_floor(up, 1400, 470, 500);
   FloorBoardOptions options = picture.take(test::chessboard_paint(kColumns + 1, kRows + 1), lying(up, middle, 0.3));
   options.square_mm = kSquareMm / 2;
-  EXPECT_NEAR(find_floor(options, lens()).floor.distance_mm, 700, test::kFloorBoardMm);
+  EXPECT_NEAR(floor_of(options).floor.distance_mm, 700, test::kFloorBoardMm);
   options.square_mm = kSquareMm / 1000;  // metres
   EXPECT_NE(refusal(options, lens()).find("side of a square in mm"), std::string::npos) << refusal(options, lens());
 }
@@ -169,8 +173,8 @@ TEST(FloorBoard, IsLessSureOfAFarBoard) {
   const FloorBoardPicture picture;
   const Eigen::Vector3d up = up_of(40, 0), middle = on_floor(up, 2400, 480, 330);
   const test::BoardPaint paint = test::chessboard_paint(kColumns + 1, kRows + 1);
-  const FloorBoard near = find_floor(picture.take(paint, lying(up, on_floor(up, 1200, 480, 330), 0.3)), lens());
-  const FloorBoard far = find_floor(picture.take(paint, lying(up, middle, 0.3)), lens());
+  const FloorBoard near = floor_of(picture.take(paint, lying(up, on_floor(up, 1200, 480, 330), 0.3)));
+  const FloorBoard far = floor_of(picture.take(paint, lying(up, middle, 0.3)));
   EXPECT_GT(far.sigma_mm, 2 * near.sigma_mm);
 }
 

@@ -92,12 +92,18 @@ int calibrate(const Options& options) {
   if (!has_camera) views.validate();
   if (has_floor) floor.validate();
 
+  Camera camera;
+  if (has_camera) camera = load_camera(options.camera);
+  std::optional<FloorPicture> picture;  // first: views take minutes
+  if (has_floor) picture = read_floor_picture(floor);
   std::optional<Calibration> calibration;
-  if (!has_camera) calibration = calibrate_views(views);
-  Camera camera = has_camera ? load_camera(options.camera) : calibration->camera;
+  if (!has_camera) {
+    calibration = calibrate_views(views);
+    camera = calibration->camera;
+  }
   std::optional<FloorBoard> found;
-  if (has_floor) {
-    found = find_floor(floor, camera);
+  if (picture) {
+    found = find_floor(*picture, camera);
     camera.floor = found->floor;
   }
   save_camera(camera, options.out);

@@ -206,6 +206,11 @@ inline constexpr double kBoardRmsPx = 0.15;
 // The floor's height a metre from a board on it, rendered in the same way, and the camera's tilt and roll; seen 0.7 mm.
 inline constexpr double kFloorBoardMm = 5;
 inline constexpr double kFloorBoardDeg = 0.5;
+// Where a built-in actor's surface bends, along the bone above, from the joint: rings of vertices are 20 mm apart and
+// more.
+inline constexpr double kBendsAtJointMm = 15;
+// The same at the ankle, where trousers hang over the shoe; seen 15.7 mm.
+inline constexpr double kBendsAtAnkleMm = 18;
 // Lowest vertex of a built-in actor over the floor it stands on.
 inline constexpr double kOnFloorMm = 5;
 

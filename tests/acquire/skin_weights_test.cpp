@@ -148,6 +148,33 @@ TEST(SkinWeights, TwistWithoutCandyWrappers) {
   }
 }
 
+// What lies in front of the head's joint or behind the ankle is nearer to the neck's and the shank's line.
+TEST(SkinWeights, ChinAndHeelBelongToHeadAndFoot) {
+  for (const char* name : {"trousers", "skirt"}) {
+    const Actor& actor = test::builtin_actor(name);
+    const meshing::Surface surface = test::surface_of(actor);
+    const auto weights = acquire::heat_weights(surface, test::true_joints(actor), volume_of(surface, 8));
+    const auto share = [&](int vertex, int of) {
+      double sum = 0;
+      for (const auto& [bone, weight] : weights[vertex]) sum += bone == of ? weight : 0;
+      return sum;
+    };
+    int chin = 0;
+    const auto to_chin = [&](int v) { return (surface.vertices[v] - actor.keypoints[kChin].rest_position_mm).norm(); };
+    for (int i = 0; i < actor.n_vertices(); ++i)
+      if (to_chin(i) < to_chin(chin)) chin = i;
+    EXPECT_GT(share(chin, acquire::kHeadBone), test::kChinAndHeelShare) << name;
+    int heels[] = {-1, -1};  // the rearmost vertex near the floor, left and right
+    for (int i = 0; i < static_cast<int>(surface.vertices.size()); ++i) {
+      const Vector3d& p = surface.vertices[i];
+      int& heel = heels[p.x() < 0];
+      if (p.y() < 40 && (heel < 0 || p.z() < surface.vertices[heel].z())) heel = i;
+    }
+    EXPECT_GT(share(heels[0], acquire::kLeftFootBone), test::kChinAndHeelShare) << name;
+    EXPECT_GT(share(heels[1], acquire::kRightFootBone), test::kChinAndHeelShare) << name;
+  }
+}
+
 // A tube of cloth around two legs, from above the hips to below the knees, closed above and below.
 std::vector<meshing::Influences> tube_weights(double side, double depth) {
   const double low = -150, high = 520;

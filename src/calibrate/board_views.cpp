@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 
+#include "base/luminance.h"
 #include "base/text.h"
 #include "base/timer.h"
 #include "calibrate/calibrate.h"
@@ -31,8 +32,9 @@ struct Picture {
 ImageGray gray_of(const ImageRgb& rgb) {
   ImageGray gray{rgb.width, rgb.height, std::vector<uint8_t>(size_t(rgb.width) * rgb.height)};
   for (size_t i = 0; i < gray.pixels.size(); ++i)
-    gray.pixels[i] = static_cast<uint8_t>(
-        (299 * rgb.pixels[3 * i] + 587 * rgb.pixels[3 * i + 1] + 114 * rgb.pixels[3 * i + 2] + 500) / 1000);
+    gray.pixels[i] = static_cast<uint8_t>((kRedPerMille * rgb.pixels[3 * i] + kGreenPerMille * rgb.pixels[3 * i + 1] +
+                                           kBluePerMille * rgb.pixels[3 * i + 2] + 500) /
+                                          1000);
   return gray;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/luminance.h"
 #include "geometry/reference.h"
 #include "meshing/surface_parts.h"
 
@@ -27,7 +28,7 @@ Basis basis_at(const Vector3d& n) {
 }
 
 double log_light(const Vector3d& color) {
-  return std::log(std::max(kDarkest, color.dot(Vector3d(0.299, 0.587, 0.114))));
+  return std::log(std::max(kDarkest, color.dot(Vector3d(kRedLuminance, kGreenLuminance, kBlueLuminance))));
 }
 
 }  // namespace

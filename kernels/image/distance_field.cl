@@ -1,6 +1,7 @@
 // Exact signed Euclidean distance to the border of a mask, in two passes (after Meijster, Roerdink and Hesselink, "A
 // general algorithm for computing distance transforms in linear time", 2000): along columns, then the least over each
 // row: on a CPU the lower envelope of parabolas, on a GPU each pixel looks at the columns beside it, the nearest first.
+#include "shared/bits.h"
 #include "shared/lanes.h"
 
 #ifdef LC_DEVICE

@@ -2,11 +2,12 @@
 // with a weight of 1 where the person is, 0 elsewhere.
 #include "match/layout.h"
 #include "shared/gather.h"
+#include "shared/luminance.h"
 #include "shared/plain_math.h"
 #include "shared/wide.h"
 
 static inline float luminance(float r, float g, float b) {
-  return 0.299f * r + 0.587f * g + 0.114f * b;
+  return LC_RED_LUMINANCE * r + LC_GREEN_LUMINANCE * g + LC_BLUE_LUMINANCE * b;
 }
 
 // What is constant on a triangle: its corners' pixels and 1/z, and their texture coordinates.
@@ -222,7 +223,8 @@ kernel void camera_picture(MatchBox box, int width, int height, global const uch
       const uchar16 red = (uchar16)(a.s0369, a.scf, b.s258b, b.se, c.s147a, c.sd);
       const uchar16 green = (uchar16)(a.s147a, a.sd, b.s0369, b.scf, c.s258b, c.se);
       const uchar16 blue = (uchar16)(a.s258b, a.se, b.s147a, b.sd, c.s0369, c.scf);
-      bright = (0.299f * convert_float16(red) + 0.587f * convert_float16(green) + 0.114f * convert_float16(blue)) *
+      bright = (LC_RED_LUMINANCE * convert_float16(red) + LC_GREEN_LUMINANCE * convert_float16(green) +
+                LC_BLUE_LUMINANCE * convert_float16(blue)) *
                (1.0f / 255.0f);
     }
     store16(select((float16)0.0f, bright, person), light + at);

@@ -1,12 +1,13 @@
 // How bright the picture shows bare skin, by its albedo.
 #include "match/layout.h"
+#include "shared/luminance.h"
 
 #define RADIUS LC_SKIN_RADIUS
 
 // sRGB to linear, roughly: the square.
 static inline float linear_light(global const uchar* restrict rgb, int at) {
   const float r = (float)rgb[3 * at], g = (float)rgb[3 * at + 1], b = (float)rgb[3 * at + 2];
-  return (0.299f * r * r + 0.587f * g * g + 0.114f * b * b) * (1.0f / 65025.0f);
+  return (LC_RED_LUMINANCE * r * r + LC_GREEN_LUMINANCE * g * g + LC_BLUE_LUMINANCE * b * b) * (1.0f / 65025.0f);
 }
 
 // One work-item per vertex of skin: vertices, albedo (linear), areas (mm^2) [n]; is_skin [n_vertices] 1 for them.

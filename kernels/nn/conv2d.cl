@@ -105,6 +105,22 @@ NN_WINDOW_TILES(window_half, NN_HALF, 8)
 NN_WINDOW_TILES(window_one, NN_ONE, 6)
 #endif
 
+// Up to two panels from output channel c on, of which n are left: TILES(kind, channel) calls one of the above.
+#if LC_VECTOR == 16
+#define NN_TWO_PANELS(TILES) \
+  if (n > NN_PANEL) {        \
+    TILES(two, c);           \
+  } else {                   \
+    TILES(one, c);           \
+  }
+#else
+#define NN_TWO_PANELS(TILES)                                 \
+  if (n > NN_PANEL / 2) TILES(one, c);                       \
+  if (n > NN_PANEL + NN_PANEL / 2) TILES(one, c + NN_PANEL); \
+  const int rest = n % NN_PANEL;                             \
+  if (n < 2 * NN_PANEL && rest > 0 && rest <= NN_PANEL / 2) TILES(half, c + n - rest);
+#endif
+
 // 1x1 kernel, stride 1: a matrix product [pixels x in_channels] [in_channels x out_channels]. One work-item = NN_STRIP
 // pixels x two panels. count = strips * ceil(panels / 2).
 kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_pointwise(NnOp op, global const float* restrict weights,
@@ -117,19 +133,9 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_pointwise(NnOp o
   const int first = (op.panels_innermost ? id / n_pairs : id % n_strips) * NN_STRIP;
   const int c = (op.panels_innermost ? id % n_pairs : id / n_strips) * 2 * NN_PANEL;
   const int end = min(first + NN_STRIP, n_pixels), n = op.out_channels - c;
-#if LC_VECTOR == 16
-  if (n > NN_PANEL) {
-    pointwise_two(op, first, end, c, weights, arena);
-  } else {
-    pointwise_one(op, first, end, c, weights, arena);
-  }
-#else
-  if (n > NN_PANEL / 2) pointwise_one(op, first, end, c, weights, arena);
-  if (n > NN_PANEL + NN_PANEL / 2) pointwise_one(op, first, end, c + NN_PANEL, weights, arena);
-  const int rest = n % NN_PANEL;
-  if (n < 2 * NN_PANEL && rest > 0 && rest <= NN_PANEL / 2)
-    pointwise_half(op, first, end, c + n - rest, weights, arena);
-#endif
+#define TILES(KIND, at) pointwise_##KIND(op, first, end, at, weights, arena)
+  NN_TWO_PANELS(TILES)
+#undef TILES
 }
 
 // Any kernel, stride, dilation and padding. One work-item = NN_TILE neighbours in one row x two panels. count = rows *
@@ -146,19 +152,9 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_window(NnOp op, 
   const int y = tile / tiles_per_row;
   const int first = tile % tiles_per_row * NN_TILE;
   const int end = min(first + NN_TILE, op.out_width), n = op.out_channels - c;
-#if LC_VECTOR == 16
-  if (n > NN_PANEL) {
-    window_two(op, y, first, end, c, weights, arena);
-  } else {
-    window_one(op, y, first, end, c, weights, arena);
-  }
-#else
-  if (n > NN_PANEL / 2) window_one(op, y, first, end, c, weights, arena);
-  if (n > NN_PANEL + NN_PANEL / 2) window_one(op, y, first, end, c + NN_PANEL, weights, arena);
-  const int rest = n % NN_PANEL;
-  if (n < 2 * NN_PANEL && rest > 0 && rest <= NN_PANEL / 2)
-    window_half(op, y, first, end, c + n - rest, weights, arena);
-#endif
+#define TILES(KIND, at) window_##KIND(op, y, first, end, at, weights, arena)
+  NN_TWO_PANELS(TILES)
+#undef TILES
 }
 
 // A window convolution to a few channels (a mask): a panel would be nearly empty, so the input channels are the vector.

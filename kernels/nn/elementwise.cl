@@ -55,22 +55,6 @@ kernel void convert_u8(NnOp op, global const uchar* restrict input, global float
   arena[op.out_offset + i] = op.low + op.high * (float)input[i];
 }
 
-// Largest value in the window; pixels outside the image are left out. count = elements.
-kernel void max_pool(NnOp op, global float* arena) {
-  const int id = get_global_id(0);
-  if (id >= op.count) return;
-  const int c = id % op.out_channels;
-  const int pixel = id / op.out_channels;
-  const int in_x = pixel % op.out_width * op.stride_w - op.pad_left;
-  const int in_y = pixel / op.out_width * op.stride_h - op.pad_top;
-  float best = -INFINITY;
-  for (int y = max(in_y, 0); y < min(in_y + op.kernel_h, op.in_height); ++y) {
-    for (int x = max(in_x, 0); x < min(in_x + op.kernel_w, op.in_width); ++x)
-      best = fmax(best, arena[op.in_offset + (y * op.in_width + x) * op.in_channels + c]);
-  }
-  nn_store(op, arena, id, best);
-}
-
 // Zeros around the image and its channels. count = elements.
 kernel void pad(NnOp op, global float* arena) {
   const int id = get_global_id(0);

@@ -1,6 +1,7 @@
 // A network's layers on GPUs, all of them in one launch: its work-groups share each layer's outputs and wait for each
 // other before the next.
 #include "nn/panel.h"
+#include "nn/pool_window.h"
 #include "nn/resize_sample.h"
 #include "shared/all_arrived.h"
 
@@ -211,19 +212,6 @@ static float resized(NnOp op, global const float* arena, int i) {
   return top + sy.t * (bottom - top);
 }
 
-// Largest value in the window; pixels outside the image are left out.
-static float largest(NnOp op, global const float* arena, int i) {
-  const int pixel = i / op.out_channels;
-  const int in_x = pixel % op.out_width * op.stride_w - op.pad_left;
-  const int in_y = pixel / op.out_width * op.stride_h - op.pad_top;
-  float best = -INFINITY;
-  for (int y = max(in_y, 0); y < min(in_y + op.kernel_h, op.in_height); ++y) {
-    for (int x = max(in_x, 0); x < min(in_x + op.kernel_w, op.in_width); ++x)
-      best = fmax(best, arena[op.in_offset + (y * op.in_width + x) * op.in_channels + i % op.out_channels]);
-  }
-  return best;
-}
-
 // Layers of which a work-item makes one element.
 static void elements(NnOp op, int kind, global float* arena) {
   const int count = op.out_height * op.out_width * op.out_channels;
@@ -231,7 +219,7 @@ static void elements(NnOp op, int kind, global float* arena) {
     if (kind == NN_RESIZE) {
       nn_store(op, arena, i, resized(op, arena, i));
     } else if (kind == NN_MAX_POOL) {
-      nn_store(op, arena, i, largest(op, arena, i));
+      nn_store(op, arena, i, nn_largest(op, arena, i));
     } else if (kind == NN_ADD) {
       nn_store(op, arena, i, arena[op.in_offset + i]);
     } else {

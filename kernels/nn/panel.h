@@ -25,11 +25,15 @@ static inline void nn_write_half(float8 v, global float* out, int n) {
   if (n & 1) out[0] = rest2.x;
 }
 
+// v within op.low..op.high, by one instruction each, which clamp() is not.
+#define NN_LIMIT(T, v, op)          \
+  v = v > op.low ? v : (T)(op.low); \
+  v = v < op.high ? v : (T)(op.high)
+
 // Adds the residual, clamps, and writes the first n (>= 1; all when n >= 16) channels of v at element `at`.
 static inline void nn_store_panel(NnOp op, global float* arena, int at, float16 v, int n) {
   if (op.residual_offset >= 0) v += vload16(0, arena + op.residual_offset + at);
-  v = v > op.low ? v : (float16)(op.low);  // one instruction each, which clamp() is not
-  v = v < op.high ? v : (float16)(op.high);
+  NN_LIMIT(float16, v, op);
   global float* out = arena + op.out_offset + at;
   if (n >= 16) {
     store16(v, out);
@@ -42,15 +46,15 @@ static inline void nn_store_panel(NnOp op, global float* arena, int at, float16 
 // The same with up to 8.
 static inline void nn_store_half(NnOp op, global float* arena, int at, float8 v, int n) {
   if (op.residual_offset >= 0) v += vload8(0, arena + op.residual_offset + at);
-  v = v > op.low ? v : (float8)(op.low);
-  v = v < op.high ? v : (float8)(op.high);
+  NN_LIMIT(float8, v, op);
   nn_write_half(v, arena + op.out_offset + at, n);
 }
 
 // One element, the same way.
 static inline void nn_store(NnOp op, global float* arena, int at, float v) {
   if (op.residual_offset >= 0) v += arena[op.residual_offset + at];
-  arena[op.out_offset + at] = clamp(v, op.low, op.high);
+  NN_LIMIT(float, v, op);
+  arena[op.out_offset + at] = v;
 }
 
 #endif

@@ -1,24 +1,29 @@
 // Means and maxima over an image or over its channels. One work-item = one output element or pixel.
 #include "nn/panel.h"
+#include "nn/pool_window.h"
 
 // Mean over the window's pixels inside the image; mode 1: over all of it, zeros outside. count = elements.
 kernel void average_pool(NnOp op, global float* arena) {
   const int id = get_global_id(0);
   if (id >= op.count) return;
   const int c = id % op.out_channels;
-  const int pixel = id / op.out_channels;
-  const int in_x = pixel % op.out_width * op.stride_w - op.pad_left;
-  const int in_y = pixel / op.out_width * op.stride_h - op.pad_top;
-  const int top = max(in_y, 0), bottom = min(in_y + op.kernel_h, op.in_height);
-  const int left = max(in_x, 0), right = min(in_x + op.kernel_w, op.in_width);
+  const NnPoolWindow window = nn_pool_window(op, id / op.out_channels);
   float sum = 0.0f;
-  for (int y = top; y < bottom; ++y) {  // rows first: a sum over a whole image keeps its digits
+  for (int y = window.top; y < window.bottom; ++y) {  // rows first: a sum over a whole image keeps its digits
     float row = 0.0f;
-    for (int x = left; x < right; ++x) row += arena[op.in_offset + (y * op.in_width + x) * op.in_channels + c];
+    for (int x = window.left; x < window.right; ++x)
+      row += arena[op.in_offset + (y * op.in_width + x) * op.in_channels + c];
     sum += row;
   }
-  const int area = op.mode ? op.kernel_h * op.kernel_w : (bottom - top) * (right - left);
+  const int area = op.mode ? op.kernel_h * op.kernel_w : (window.bottom - window.top) * (window.right - window.left);
   nn_store(op, arena, id, sum / (float)area);
+}
+
+// count = elements.
+kernel void max_pool(NnOp op, global float* arena) {
+  const int id = get_global_id(0);
+  if (id >= op.count) return;
+  nn_store(op, arena, id, nn_largest(op, arena, id));
 }
 
 // exp(x) over its sum over the channels. count = pixels.

@@ -5,7 +5,7 @@
 // Rows that share a record of which columns were drawn.
 #define LC_STRIP_ROWS 8
 
-// Triangles that a work-item of a CPU sets up at once.
+// The most triangles that a work-item of a CPU sets up at once (LANES).
 #define LC_RASTER_TRIANGLES 16
 
 // Work-items of a GPU that share a triangle.

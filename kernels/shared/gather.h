@@ -24,20 +24,6 @@ static inline void scatter8(float8 value, global float* restrict p, int8 i, int 
   for (int k = 0; k < lanes && k < 8; ++k) p[places[k]] = values[k];
 }
 
-// A bit for each that holds (-1).
-static inline uint bits_of_8(int8 condition) {
-  const int8 bits = condition & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
-  const int4 four = bits.lo | bits.hi;
-  return (uint)(four.x | four.y | four.z | four.w);
-}
-
-static inline uint bits_of_16(int16 condition) {
-  const int16 bits = condition & (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
-  const int8 eight = bits.lo | bits.hi;
-  const int4 four = eight.lo | eight.hi;
-  return (uint)(four.x | four.y | four.z | four.w);
-}
-
 #ifdef __AVX512F__
 
 static inline float16 gather16(global const float* restrict p, int16 i) {

@@ -5,6 +5,7 @@
 // uses REAL.
 #ifndef LC_SHARED_LANES_H
 #define LC_SHARED_LANES_H
+#include "shared/bits.h"
 #include "shared/dialect.h"
 #include "shared/gather.h"
 #include "shared/wide.h"
@@ -120,11 +121,6 @@ static inline void store_rows(LaneInt value, global int* restrict p, int first, 
   (void)n;
   p[first] = value;
 #endif
-}
-
-// The lowest of some bits, not none.
-static inline int lowest_bit(uint bits) {
-  return 31 - clz(bits & -bits);
 }
 
 #endif

@@ -11,7 +11,7 @@
 
 #include "acquire/keypoints.h"
 #include "acquire/person_frame.h"
-#include "acquire/volume.h"
+#include "scan/volume.h"
 
 namespace livecap::acquire {
 

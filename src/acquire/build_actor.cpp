@@ -5,22 +5,23 @@
 #include <memory>
 
 #include "acquire/facet_offsets.h"
-#include "acquire/fit_turn.h"
 #include "acquire/hull.h"
 #include "acquire/keypoints.h"
 #include "acquire/material_labels.h"
-#include "acquire/mesh_volume.h"
 #include "acquire/open_skirt.h"
 #include "acquire/person_frame.h"
+#include "acquire/photograph_scan.h"
 #include "acquire/refine.h"
-#include "acquire/run_colmap.h"
-#include "acquire/scan.h"
 #include "acquire/skin_weights.h"
-#include "acquire/surface_views.h"
-#include "acquire/texture.h"
 #include "base/text.h"
 #include "base/timer.h"
 #include "livecap/error.h"
+#include "scan/mesh_volume.h"
+#include "scan/scan.h"
+#include "texture/surface_views.h"
+#include "texture/texture.h"
+#include "views/fit_turn.h"
+#include "views/run_colmap.h"
 
 namespace livecap::acquire {
 

@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "acquire/body_rig.h"
-#include "acquire/load_views.h"
 #include "acquire/parsing_network.h"
-#include "acquire/turntable.h"
-#include "acquire/volume.h"
 #include "meshing/actor_glb.h"
 #include "ocl/context.h"
+#include "scan/volume.h"
+#include "views/load_views.h"
+#include "views/turntable.h"
 
 namespace livecap::acquire {
 

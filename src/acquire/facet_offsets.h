@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "acquire/volume.h"
 #include "meshing/isosurface.h"
+#include "scan/volume.h"
 
 namespace livecap::acquire {
 

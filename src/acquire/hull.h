@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "acquire/view.h"
-#include "acquire/volume.h"
 #include "ocl/context.h"
+#include "scan/volume.h"
+#include "views/view.h"
 
 namespace livecap::acquire {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "acquire/view.h"
 #include "livecap/detections.h"
 #include "ocl/context.h"
+#include "views/view.h"
 
 namespace livecap::acquire {
 

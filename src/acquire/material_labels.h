@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "acquire/body_rig.h"
-#include "acquire/surface_views.h"
-#include "acquire/volume.h"
 #include "meshing/actor_glb.h"
+#include "scan/volume.h"
+#include "texture/surface_views.h"
 
 namespace livecap::acquire {
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "acquire/keypoints.h"
-#include "acquire/volume.h"
+#include "scan/volume.h"
 
 namespace livecap::acquire {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "acquire/keypoints.h"
-#include "acquire/view.h"
+#include "views/view.h"
 
 namespace livecap::acquire {
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "acquire/surface_views.h"
+#include "texture/surface_views.h"
 
 namespace livecap::acquire {
 

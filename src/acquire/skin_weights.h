@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "acquire/body_rig.h"
-#include "acquire/volume.h"
 #include "meshing/actor_glb.h"
+#include "scan/volume.h"
 
 namespace livecap::acquire {
 

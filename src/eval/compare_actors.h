@@ -37,7 +37,7 @@ std::vector<Eigen::VectorXd> test_poses(const Skeleton& skeleton, int n_poses);
 std::vector<Eigen::Vector3d> pose_actor(const Actor& actor, const Skeleton& skeleton, const SkinWeights& skin,
                                         const Eigen::VectorXd& angles_rad);
 
-// seen: [n_vertices of the truth] 1 where pictures can tell the true surface (acquire/surface_views.h); empty: unknown.
+// seen: [n_vertices of the truth] 1 where pictures can tell the true surface (texture/surface_views.h); empty: unknown.
 ActorComparison compare_actors(const Actor& built, const Actor& truth, int n_poses = 20,
                                const std::vector<char>& seen = {});
 

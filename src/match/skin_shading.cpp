@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/luminance.h"
 #include "base/text.h"
 #include "geometry/mesh.h"
 #include "livecap/error.h"
@@ -61,7 +62,8 @@ SkinShading::SkinShading(ocl::DeviceContext& device, const Actor& actor, const C
     skin_.push_back({i, bone, label >= kLeftLegLabel ? 1 : 0});
     const float* c = &actor.colors[3 * i];
     vertices.push_back(i);
-    albedo.push_back(float(std::max(kLeastAlbedo, 0.299 * c[0] * c[0] + 0.587 * c[1] * c[1] + 0.114 * c[2] * c[2])));
+    albedo.push_back(float(std::max(
+        kLeastAlbedo, kRedLuminance * c[0] * c[0] + kGreenLuminance * c[1] * c[1] + kBlueLuminance * c[2] * c[2])));
     areas.push_back(all_areas[i]);
     is_skin[i] = 1;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/luminance.h"
 #include "base/round_up.h"
 #include "base/text.h"
 #include "livecap/error.h"
@@ -85,7 +86,7 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
   ImageGray light{texture.width, texture.height, std::vector<uint8_t>(size_t(texture.width) * texture.height)};
   for (size_t p = 0; p < light.pixels.size(); ++p) {
     const uint8_t* c = &texture.pixels[3 * p];
-    light.pixels[p] = uint8_t(std::lround(0.299 * c[0] + 0.587 * c[1] + 0.114 * c[2]));
+    light.pixels[p] = uint8_t(std::lround(kRedLuminance * c[0] + kGreenLuminance * c[1] + kBlueLuminance * c[2]));
   }
   while (std::max(light.width, light.height) > kMaxTexture) light = halved(light);
   if (std::min(light.width, light.height) < 1 << LC_MATCH_LEVELS) return;  // a strip of colours

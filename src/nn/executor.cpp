@@ -223,7 +223,7 @@ void Executor::add_step(const Op& op, const std::vector<int64_t>& offsets, std::
   } else if (const auto* pool = std::get_if<MaxPool2d>(&op.attributes)) {
     set_window(p, pool->window, pool->kernel_h, pool->kernel_w);
     if (cpu) {
-      step.kernel = kernel("nn/elementwise.cl", "max_pool");
+      step.kernel = kernel("nn/pool.cl", "max_pool");
     } else {
       add_layer(step, NN_MAX_POOL);
     }

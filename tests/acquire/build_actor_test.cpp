@@ -8,19 +8,19 @@
 
 #include "acquire/rehearsal.h"
 #include "acquire/report.h"
-#include "acquire/scan.h"
-#include "acquire/surface_views.h"
 #include "acquire/true_actor.h"
 #include "base/text.h"
 #include "eval/compare_actors.h"
 #include "image/image_io.h"
 #include "livecap/error.h"
 #include "meshing/isosurface.h"
+#include "scan/scan.h"
 #include "support/data_dir.h"
 #include "support/onnx_writer.h"
 #include "support/test_device.h"
 #include "support/tolerances.h"
 #include "synth/synth.h"
+#include "texture/surface_views.h"
 
 namespace livecap {
 namespace {
@@ -93,7 +93,7 @@ TEST_F(BuildActor, FromPicturesMeetsTheBars) {
   const ActorComparison c = compare_actors(built, truth);
   print("trousers", c);
   EXPECT_NEAR(built.n_vertices(), 5000, 250);
-  EXPECT_TRUE(acquire::is_closed_manifold(result.actor.surface));
+  EXPECT_TRUE(is_closed_manifold(result.actor.surface));
   EXPECT_EQ(connected_components(built.n_vertices(), built.mesh.triangles), 1);
   EXPECT_LT(c.built_to_truth_mm.mean, test::kBuiltSurfaceMm);
   EXPECT_LT(c.built_to_truth_mm.p95, test::kBuiltSurfaceP95Mm);
@@ -158,7 +158,7 @@ TEST_F(BuildActor, ConcavitiesOfAGroovedBlock) {
     const double block = std::max({std::abs(p.x()) - 200, std::abs(p.z()) - 200, -p.y(), p.y() - 400});
     return std::max(block, std::min(p.x(), 60 - std::abs(p.z())));
   };
-  const Mesh mesh = acquire::mesh_of(meshing::extract_surface(field, {-233, -33, -233}, {233, 433, 233}, 18));
+  const Mesh mesh = mesh_of(meshing::extract_surface(field, {-233, -33, -233}, {233, 433, 233}, 18));
   std::filesystem::create_directories(folder_ / "masks");
   write_file_atomically(folder_ / "cameras.txt", "1 PINHOLE 480 480 1000 1000 240.5 240.5\n");
   std::string poses;
@@ -186,7 +186,7 @@ TEST_F(BuildActor, ConcavitiesOfAGroovedBlock) {
   }
   write_file_atomically(folder_ / "images.txt", poses);
   ocl::DeviceContext device(ocl::select_device(test::device_selectors().front()));
-  const auto told = acquire::visible_hull_vertices(device, mesh, folder_, folder_ / "masks", 1);
+  const auto told = visible_hull_vertices(device, mesh, folder_, folder_ / "masks", 1);
 
   int n_groove = 0, n_bottom = 0, n_outside = 0;
   for (int i = 0; i < mesh.n_vertices(); ++i) {
@@ -209,7 +209,7 @@ TEST_F(BuildActor, ConcavitiesOfAGroovedBlock) {
   EXPECT_GT(n_bottom, 100);
   EXPECT_GT(n_outside, 300);
   std::filesystem::remove(folder_ / "masks" / "003.png");
-  EXPECT_THROW(acquire::visible_hull_vertices(device, mesh, folder_, folder_ / "masks", 1), IoError);
+  EXPECT_THROW(visible_hull_vertices(device, mesh, folder_, folder_ / "masks", 1), IoError);
 }
 
 // A network that knows the mean colours of background, top and trousers in ten of the pictures: 2 m.x - |m|^2 is
@@ -276,7 +276,7 @@ TEST_F(BuildActor, FromTheRecordedActor) {
   photograph(truth, 70, 1000, 960);
   const BuildResult result = build(options());
   ocl::DeviceContext device(ocl::select_device(test::device_selectors().front()));
-  const std::vector<char> told = acquire::visible_hull_vertices(device, truth.mesh, folder_, folder_ / "masks", 1000);
+  const std::vector<char> told = visible_hull_vertices(device, truth.mesh, folder_, folder_ / "masks", 1000);
   const ActorComparison c = compare_actors(loaded(result), truth, 20, told);
   print("recorded", c);
   const auto n_hidden = std::count(c.hidden.begin(), c.hidden.end(), 1);

@@ -12,8 +12,6 @@
 namespace livecap {
 namespace {
 
-using acquire::View;
-using acquire::Volume;
 using Eigen::Vector3d;
 
 // Pictures of an analytic solid: a pixel is covered when its ray comes nearer to the segment a-b than the radius.
@@ -52,10 +50,10 @@ TEST(Hull, OfACapsuleIsTheCapsule) {
   const double radius = 120;
   const auto views = capsule_views(36, a, b, radius);
   test::on_every_device([&](ocl::DeviceContext& device) {
-    Volume volume = acquire::make_volume(Vector3d::Constant(-450), Vector3d::Constant(450), 12);
+    Volume volume = make_volume(Vector3d::Constant(-450), Vector3d::Constant(450), 12);
     acquire::carve_hull(device, views, {}, volume);
-    acquire::keep_largest_solid(volume);
-    const auto surface = acquire::surface_of(volume);
+    keep_largest_solid(volume);
+    const auto surface = surface_of(volume);
     ASSERT_GT(surface.vertices.size(), 1000u);
     double sum = 0, most = 0;
     for (const Vector3d& p : surface.vertices) {

@@ -100,11 +100,11 @@ TEST(Keypoints, PersonFrameUndoesTurnScaleAndShift) {
 
 TEST(Keypoints, AViewWithAWrongCameraIsFound) {
   const auto world = standing(1, Eigen::Matrix3d::Identity(), {0, 0, 0});
-  std::vector<acquire::View> views(10);
+  std::vector<View> views(10);
   std::vector<Detections> detections(views.size());
   for (size_t i = 0; i < views.size(); ++i) {
     const double angle = 2 * M_PI * static_cast<double>(i) / static_cast<double>(views.size());
-    acquire::View& view = views[i];
+    View& view = views[i];
     view.camera = camera_from_fov(480, 640, 46);
     view.camera_from_world.linear() =
         Eigen::Vector3d(1, -1, -1).asDiagonal() * Eigen::AngleAxisd(angle, Vector3d::UnitY()).toRotationMatrix();
@@ -132,7 +132,7 @@ TEST(Keypoints, LevelCamerasTellTheVertical) {
   const Eigen::Matrix3d world_from_room =
       (Eigen::AngleAxisd(0.05, Vector3d::UnitX()) * Eigen::AngleAxisd(0.06, Vector3d::UnitZ())).toRotationMatrix();
   const Eigen::Matrix3d lean = Eigen::AngleAxisd(4 * M_PI / 180, Vector3d::UnitX()).toRotationMatrix();
-  std::vector<acquire::View> views(24);
+  std::vector<View> views(24);
   for (size_t i = 0; i < views.size(); ++i) {
     const double angle = 2 * M_PI * static_cast<double>(i) / static_cast<double>(views.size());
     Eigen::Matrix3d camera_from_room;  // looks at the axis, 20 degrees down

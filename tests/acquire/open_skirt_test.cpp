@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "acquire/scan.h"
+#include "scan/scan.h"
 #include "support/tolerances.h"
 
 namespace livecap::acquire {

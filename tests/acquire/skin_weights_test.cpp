@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "acquire/mesh_volume.h"
 #include "acquire/true_actor.h"
 #include "eval/compare_actors.h"
 #include "meshing/actor_glb.h"
+#include "scan/mesh_volume.h"
 #include "support/data_dir.h"
 #include "support/tolerances.h"
 
@@ -22,7 +22,7 @@ SkinWeights own_weights(const Actor& actor) {
   meshing::ActorFile file;
   file.surface = test::surface_of(actor);
   const BodyJoints joints = test::true_joints(actor);
-  file.weights = acquire::heat_weights(file.surface, joints, acquire::volume_of(file.surface, 8));
+  file.weights = acquire::heat_weights(file.surface, joints, volume_of(file.surface, 8));
   for (int bone = 0; bone < acquire::kBodyBoneCount; ++bone)
     file.bones.push_back({acquire::kBodyBones[bone].name, acquire::kBodyBones[bone].parent, joints[bone]});
   file.labels = actor.labels;
@@ -148,6 +148,33 @@ TEST(SkinWeights, TwistWithoutCandyWrappers) {
   }
 }
 
+// What lies in front of the head's joint or behind the ankle is nearer to the neck's and the shank's line.
+TEST(SkinWeights, ChinAndHeelBelongToHeadAndFoot) {
+  for (const char* name : {"trousers", "skirt"}) {
+    const Actor& actor = test::builtin_actor(name);
+    const meshing::Surface surface = test::surface_of(actor);
+    const auto weights = acquire::heat_weights(surface, test::true_joints(actor), volume_of(surface, 8));
+    const auto share = [&](int vertex, int of) {
+      double sum = 0;
+      for (const auto& [bone, weight] : weights[vertex]) sum += bone == of ? weight : 0;
+      return sum;
+    };
+    int chin = 0;
+    const auto to_chin = [&](int v) { return (surface.vertices[v] - actor.keypoints[kChin].rest_position_mm).norm(); };
+    for (int i = 0; i < actor.n_vertices(); ++i)
+      if (to_chin(i) < to_chin(chin)) chin = i;
+    EXPECT_GT(share(chin, acquire::kHeadBone), test::kChinAndHeelShare) << name;
+    int heels[] = {-1, -1};  // the rearmost vertex near the floor, left and right
+    for (int i = 0; i < static_cast<int>(surface.vertices.size()); ++i) {
+      const Vector3d& p = surface.vertices[i];
+      int& heel = heels[p.x() < 0];
+      if (p.y() < 40 && (heel < 0 || p.z() < surface.vertices[heel].z())) heel = i;
+    }
+    EXPECT_GT(share(heels[0], acquire::kLeftFootBone), test::kChinAndHeelShare) << name;
+    EXPECT_GT(share(heels[1], acquire::kRightFootBone), test::kChinAndHeelShare) << name;
+  }
+}
+
 // A tube of cloth around two legs, from above the hips to below the knees, closed above and below.
 std::vector<meshing::Influences> tube_weights(double side, double depth) {
   const double low = -150, high = 520;
@@ -166,7 +193,7 @@ std::vector<meshing::Influences> tube_weights(double side, double depth) {
     joints[thigh + 2] = {x, -400, 0};
     joints[thigh + 3] = {x, -400, 100};
   }
-  auto weights = acquire::heat_weights(surface, joints, acquire::volume_of(surface, 10));
+  auto weights = acquire::heat_weights(surface, joints, volume_of(surface, 10));
   // Only the cloth beside the thighs is looked at.
   for (size_t i = weights.size(); i-- > 0;)
     if (surface.vertices[i].y() < 100 || surface.vertices[i].y() > 200) weights.erase(weights.begin() + i);
@@ -206,7 +233,7 @@ TEST(SkinWeights, OfACapsuleFollowTheHeatEquation) {
   joints[acquire::kLeftFootBone] = {0, -half, 0};
   joints[acquire::kLeftToeBone] = {0, -half, 0};
   for (int bone = acquire::kRightUpLegBone; bone <= acquire::kRightToeBone; ++bone) joints[bone] = {0, half, 0};
-  const auto weights = acquire::heat_weights(surface, joints, acquire::volume_of(surface, 10), options);
+  const auto weights = acquire::heat_weights(surface, joints, volume_of(surface, 10), options);
   int n_middle = 0;
   for (size_t i = 0; i < weights.size(); ++i) {
     double upper = 0, lower = 0, sum = 0;

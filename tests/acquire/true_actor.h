@@ -1,7 +1,6 @@
-// Actors whose every part is known: the built-in ones, and the recorded one when its data is there.
+// What an actor build should find: surface and bones of an actor whose every part is known.
 #pragma once
 
-#include <map>
 #include <string>
 
 #include "acquire/body_rig.h"
@@ -9,16 +8,9 @@
 #include "geometry/skeleton.h"
 #include "meshing/isosurface.h"
 #include "meshing/surface_parts.h"
-#include "synth/synth.h"
+#include "support/builtin_actor.h"
 
 namespace livecap::test {
-
-inline const Actor& builtin_actor(const std::string& name) {
-  static std::map<std::string, Actor> actors;
-  auto found = actors.find(name);
-  if (found == actors.end()) found = actors.emplace(name, load_actor_bytes(make_builtin_actor_glb(name), name)).first;
-  return found->second;
-}
 
 inline meshing::Surface surface_of(const Actor& actor) {
   return meshing::surface_of(actor.mesh);

@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include "support/test_device.h"
+#include "support/kernel_bodies.h"
 
 namespace livecap {
 namespace {
 
-TEST(Skinner, KnownAnswersOnEveryDevice) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+TEST(Skinner, KnownAnswers) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const auto results = skinner_self_test(device);
     EXPECT_EQ(results.size(), 3u);
     for (const auto& result : results) EXPECT_TRUE(result.ok) << result.kernel << ": " << result.detail;

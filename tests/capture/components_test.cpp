@@ -84,6 +84,30 @@ TEST(Components, AFloorThatIsGivenCountsBeforeOneIsLearned) {
   EXPECT_FALSE(angles({}) == given);
 }
 
+TEST(Components, AFloorThatFeetNeverRestOnIsToldOnce) {
+  LIVECAP_MODEL_OR_SKIP(model, "lite");
+  const test::ScratchFolder scratch;
+  SynthOptions synth = test::small_sequence(42, 2);
+  synth.motions = {"squat"};
+  synth.floor = true;
+  write_sequence(synth, scratch / "sequence");
+  CaptureOptions options = test::capture_of(scratch / "sequence", scratch / "capture", model);
+  options.surface = false;
+  const auto n_told = [&] {
+    testing::internal::CaptureStderr();
+    run_capture(options);
+    const std::string log = testing::internal::GetCapturedStderr(), what = "feet do not rest on the floor";
+    int n = 0;
+    for (size_t at = log.find(what); at != std::string::npos; at = log.find(what, at + 1)) ++n;
+    return n;
+  };
+  EXPECT_EQ(n_told(), 0);
+  Camera camera = load_camera(options.camera);
+  camera.floor->distance_mm += 400;
+  save_camera(camera, options.camera);
+  EXPECT_EQ(n_told(), 1);
+}
+
 TEST(Components, TheFloorMakesADifferenceOnceItIsKnown) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
   const test::ScratchFolder scratch;

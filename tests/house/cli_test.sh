@@ -251,6 +251,7 @@ expect 2 '--square mm' "${floor[@]}" --board 9x6
 expect 2 '--square -3' "${floor[@]}" --board 9x6 --square -3
 expect 2 'seq/background.png no board with 9x6' "${floor[@]}" --board 9x6 --square 30
 expect 2 'none.png' calibrate --camera seq/camera.json --out c.json --floor none.png --board 9x6 --square 30
+expect 2 'none.png' calibrate --images nothing --out c.json --floor none.png --board 9x6 --square 30
 expect 2 'negative.json' calibrate --camera negative.json --out c.json --floor seq/background.png --board 9x6 --square 30
 [[ ! -e c.json ]] || { echo "FAILED: calibrate left a file"; failures=$((failures + 1)); }
 

@@ -163,6 +163,8 @@ TEST(Floor, ThatWasMeasuredStaysWhatItIs) {
   EXPECT_FALSE(finder.is_contradicted()) << "a step on a chair";
   stand({kUp, 900}, 60);
   EXPECT_TRUE(finder.is_contradicted());
+  stand({kUp, 1200}, 5);
+  EXPECT_TRUE(finder.is_contradicted()) << "it stays so";
   expect_measured();
   finder.forget();
   expect_measured();

@@ -7,6 +7,7 @@
 
 #include "livecap/error.h"
 #include "scenes.h"
+#include "support/kernel_bodies.h"
 #include "support/tolerances.h"
 
 namespace livecap {
@@ -70,14 +71,14 @@ void expect_like_rays(ocl::DeviceContext& device, const Mesh& mesh, const Camera
 }
 
 TEST(Depth, RandomTrianglesMatchRays) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     for (int width : {7, 63, 65})
       expect_like_rays(device, test::random_triangles(40, width), test::small_camera(width, 49));
   });
 }
 
 TEST(Depth, SphereMatchesRaysAndHasNoHoles) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const Mesh mesh = test::sphere({30, -20, 1500}, 500, 20, 33);
     const Camera camera = test::small_camera(97, 101);
     expect_like_rays(device, mesh, camera);
@@ -97,7 +98,7 @@ TEST(Depth, SphereMatchesRaysAndHasNoHoles) {
 }
 
 TEST(Depth, EdgesThroughPixelCentresLeaveNoGap) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     // Corners and diagonals of every square fall on pixel centres, but for rounding.
     Camera camera = test::small_camera(60, 60);
     camera.cx = camera.cy = 29;
@@ -124,7 +125,7 @@ TEST(Depth, EdgesThroughPixelCentresLeaveNoGap) {
 }
 
 TEST(Depth, ClosedMeshesCoverTheSameWithoutTheirFarFaces) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const Mesh closed = test::sphere({0, 0, 1500}, 500, 12, 17);
     Mesh open = closed;  // one extra triangle with an open edge, too small to cover a pixel
     const float speck[] = {4000, 0, 1500, 4000.01f, 0, 1500, 4000, 0.01f, 1500};
@@ -140,7 +141,7 @@ TEST(Depth, ClosedMeshesCoverTheSameWithoutTheirFarFaces) {
 }
 
 TEST(Depth, HugeAndOffScreenTriangles) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     Mesh mesh = test::random_triangles(3, 5);
     for (float& p : mesh.positions) p *= 3;                                  // partly outside the picture
     for (int k = 0; k < 3; ++k) mesh.positions[3 * k + 2] = 900 + 10.f * k;  // one across all of it
@@ -152,7 +153,7 @@ TEST(Depth, HugeAndOffScreenTriangles) {
 }
 
 TEST(Depth, NearBehindAndNotFiniteTrianglesAreLeftOut) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const Camera camera = test::small_camera(40, 30);
     for (float bad : {99.f, -500.f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
       Mesh mesh;
@@ -166,7 +167,7 @@ TEST(Depth, NearBehindAndNotFiniteTrianglesAreLeftOut) {
 }
 
 TEST(Depth, EqualDepthGoesToTheLowerIdAndRepeats) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     Mesh mesh;
     test::add_plane(mesh, -500, -500, 1000, 900, 3);
     const size_t once = mesh.triangles.size();
@@ -185,7 +186,7 @@ TEST(Depth, EqualDepthGoesToTheLowerIdAndRepeats) {
 }
 
 TEST(Depth, EmptyAndSingleTriangleMeshes) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const Camera camera = test::small_camera(17, 9);
     for (int n : {0, 1}) {
       const Mesh mesh = test::random_triangles(n, 1);

@@ -4,6 +4,7 @@
 
 #include "livecap/error.h"
 #include "scenes.h"
+#include "support/kernel_bodies.h"
 
 namespace livecap {
 namespace {
@@ -28,7 +29,7 @@ std::vector<uint8_t> grown(const std::vector<int>& drawn, int width, int height,
 }
 
 TEST(PartMask, GrowsPartsAndPrefersTheTorso) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     for (int width : {9, 16, 63, 64, 65}) {
       for (int radius : {0, 3, 10}) {
         const int height = 47;
@@ -67,7 +68,7 @@ TEST(PartMask, BonesAndVerticesHaveParts) {
 }
 
 TEST(PartMask, EmptyMeshAndBadParts) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     DepthRasterizer raster(device, Mesh{}, 20, 10);
     raster.render(ocl::Buffer<float>(device, size_t(0)), test::small_camera(20, 10));
     PartMask mask(device, Mesh{}, {}, 20, 10);

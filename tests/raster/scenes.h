@@ -7,23 +7,8 @@
 
 #include "geometry/mesh.h"
 #include "livecap/camera.h"
-#include "support/test_device.h"
 
 namespace livecap::test {
-
-// Runs check(device) on every test device, and on CPUs once more with the kernel bodies meant for GPUs.
-template <typename Check>
-void on_every_body(Check&& check) {
-  for (const std::string& selector : device_selectors()) {
-    ocl::DeviceInfo info = ocl::select_device(selector);
-    for (int body = 0; body <= static_cast<int>(info.is_cpu); ++body) {
-      ocl::DeviceInfo as = info;
-      if (body == 1) as.is_cpu = false;
-      ocl::DeviceContext device(as);
-      check(device);
-    }
-  }
-}
 
 inline Camera small_camera(int width, int height) {
   Camera camera;

@@ -6,6 +6,7 @@
 
 #include "livecap/error.h"
 #include "scenes.h"
+#include "support/kernel_bodies.h"
 #include "support/tolerances.h"
 
 namespace livecap {
@@ -38,7 +39,7 @@ Camera camera_of(int width, int height, double focal) {
 }
 
 TEST(Visibility, PlaneHidesWhatLiesBehindIt) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     Mesh mesh;
     test::add_plane(mesh, -150, -150, 300, 1000, 10);  // in front, +-30 px
     const int n_front = mesh.n_vertices();
@@ -62,7 +63,7 @@ TEST(Visibility, PlaneHidesWhatLiesBehindIt) {
 }
 
 TEST(Visibility, VerticesThatFaceAwayOrLeaveThePictureAreNotVisible) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const Eigen::Vector3f center(0, 0, 1500);
     const Mesh mesh = test::sphere(center, 300, 24, 32);
     const Camera camera = camera_of(140, 100, 300);  // the sphere (about +-61 px) is cut above and below
@@ -82,7 +83,7 @@ TEST(Visibility, VerticesThatFaceAwayOrLeaveThePictureAreNotVisible) {
 }
 
 TEST(Visibility, ContourOfASphereLiesOnItsAnalyticOutline) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const double focal = 400, distance = 1500, radius = 300;
     const Mesh mesh = test::sphere({0, 0, 1500}, 300, 45, 71);
     const Camera camera = camera_of(220, 211, focal);
@@ -104,7 +105,7 @@ TEST(Visibility, ContourOfASphereLiesOnItsAnalyticOutline) {
 }
 
 TEST(Visibility, InnerOutlinesAndThePictureBorderAreNoContour) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     // A small sphere in front of a plane that fills the picture: every outline has the plane behind it.
     Mesh mesh = test::sphere({0, 0, 1000}, 150, 20, 30);
     test::add_plane(mesh, -1500, -1500, 3000, 1800, 4);
@@ -113,7 +114,7 @@ TEST(Visibility, InnerOutlinesAndThePictureBorderAreNoContour) {
 }
 
 TEST(Visibility, OpenEdgesAreContour) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     Mesh mesh;
     test::add_plane(mesh, -200, -200, 400, 1000, 4);
     const Seen seen = look(device, mesh, camera_of(120, 120, 200));
@@ -122,7 +123,7 @@ TEST(Visibility, OpenEdgesAreContour) {
 }
 
 TEST(Visibility, SmallMeshesAndWrongBuffers) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const Camera camera = camera_of(20, 20, 30);
     for (int n : {0, 1, 21, 22}) {
       const Mesh mesh = test::random_triangles(n, 7);

@@ -2,6 +2,8 @@
 // right on any device.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include "support/test_device.h"
 
 namespace livecap::test {
@@ -11,20 +13,19 @@ namespace livecap::test {
 template <typename Check>
 void on_every_device_and_body(Check&& check) {
   for (const std::string& selector : device_selectors()) {
-    ocl::DeviceInfo info = ocl::select_device(selector);
-    {
+    const ocl::DeviceInfo own = ocl::select_device(selector);
+    const auto run = [&](const ocl::DeviceInfo& info) {
       ocl::DeviceContext device(info);
+      SCOPED_TRACE(info.label() + ", LC_VECTOR " + std::to_string(device.lanes()));
       check(device);
-    }
-    if (!info.is_cpu) continue;
-    {
-      info.cpu_lanes = 24 - info.cpu_lanes;
-      ocl::DeviceContext device(info);
-      check(device);
-    }
-    info.is_cpu = false;
-    ocl::DeviceContext device(info);
-    check(device);
+    };
+    run(own);
+    if (!own.is_cpu) continue;
+    ocl::DeviceInfo other = own;
+    other.cpu_lanes = 24 - own.cpu_lanes;
+    run(other);
+    other.is_cpu = false;
+    run(other);
   }
 }
 

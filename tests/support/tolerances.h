@@ -129,6 +129,8 @@ inline constexpr double kCollarboneShare = 0.08;
 // What is left of a lamp that makes one side of a body 2.6 times as bright as the other, of the brightness: a
 // polynomial of second order of its logarithm leaves 0.014, with stripes as well.
 inline constexpr double kShadingLeft = 0.03;
+// Of a chin's weight the head's share, of a heel's the foot's; seen 0.96 to 0.99.
+inline constexpr double kChinAndHeelShare = 0.85;
 // The longest posed edge against the true rig's longest: a torn vertex would be ten times that.
 inline constexpr double kStretchRatio = 2;
 // Twisted about its own axis by up to 120 degrees a limb keeps its girth; linear blending halves it (cos 60).
@@ -206,6 +208,11 @@ inline constexpr double kBoardRmsPx = 0.15;
 // The floor's height a metre from a board on it, rendered in the same way, and the camera's tilt and roll; seen 0.7 mm.
 inline constexpr double kFloorBoardMm = 5;
 inline constexpr double kFloorBoardDeg = 0.5;
+// Where a built-in actor's surface bends, along the bone above, from the joint: rings of vertices are 20 mm apart and
+// more.
+inline constexpr double kBendsAtJointMm = 15;
+// The same at the ankle, where trousers hang over the shoe; seen 15.7 mm.
+inline constexpr double kBendsAtAnkleMm = 18;
 // Lowest vertex of a built-in actor over the floor it stands on.
 inline constexpr double kOnFloorMm = 5;
 

@@ -12,7 +12,6 @@
 
 #include "actor/actor.h"
 #include "livecap/camera.h"
-#include "support/test_device.h"
 #include "surface/surface_input.h"
 
 namespace livecap::test {
@@ -169,22 +168,6 @@ inline void add_noise(std::vector<float>& values, double sigma, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0, sigma);
   for (float& v : values) v += float(normal(random));
-}
-
-// Runs check(device) on every test device; on a CPU a second time with the kernels' GPU bodies.
-template <typename Check>
-void on_every_body(Check&& check) {
-  for (const std::string& selector : device_selectors()) {
-    ocl::DeviceInfo info = ocl::select_device(selector);
-    const bool cpu = info.is_cpu;
-    for (const bool gpu_body : {false, true}) {
-      if (gpu_body && !cpu) continue;
-      info.is_cpu = cpu && !gpu_body;
-      SCOPED_TRACE(info.label() + (gpu_body ? ", GPU bodies" : ""));
-      ocl::DeviceContext device(info);
-      check(device);
-    }
-  }
 }
 
 // The scene's buffers on one device.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/kernel_bodies.h"
 #include "support/tolerances.h"
 #include "surface/scene.h"
 
@@ -59,7 +60,7 @@ std::vector<int> edge_distance(const Scene& s, const std::vector<char>& from) {
 }
 
 TEST(Snap, ContourReachesTheSilhouetteAndOnlyTheBandFollows) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     for (const double radius : {70.0, 81.0}) {
       const Scene s = ball(radius);
       const SnapOptions options;
@@ -101,7 +102,7 @@ Scene open_tube() {
 }
 
 TEST(Snap, WarpEqualsTheSameSweepsOnTheHost) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const Scene s = open_tube();
     const OneRing ring = one_ring(s.n(), s.actor.mesh.triangles);
     SnapOptions options;
@@ -144,7 +145,7 @@ TEST(Snap, WarpEqualsTheSameSweepsOnTheHost) {
 }
 
 TEST(Snap, BandIsHarmonicAfterManySweeps) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const Scene s = open_tube();
     SnapOptions options;
     options.relaxations = 400;
@@ -171,7 +172,7 @@ TEST(Snap, BandIsHarmonicAfterManySweeps) {
 }
 
 TEST(Snap, RigidFarAndForeignVerticesStay) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     Scene s = ball(80);
     for (int i = 0; i < s.n(); ++i)
       if (s.start[3 * i] > 0) s.actor.rigidity[i] = 50.0f;
@@ -212,7 +213,7 @@ TEST(Snap, RigidFarAndForeignVerticesStay) {
 }
 
 TEST(Snap, RepeatsBitForBit) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const Scene s = ball(79.3);
     EXPECT_EQ(snapped(device, s), snapped(device, s));
   });

@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include "support/kernel_bodies.h"
 #include "support/tolerances.h"
 #include "surface/reference_system.h"
 
@@ -60,7 +61,7 @@ Scene moved_plane(double dx, double dy) {
 }
 
 TEST(SurfaceSolver, ConvergesToTheMinimumOfADirectSolver) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     Scene s = ball(79);
     for (int i = 0; i < s.n(); ++i) {
       const auto uv = s.project(s.start, i);
@@ -97,7 +98,7 @@ TEST(SurfaceSolver, ConvergesToTheMinimumOfADirectSolver) {
 }
 
 TEST(SurfaceSolver, SilhouettePullsTheContourIntoPlace) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     for (const double radius : {70.5, 79.0}) {
       const Scene s = ball(radius);
       SurfaceOptions o;
@@ -113,7 +114,7 @@ TEST(SurfaceSolver, SilhouettePullsTheContourIntoPlace) {
 }
 
 TEST(SurfaceSolver, OtherPartsRegionSwitchesTheSilhouetteOff) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     Scene s = ball(80);
     s.part_image.assign(s.part_image.size(), 2);
     SurfaceOptions o;
@@ -145,7 +146,7 @@ double translation_error(const Scene& s, const std::vector<float>& v, double dx,
 }
 
 TEST(SurfaceSolver, PhotometricTermRecoversATranslation) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const double dx = 2.4, dy = -1.8;  // 3 px
     const Scene s = moved_plane(dx, dy);
     EXPECT_LT(translation_error(s, solved(device, s), dx, dy), 0.5 * 3.0);
@@ -158,7 +159,7 @@ TEST(SurfaceSolver, PhotometricTermRecoversATranslation) {
 }
 
 TEST(SurfaceSolver, RigidMaterialMovesLess) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     Scene s = test::make_scene(test::grid(41, 31, 16, 2000), 240, 180, 500);
     // A line of contour vertices across both halves, pulled down by a silhouette edge below it.
     for (int i = 0; i < s.n(); ++i) {
@@ -180,7 +181,7 @@ TEST(SurfaceSolver, RigidMaterialMovesLess) {
 }
 
 TEST(SurfaceSolver, RepeatsBitForBit) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     Scene s = moved_plane(1.2, 0.7);
     test::add_noise(s.start, 3, 1);
     const test::DeviceScene d(device, s);
@@ -197,7 +198,7 @@ TEST(SurfaceSolver, RepeatsBitForBit) {
 }
 
 TEST(SurfaceSolver, WithoutDataTheSkinnedMeshStays) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     for (const int subdivisions : {0, 1, 2}) {  // 12, 42, 162 vertices
       Scene s = test::make_scene(test::icosphere(subdivisions, 300, {0, 0, 2000}), 64, 48, 100);
       const std::vector<float> v = solved(device, s, {}, true);
@@ -207,7 +208,7 @@ TEST(SurfaceSolver, WithoutDataTheSkinnedMeshStays) {
 }
 
 TEST(SurfaceSolver, DegenerateMeshesAreSolved) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     for (const int n : {1, 15, 16, 17}) {  // loose vertices, no triangle
       Mesh mesh;
       for (int i = 0; i < n; ++i) mesh.positions.insert(mesh.positions.end(), {float(i), 0.0f, 2000.0f});
@@ -229,7 +230,7 @@ TEST(SurfaceSolver, DegenerateMeshesAreSolved) {
 }
 
 TEST(SurfaceSolver, NonFiniteStepsGiveTheStartBack) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     for (const float bad : {std::nanf(""), INFINITY, 1e30f}) {
       Scene s = moved_plane(1, 1);
       s.previous[7] = bad;
@@ -255,7 +256,7 @@ TEST(SurfaceSolver, NonFiniteStepsGiveTheStartBack) {
 }
 
 TEST(SurfaceSolver, OneStepIsCapped) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     Scene s = test::make_scene(test::icosphere(1, 300, {0, 0, 2000}), 64, 48, 100);
     for (float& x : s.previous) x += 5000;
     SurfaceOptions o;
@@ -274,7 +275,7 @@ TEST(SurfaceSolver, OneStepIsCapped) {
 }
 
 TEST(SurfaceSolver, VerticesOutsideThePictureHaveNoData) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     Scene s = ball(80);
     for (size_t k = 0; k < s.start.size(); k += 3) {
       s.start[k] += 1.0e6f;
@@ -290,7 +291,7 @@ TEST(SurfaceSolver, VerticesOutsideThePictureHaveNoData) {
 }
 
 TEST(SurfaceSolver, SelfTestPasses) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const auto results = surface_self_test(device);
     EXPECT_GE(results.size(), 10u);
     for (const auto& result : results) EXPECT_TRUE(result.ok) << result.kernel << ": " << result.detail;

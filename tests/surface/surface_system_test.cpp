@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "livecap/error.h"
+#include "support/kernel_bodies.h"
 #include "support/tolerances.h"
 #include "surface/reference_system.h"
 
@@ -55,7 +56,7 @@ std::vector<double> doubles(const std::vector<float>& v) {
 }
 
 TEST(SurfaceSystem, GradientProductAndEnergiesEqualAnAssembledJacobian) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     // The grid's 1024 vertices would make planes of 4096 bytes.
     for (const Mesh& mesh : {test::icosphere(1, 300, {40, -30, 2000}), test::icosphere(3, 300, {40, -30, 2000}),
                              test::grid(32, 32, 15, 2000)}) {
@@ -87,7 +88,7 @@ TEST(SurfaceSystem, GradientProductAndEnergiesEqualAnAssembledJacobian) {
 }
 
 TEST(SurfaceSystem, EachTermAloneEqualsTheAssembledJacobian) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const Scene s = busy_scene();
     const test::DeviceScene d(device, s);
     for (int term = 0; term < 6; ++term) {
@@ -114,7 +115,7 @@ TEST(SurfaceSystem, EachTermAloneEqualsTheAssembledJacobian) {
 }
 
 TEST(SurfaceSystem, ConjugateGradientsEqualTheTextbookIteration) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const Scene s = busy_scene();
     const test::DeviceScene d(device, s);
     const SurfaceOptions o = smooth_options();
@@ -172,7 +173,7 @@ TEST(SurfaceSystem, OneLaunchDoesWhatManyDo) {
 }
 
 TEST(SurfaceSystem, ColorThresholdDropsTheResidual) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     Scene s = test::make_scene(test::icosphere(1, 300, {0, 0, 2000}), 160, 120, 300);
     s.visible.assign(s.n(), 1);
     s.image.pixels.assign(s.image.pixels.size(), 255);
@@ -190,7 +191,7 @@ TEST(SurfaceSystem, ColorThresholdDropsTheResidual) {
 }
 
 TEST(SurfaceSystem, ColorsAtIntegerPositionsAreOpenCvGaussianBlur) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const int w = 57, h = 41;
     cv::Mat image(h, w, CV_8UC3);
     cv::randu(image, 0, 256);
@@ -222,7 +223,7 @@ TEST(SurfaceSystem, ColorsAtIntegerPositionsAreOpenCvGaussianBlur) {
 }
 
 TEST(SurfaceSystem, ColorsAreContinuousBetweenPixels) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     Scene s = busy_scene(test::icosphere(1, 300, {40, -30, 2000}));
     const ocl::Buffer<uint8_t> rgb(device, s.image.pixels);
     std::vector<float> positions;
@@ -248,7 +249,7 @@ TEST(SurfaceSystem, ColorsAreContinuousBetweenPixels) {
 }
 
 TEST(SurfaceSystem, ALateFailureGivesTheStartBack) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const Scene s = busy_scene();
     test::DeviceScene d(device, s);
     SurfaceSystem system(device, s.actor, s.camera, {});
@@ -274,7 +275,7 @@ TEST(SurfaceSystem, ALateFailureGivesTheStartBack) {
 }
 
 TEST(SurfaceSystem, OptionsAndSizesAreChecked) {
-  test::on_every_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     Scene s = busy_scene(test::icosphere(1, 300, {40, -30, 2000}));
     SurfaceOptions o;
     o.gaussian_kernels = {4};

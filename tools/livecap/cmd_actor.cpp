@@ -7,12 +7,12 @@
 
 #include "acquire/person_frame.h"
 #include "acquire/report.h"
-#include "acquire/surface_views.h"
 #include "actor/actor.h"
 #include "actor/inspect.h"
 #include "base/text.h"
 #include "eval/compare_actors.h"
 #include "ocl/context.h"
+#include "texture/surface_views.h"
 
 namespace livecap::tools {
 namespace {
@@ -31,9 +31,8 @@ int compare(const Options& options) {
   std::vector<char> seen;
   if (!options.views.empty()) {
     ocl::DeviceContext device(ocl::select_device_pair({}, {}).solver);
-    seen = acquire::visible_hull_vertices(device, truth.mesh, options.views,
-                                          std::filesystem::path(options.views) / "masks",
-                                          acquire::unit_in_mm(options.unit));
+    seen = visible_hull_vertices(device, truth.mesh, options.views, std::filesystem::path(options.views) / "masks",
+                                 acquire::unit_in_mm(options.unit));
   }
   const ActorComparison comparison = compare_actors(built, truth, 20, seen);
   const std::string text = comparison_report(comparison);

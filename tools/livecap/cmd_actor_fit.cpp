@@ -3,11 +3,11 @@
 #include <memory>
 #include <string>
 
-#include "acquire/fit_actor.h"
 #include "acquire/report.h"
 #include "base/log.h"
 #include "base/text.h"
 #include "cmd_actor.h"
+#include "fit/fit_actor.h"
 #include "livecap/error.h"
 #include "progress.h"
 #include "synth/synth.h"
@@ -16,7 +16,7 @@ namespace livecap::tools {
 namespace {
 
 struct FitCommand {
-  acquire::FitActorOptions fit;
+  FitActorOptions fit;
   std::string actor = "builtin:trousers";
   double height_m = 0;
   std::string cnn_device, solver_device;
@@ -24,7 +24,7 @@ struct FitCommand {
 };
 
 int fit(const FitCommand& command) {
-  acquire::FitActorOptions options = command.fit;
+  FitActorOptions options = command.fit;
   const std::string prefix = "builtin:";
   if (command.actor.rfind(prefix, 0) != 0)
     throw ConfigError("--actor " + command.actor + ": must be builtin:NAME; `livecap synth --help` lists the names");
@@ -45,8 +45,8 @@ int fit(const FitCommand& command) {
     progress->update(done, total);
     return !interrupted();
   };
-  acquire::FitFootage footage = acquire::read_footage(network, solver, options, update);
-  acquire::FitResult result = acquire::fit_actor(solver, std::move(footage), options, update);
+  FitFootage footage = read_footage(network, solver, options, update);
+  FitResult result = fit_actor(solver, std::move(footage), options, update);
   if (progress) progress->finish();
   progress.reset();
   result.actor.name = std::filesystem::path(command.out).stem().string();
@@ -54,8 +54,8 @@ int fit(const FitCommand& command) {
   write_file_atomically(command.out, bytes);
   const Actor actor = load_actor_bytes(bytes, command.out);
   for (const std::string& note : result.notes) log_warning(note);
-  for (int k = 0; k < acquire::kProportionCount; ++k)
-    std::printf("  %-17s %+6.1f %%\n", acquire::kProportionNames[k], 100 * (result.scales[k] - 1));
+  for (int k = 0; k < kProportionCount; ++k)
+    std::printf("  %-17s %+6.1f %%\n", kProportionNames[k], 100 * (result.scales[k] - 1));
   const std::string facts = format(
       "silhouette overlap %.3f, with %s %.3f, over %d of %d frames; %.0f %% of the surface seen", result.overlap_after,
       command.actor.c_str(), result.overlap_before, result.n_used, result.n_looked_at, 100 * result.seen_share);
@@ -69,7 +69,7 @@ int fit(const FitCommand& command) {
 
 void add_actor_fit_command(CLI::App& actor, Action& action) {
   auto options = std::make_shared<FitCommand>();
-  acquire::FitActorOptions& fit_options = options->fit;
+  FitActorOptions& fit_options = options->fit;
   CLI::App* command =
       actor.add_subcommand("fit", "give a built-in actor the proportions and colours of the person in a video");
   command->fallthrough();

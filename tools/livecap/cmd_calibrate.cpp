@@ -4,10 +4,10 @@
 #include <optional>
 #include <string>
 
-#include "acquire/calibrate.h"
-#include "acquire/floor_board.h"
 #include "base/log.h"
 #include "base/text.h"
+#include "calibrate/calibrate.h"
+#include "calibrate/floor_board.h"
 #include "command.h"
 #include "livecap/error.h"
 #include "progress.h"
@@ -16,15 +16,15 @@ namespace livecap::tools {
 namespace {
 
 struct Options {
-  acquire::CalibrateOptions calibrate;
-  acquire::FloorBoardOptions floor;
+  CalibrateOptions calibrate;
+  FloorBoardOptions floor;
   std::string images, video, camera;
   std::string board, charuco;
   std::string dictionary = "4x4_50";
   std::string out;
 };
 
-void print(const acquire::Calibration& result, const std::string& out) {
+void print(const Calibration& result, const std::string& out) {
   const Camera& camera = result.camera;
   std::printf("%s: %dx%d px, f %.2f %.2f px (uncertain by %.2f %%), centre %.1f %.1f px\n", out.c_str(), camera.width,
               camera.height, camera.fx, camera.fy, 100 * result.focal_sigma, camera.cx, camera.cy);
@@ -38,11 +38,11 @@ void print(const acquire::Calibration& result, const std::string& out) {
   std::printf("the most a side of the board was farther away: left %.0f, right %.0f, upper %.0f, lower %.0f degrees\n",
               result.tilts_deg[0], result.tilts_deg[1], result.tilts_deg[2], result.tilts_deg[3]);
   std::printf("RMS of each view, px:\n");
-  for (const acquire::BoardView& view : result.views)
+  for (const BoardView& view : result.views)
     std::printf("  %-32s %6.3f%s\n", view.name.c_str(), view.rms_px, view.left_out.empty() ? "" : "  left out");
 }
 
-void print(const acquire::FloorBoard& result, const std::string& out) {
+void print(const FloorBoard& result, const std::string& out) {
   std::printf("floor: the camera is %.0f mm above it, looks down by %.1f degrees and is rolled by %.1f degrees\n",
               result.floor.distance_mm, result.down_deg, result.roll_deg);
   std::printf(
@@ -51,29 +51,29 @@ void print(const acquire::FloorBoard& result, const std::string& out) {
   std::printf("%s written\n", out.c_str());
 }
 
-acquire::BoardOptions board_of(const Options& options) {
-  acquire::BoardOptions board = options.calibrate.board;
+BoardOptions board_of(const Options& options) {
+  BoardOptions board = options.calibrate.board;
   if (options.board.empty() == options.charuco.empty())
     throw ConfigError(
         "calibrate: give either --board COLUMNSxROWS (inner corners) or --charuco COLUMNSxROWS (squares)");
   if (options.charuco.empty()) {
-    acquire::read_board_size(options.board, "--board", board.columns, board.rows);
+    read_board_size(options.board, "--board", board.columns, board.rows);
   } else {
-    acquire::read_board_size(options.charuco, "--charuco", board.columns, board.rows);
+    read_board_size(options.charuco, "--charuco", board.columns, board.rows);
     board.dictionary = options.dictionary;
   }
   return board;
 }
 
-acquire::Calibration calibrate_views(const acquire::CalibrateOptions& options) {
+Calibration calibrate_views(const CalibrateOptions& options) {
   catch_interrupt();
   Progress progress("calibrate");
-  const acquire::BoardViews views = acquire::gather_board_views(options, [&](int done, int total) {
+  const BoardViews views = gather_board_views(options, [&](int done, int total) {
     progress.update(done, total);
     return !interrupted();
   });
   progress.finish();
-  return acquire::calibrate(views);
+  return calibrate(views);
 }
 
 int calibrate(const Options& options) {
@@ -85,19 +85,25 @@ int calibrate(const Options& options) {
     throw ConfigError("calibrate: --square is for --floor, the picture of the board on the floor");
   if (!has_camera && options.images.empty() == options.video.empty())
     throw ConfigError("calibrate: give either --images (a folder) or --video");
-  acquire::CalibrateOptions views = options.calibrate;
-  acquire::FloorBoardOptions floor = options.floor;
+  CalibrateOptions views = options.calibrate;
+  FloorBoardOptions floor = options.floor;
   views.board = floor.board = board_of(options);
   views.source = options.images.empty() ? options.video : options.images;
   if (!has_camera) views.validate();
   if (has_floor) floor.validate();
 
-  std::optional<acquire::Calibration> calibration;
-  if (!has_camera) calibration = calibrate_views(views);
-  Camera camera = has_camera ? load_camera(options.camera) : calibration->camera;
-  std::optional<acquire::FloorBoard> found;
-  if (has_floor) {
-    found = acquire::find_floor(floor, camera);
+  Camera camera;
+  if (has_camera) camera = load_camera(options.camera);
+  std::optional<FloorPicture> picture;  // first: views take minutes
+  if (has_floor) picture = read_floor_picture(floor);
+  std::optional<Calibration> calibration;
+  if (!has_camera) {
+    calibration = calibrate_views(views);
+    camera = calibration->camera;
+  }
+  std::optional<FloorBoard> found;
+  if (picture) {
+    found = find_floor(*picture, camera);
     camera.floor = found->floor;
   }
   save_camera(camera, options.out);

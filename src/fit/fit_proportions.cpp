@@ -1,0 +1,225 @@
+#include "fit/fit_proportions.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/reference.h"
+#include "pose/person_height.h"
+#include "pose/pose_options.h"
+#include "pose/targets.h"
+
+namespace livecap {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr double kHuberSigmas = 2;
+constexpr double kLimitRad = 0.03;     // standard deviation of an angle beyond its limit
+constexpr double kLargestStep = 0.08;  // of a proportion's logarithm
+constexpr double kEnough = 5e-4;
+constexpr double kAngleStep = 1e-4, kMoveStep = 0.5, kScaleStep = 1e-4;  // of the differences: rad, mm, 1
+
+// Signed distance to the silhouette, bilinear; beyond the picture's border the way to it is added.
+double distance_at(const Silhouette& s, const Vector2d& p) {
+  const double x = std::clamp(p.x(), 0.0, s.width - 1.001), y = std::clamp(p.y(), 0.0, s.height - 1.001);
+  const int ix = static_cast<int>(x), iy = static_cast<int>(y);
+  const double fx = x - ix, fy = y - iy;
+  const float* d = &s.signed_distance[static_cast<size_t>(iy) * s.width + ix];
+  return (1 - fy) * ((1 - fx) * d[0] + fx * d[1]) + fy * ((1 - fx) * d[s.width] + fx * d[s.width + 1]) +
+         (p - Vector2d(x, y)).norm();
+}
+
+// Skinned position of a rest point with a vertex's weights: dual quaternions, as the tracker has them.
+Vector3d skinned(const std::vector<float>& quats, const SkinWeights& skin, int vertex, const Vector3d& rest) {
+  reference::DualQuat sum = reference::dual_quat_zero(), first = sum;
+  for (int k = 0; k < kMaxInfluences; ++k) {
+    const double weight = skin.weights[4 * static_cast<size_t>(vertex) + k];
+    if (weight <= 0) continue;
+    const float* q = &quats[8 * static_cast<size_t>(skin.bones[4 * static_cast<size_t>(vertex) + k])];
+    const reference::DualQuat bone{q[0], q[1], q[2], q[3], q[4], q[5], q[6], q[7]};
+    if (k == 0) first = bone;
+    sum = reference::dual_quat_add_scaled(sum, bone, reference::dual_quat_real_dot(first, bone) < 0 ? -weight : weight);
+  }
+  const reference::Vec3 p = reference::dual_quat_transform(sum, reference::vec3(rest.x(), rest.y(), rest.z()));
+  return {p.x, p.y, p.z};
+}
+
+// One frame's residuals, whitened, as a function of proportions and pose.
+class FrameProblem {
+ public:
+  FrameProblem(const Actor& actor, const Reshaper& reshaper, const Camera& camera, const FitOptions& options,
+               const FitFrame& frame)
+      : actor_(actor), reshaper_(reshaper), camera_(camera), options_(options), frame_(frame), start_(frame.pose) {
+    const double height = keypoints_height_px(frame.detections);
+    keypoint_px_ = std::max(1.0, options.keypoint_share * height);
+    silhouette_px_ = std::max(1.0, options.silhouette_share * height);
+    const auto lambda = default_keypoint_2d_weights();
+    for (int k = 0; k < kKeypointCount; ++k) {
+      const double confidence = frame.detections.keypoints[k].confidence;
+      weights_[k] = actor.keypoints[k].bone >= 0 && confidence > 0.3 ? std::sqrt(lambda[k] * confidence) : 0;
+    }
+  }
+
+  void set_outline(std::vector<int32_t> outline) { outline_ = std::move(outline); }
+
+  VectorXd residuals(const Shape& shape, const Pose& pose) const {
+    const PosedSkeleton posed = forward_kinematics(shape.skeleton, pose);
+    const std::vector<float> quats = bone_dual_quats(posed);
+    const int n_angles = static_cast<int>(pose.angles_rad.size());
+    VectorXd r(2 * kKeypointCount + static_cast<int>(outline_.size()) + 2 * n_angles + 3);
+    int row = 0;
+    for (int k = 0; k < kKeypointCount; ++k) {
+      Vector2d error = Vector2d::Zero();
+      if (weights_[k] > 0) {
+        const KeypointAnchor& anchor = actor_.keypoints[k];
+        const Vector3d p =
+            posed.camera_from_rest[anchor.bone] * reshaper_.attached(shape, anchor.bone, anchor.rest_position_mm);
+        const KeypointDetection& seen = frame_.detections.keypoints[k];
+        error = weights_[k] / keypoint_px_ * (project_px(camera_, p) - Vector2d(seen.x_px, seen.y_px));
+      }
+      r.segment<2>(row) = error;
+      row += 2;
+    }
+    const double share = std::sqrt(std::min(1.0, options_.outline_points / std::max<size_t>(outline_.size(), 1)));
+    for (int vertex : outline_) {
+      const Vector3d p = skinned(quats, actor_.skin, vertex, reshaper_.vertex(shape, vertex));
+      r[row++] = share / silhouette_px_ * distance_at(frame_.silhouette, project_px(camera_, p));
+    }
+    for (int k = 0; k < n_angles; ++k) {
+      const Dof& dof = shape.skeleton.dofs[k];
+      const double angle = pose.angles_rad[k];
+      r[row++] = (angle - start_.angles_rad[k]) / options_.angle_prior_rad;
+      r[row++] = (std::max(0.0, angle - dof.max_rad) - std::max(0.0, dof.min_rad - angle)) / kLimitRad;
+    }
+    r.segment<3>(row) =
+        vector_from_rotation(pose.root_rotation * start_.root_rotation.transpose()) / options_.rotation_prior_rad;
+    return r;
+  }
+
+  // Factors that make large residuals of the picture count linearly (Huber); the priors keep theirs.
+  VectorXd robust_factors(const VectorXd& r) const {
+    VectorXd factors = VectorXd::Ones(r.size());
+    for (int k = 0; k < kKeypointCount; ++k) {
+      const double size = r.segment<2>(2 * k).norm();
+      if (size > kHuberSigmas) factors.segment<2>(2 * k).setConstant(std::sqrt(kHuberSigmas / size));
+    }
+    const double share = std::sqrt(std::min(1.0, options_.outline_points / std::max<size_t>(outline_.size(), 1)));
+    for (size_t i = 0; i < outline_.size(); ++i) {
+      const double size = std::abs(r[2 * kKeypointCount + i]) / share;
+      if (size > kHuberSigmas) factors[2 * kKeypointCount + i] = std::sqrt(kHuberSigmas / size);
+    }
+    return factors;
+  }
+
+ private:
+  const Actor& actor_;
+  const Reshaper& reshaper_;
+  const Camera& camera_;
+  const FitOptions& options_;
+  const FitFrame& frame_;
+  Pose start_;
+  double keypoint_px_, silhouette_px_;
+  std::array<double, kKeypointCount> weights_{};
+  std::vector<int32_t> outline_;
+};
+
+// The linearised frame with the pose eliminated.
+struct Reduced {
+  MatrixXd pose_factor;  // [pose x pose] lower Cholesky factor is taken when needed
+  MatrixXd mixed;        // [pose x proportions]
+  VectorXd pose_right;   // -Jp^T r
+};
+
+std::vector<float> displacement_of(const Actor& actor, const Reshaper& reshaper, const Shape& shape) {
+  std::vector<float> displacement(actor.mesh.positions.size());
+  for (int i = 0; i < actor.n_vertices(); ++i) {
+    const Vector3d p = reshaper.vertex(shape, i);
+    for (int k = 0; k < 3; ++k)
+      displacement[3 * static_cast<size_t>(i) + k] =
+          static_cast<float>(p[k]) - actor.mesh.positions[3 * static_cast<size_t>(i) + k];
+  }
+  return displacement;
+}
+
+}  // namespace
+
+Proportions fit_proportions(FramePoser& poser, const Actor& actor, const Camera& camera, const FitOptions& options,
+                            std::vector<FitFrame>& frames) {
+  const Reshaper reshaper(actor);
+  std::vector<FrameProblem> problems;
+  std::vector<FitFrame*> used;
+  for (FitFrame& frame : frames) {
+    if (!frame.posed) continue;
+    problems.emplace_back(actor, reshaper, camera, options, frame);
+    used.push_back(&frame);
+  }
+  Proportions proportions = Proportions::Zero(), prior;
+  for (int k = 0; k < kProportionCount; ++k) {
+    const bool girth =
+        k == kTrunkGirth || k == kUpperArmGirth || k == kForearmGirth || k == kThighGirth || k == kShankGirth;
+    prior[k] = 1 / (girth ? options.girth_prior : options.length_prior);
+  }
+  prior[kShoulderWidth] = 1 / options.shoulder_prior;
+  Eigen::Matrix<double, kProportionCount, kProportionCount> prior_matrix = prior.cwiseAbs2().asDiagonal();
+  for (const auto& [a, b] : {std::pair{kThighLength, kShankLength}, std::pair{kUpperArmLength, kForearmLength}}) {
+    const Proportions ratio = (Proportions::Unit(a) - Proportions::Unit(b)) / options.ratio_prior;
+    prior_matrix += ratio * ratio.transpose();
+  }
+  const int n_pose = 6 + actor.skeleton.n_dofs();
+  for (int step = 0; step < options.steps && !used.empty(); ++step) {
+    const Shape shape = reshaper.shape(proportions);
+    const std::vector<float> displacement = displacement_of(actor, reshaper, shape);
+    std::vector<Shape> nudged;
+    for (int k = 0; k < kProportionCount; ++k)
+      nudged.push_back(reshaper.shape(proportions + kScaleStep * Proportions::Unit(k)));
+    MatrixXd matrix = MatrixXd::Zero(kProportionCount, kProportionCount);
+    VectorXd right = VectorXd::Zero(kProportionCount);
+    std::vector<Reduced> reduced;
+    for (size_t f = 0; f < used.size(); ++f) {
+      const Pose& pose = used[f]->pose;
+      problems[f].set_outline(poser.outline(shape.skeleton, pose, displacement));
+      const VectorXd r = problems[f].residuals(shape, pose);
+      const VectorXd factors = problems[f].robust_factors(r);
+      MatrixXd by_pose(r.size(), n_pose), by_shape(r.size(), kProportionCount);
+      for (int k = 0; k < n_pose; ++k) {
+        VectorXd delta = VectorXd::Zero(n_pose);
+        delta[k] = k >= 3 && k < 6 ? kMoveStep : kAngleStep;
+        by_pose.col(k) = factors.cwiseProduct(problems[f].residuals(shape, add_increment(pose, delta)) - r) / delta[k];
+      }
+      for (int k = 0; k < kProportionCount; ++k)
+        by_shape.col(k) = factors.cwiseProduct(problems[f].residuals(nudged[k], pose) - r) / kScaleStep;
+      const VectorXd weighted = factors.cwiseProduct(r);
+      Reduced frame{by_pose.transpose() * by_pose, by_pose.transpose() * by_shape, -by_pose.transpose() * weighted};
+      frame.pose_factor.diagonal() *= 1 + 1e-6;
+      frame.pose_factor.diagonal().array() += 1e-9;
+      const Eigen::LDLT<MatrixXd> solve(frame.pose_factor);
+      matrix += by_shape.transpose() * by_shape - frame.mixed.transpose() * solve.solve(frame.mixed);
+      right += -by_shape.transpose() * weighted - frame.mixed.transpose() * solve.solve(frame.pose_right);
+      matrix += prior_matrix;
+      right -= prior_matrix * proportions;
+      reduced.push_back(std::move(frame));
+    }
+    Proportions change = matrix.ldlt().solve(right);
+    if (!change.allFinite()) break;
+    const double largest = change.cwiseAbs().maxCoeff();
+    if (largest > kLargestStep) change *= kLargestStep / largest;
+    proportions += change;
+    for (size_t f = 0; f < used.size(); ++f) {
+      VectorXd delta =
+          Eigen::LDLT<MatrixXd>(reduced[f].pose_factor).solve(reduced[f].pose_right - reduced[f].mixed * change);
+      if (!delta.allFinite()) continue;
+      const double turn = std::max(delta.head<3>().cwiseAbs().maxCoeff(), delta.tail(n_pose - 6).cwiseAbs().maxCoeff());
+      if (turn > 0.4) delta *= 0.4 / turn;
+      used[f]->pose = add_increment(used[f]->pose, delta);
+    }
+    if (largest < kEnough) break;
+  }
+  return proportions;
+}
+
+}  // namespace livecap

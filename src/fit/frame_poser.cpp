@@ -1,0 +1,99 @@
+#include "fit/frame_poser.h"
+
+#include <algorithm>
+
+#include "pose/initialize.h"
+#include "pose/person_height.h"
+
+namespace livecap {
+
+namespace {
+
+constexpr double kBelievedShare = 0.06;  // mean keypoint error of a pose that is believed, of the person's height
+
+}  // namespace
+
+FramePoser::FramePoser(ocl::DeviceContext& device, const Actor& actor, const Camera& camera)
+    : actor_(actor),
+      camera_(camera),
+      solver_(device, actor, camera, options_),
+      skinner_(device, actor),
+      rasterizer_(device, actor.mesh, camera.width, camera.height),
+      visibility_(device, actor.mesh),
+      frame_(device, camera.width, camera.height),
+      displacement_(device, actor.mesh.positions.size()),
+      posed_(device, actor.mesh.positions.size()),
+      normals_(device, actor.mesh.positions.size()) {
+  displacement_.fill(0);
+}
+
+void FramePoser::render(const Skeleton& skeleton, const Pose& pose) {
+  skinner_.set_pose(bone_dual_quats(forward_kinematics(skeleton, pose)));
+  skinner_.skin(displacement_, posed_);
+  rasterizer_.render(posed_, camera_);
+}
+
+void FramePoser::solve(FitFrame& frame) {
+  frame.posed = false;
+  const std::optional<Pose> initial = initialize_pose(actor_, camera_, frame.detections, options_);
+  if (!initial) return;
+  frame_.upload(frame.silhouette, frame.image);
+  displacement_.fill(0);
+  Pose pose = *initial;
+  PoseResult result;
+  for (int round = 0; round < 2; ++round) {  // the first outline is that of a rough pose
+    render(actor_.skeleton, pose);
+    visibility_.find_contour(rasterizer_);
+    const std::vector<int32_t> contour = visibility_.read_contour();
+    result = solver_.solve(PoseInput{.detections = frame.detections,
+                                     .initial = pose,
+                                     .frame = &frame_,
+                                     .contour_vertices = contour,
+                                     .n_steps = options_.first_steps});
+    if (result.status != SolveStatus::kOk) return;
+    pose = result.pose;
+  }
+  frame.pose = pose;
+  frame.posed = result.keypoint_error_px < kBelievedShare * keypoints_height_px(frame.detections);
+}
+
+double FramePoser::overlap(const FitFrame& frame) {
+  displacement_.fill(0);
+  render(actor_.skeleton, frame.pose);
+  const ImageGray mask = rasterizer_.read_mask();
+  int64_t both = 0, either = 0;
+  for (size_t i = 0; i < mask.pixels.size(); ++i) {
+    const bool model = mask.pixels[i] > 127, person = frame.mask.pixels[i] > 127;
+    both += model && person, either += model || person;
+  }
+  return either > 0 ? static_cast<double>(both) / static_cast<double>(either) : 0;
+}
+
+std::vector<int32_t> FramePoser::outline(const Skeleton& skeleton, const Pose& pose,
+                                         const std::vector<float>& displacement_mm) {
+  displacement_.write(displacement_mm);
+  render(skeleton, pose);
+  visibility_.find_contour(rasterizer_);
+  return visibility_.read_contour();
+}
+
+ViewCoverage FramePoser::cover(const FitFrame& frame) {
+  displacement_.fill(0);
+  render(actor_.skeleton, frame.pose);
+  skinner_.normals(posed_, normals_);
+  visibility_.find_visible(posed_, normals_, rasterizer_);
+  const std::vector<int32_t> visible = visibility_.visible().read_all();
+  const std::vector<float> positions = posed_.read_all(), normals = normals_.read_all();
+  const size_t n = visible.size();
+  ViewCoverage seen{std::vector<float>(n, 0), std::vector<Eigen::Vector2f>(n, Eigen::Vector2f::Zero())};
+  for (size_t i = 0; i < n; ++i) {
+    if (!visible[i]) continue;
+    const Eigen::Map<const Eigen::Vector3f> p(&positions[3 * i]), normal(&normals[3 * i]);
+    seen.facing[i] = std::max(0.f, -p.normalized().dot(normal));
+    seen.pixels[i] = {static_cast<float>(camera_.fx) * p.x() / p.z() + static_cast<float>(camera_.cx),
+                      static_cast<float>(camera_.fy) * p.y() / p.z() + static_cast<float>(camera_.cy)};
+  }
+  return seen;
+}
+
+}  // namespace livecap

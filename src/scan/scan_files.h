@@ -1,0 +1,12 @@
+// Readers of scan.h's formats. Private to scan.cpp.
+#pragma once
+
+#include "scan/scan.h"
+
+namespace livecap {
+
+Scan read_obj(const std::filesystem::path& path, std::vector<std::string>& notes);
+Scan read_ply(const std::filesystem::path& path, std::vector<std::string>& notes);
+Scan read_glb_scan(const std::filesystem::path& path, std::vector<std::string>& notes);
+
+}  // namespace livecap

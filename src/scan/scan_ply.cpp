@@ -1,0 +1,141 @@
+// Stanford PLY, ASCII or binary little endian, with vertex colours.
+#include <bit>
+#include <cstring>
+#include <sstream>
+
+#include "base/text.h"
+#include "livecap/error.h"
+#include "scan/scan_files.h"
+
+namespace livecap {
+
+namespace {
+
+struct Property {
+  std::string name;
+  std::string type;        // of the value, or of a list's entries
+  std::string count_type;  // empty: no list
+};
+
+struct Element {
+  std::string name;
+  size_t count = 0;
+  std::vector<Property> properties;
+};
+
+// Values one after the other, from text or from bytes.
+class Values {
+ public:
+  Values(const std::filesystem::path& path, const std::string& bytes, size_t begin, bool ascii)
+      : path_(path), bytes_(bytes), at_(begin), ascii_(ascii) {}
+
+  double next(const std::string& type) {
+    if (ascii_) {
+      char* end = nullptr;
+      const char* from = bytes_.c_str() + at_;
+      const double value = std::strtod(from, &end);
+      if (end == from) fail();
+      at_ += end - from;
+      return value;
+    }
+    if (type == "char" || type == "int8") return take<int8_t>();
+    if (type == "uchar" || type == "uint8") return take<uint8_t>();
+    if (type == "short" || type == "int16") return take<int16_t>();
+    if (type == "ushort" || type == "uint16") return take<uint16_t>();
+    if (type == "int" || type == "int32") return take<int32_t>();
+    if (type == "uint" || type == "uint32") return take<uint32_t>();
+    if (type == "float" || type == "float32") return take<float>();
+    if (type == "double" || type == "float64") return take<double>();
+    throw IoError(path_.string() + ": PLY type \"" + type + "\" is not known");
+  }
+
+ private:
+  [[noreturn]] void fail() const { throw IoError(path_.string() + ": ends before all its elements"); }
+  template <typename T>
+  double take() {
+    static_assert(std::endian::native == std::endian::little);
+    if (at_ + sizeof(T) > bytes_.size()) fail();
+    T value;
+    std::memcpy(&value, bytes_.data() + at_, sizeof(T));
+    at_ += sizeof(T);
+    return static_cast<double>(value);
+  }
+
+  const std::filesystem::path& path_;
+  const std::string& bytes_;
+  size_t at_;
+  bool ascii_;
+};
+
+}  // namespace
+
+Scan read_ply(const std::filesystem::path& path, std::vector<std::string>&) {
+  const std::string bytes = read_file(path);
+  const auto fail = [&](const std::string& what) -> void { throw IoError(path.string() + ": " + what); };
+  if (bytes.rfind("ply", 0) != 0) fail("is no PLY file");
+  const size_t header_end = bytes.find("end_header");
+  if (header_end == std::string::npos) fail("has no end_header");
+  std::istringstream header(bytes.substr(0, header_end));
+  std::string format_name;
+  std::vector<Element> elements;
+  for (std::string line; std::getline(header, line);) {
+    std::istringstream fields(line);
+    std::string key;
+    fields >> key;
+    if (key == "format") {
+      fields >> format_name;
+    } else if (key == "element") {
+      Element element;
+      if (!(fields >> element.name >> element.count)) fail("has a broken element line");
+      elements.push_back(element);
+    } else if (key == "property" && !elements.empty()) {
+      Property property;
+      fields >> property.type;
+      if (property.type == "list") fields >> property.count_type >> property.type;
+      fields >> property.name;
+      elements.back().properties.push_back(property);
+    }
+  }
+  if (format_name != "ascii" && format_name != "binary_little_endian")
+    fail("is " + format_name + "; save it as ASCII or binary little endian");
+  const size_t body = bytes.find('\n', header_end);
+  if (body == std::string::npos) fail("has no data");
+  Values values(path, bytes, body + 1, format_name == "ascii");
+  Scan scan;
+  bool colored = false;
+  for (const Element& element : elements) {
+    if (element.count > bytes.size()) fail("promises more elements than it has bytes");
+    for (size_t i = 0; i < element.count; ++i) {
+      Eigen::Vector3d p(0, 0, 0), c(0, 0, 0);
+      for (const Property& property : element.properties) {
+        if (!property.count_type.empty()) {
+          const double n = values.next(property.count_type);
+          std::vector<int> corners;
+          for (int k = 0; k < n; ++k) corners.push_back(static_cast<int>(values.next(property.type)));
+          if (element.name != "face" || property.name.find("ind") == std::string::npos) continue;
+          for (int corner : corners)
+            if (corner < 0 || corner >= static_cast<int>(scan.surface.vertices.size()))
+              fail(format("face %zu: there is no vertex %d", i, corner));
+          for (size_t k = 2; k < corners.size(); ++k)
+            scan.surface.triangles.emplace_back(corners[0], corners[k - 1], corners[k]);
+          continue;
+        }
+        const double value = values.next(property.type);
+        if (property.name.size() == 1 && property.name[0] >= 'x' && property.name[0] <= 'z')
+          p[property.name[0] - 'x'] = value;
+        const double share = property.type[0] == 'f' || property.type[0] == 'd' ? value : value / 255;
+        if (property.name == "red") c[0] = share, colored = true;
+        if (property.name == "green") c[1] = share;
+        if (property.name == "blue") c[2] = share;
+      }
+      if (element.name == "vertex") {
+        scan.surface.vertices.push_back(p);
+        scan.colors.push_back(c);
+      }
+    }
+  }
+  if (!colored) scan.colors.clear();
+  return scan;
+}
+
+}  // namespace livecap

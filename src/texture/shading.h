@@ -1,0 +1,28 @@
+// The light in pictures of a person who stands still: one brightness per direction of the surface. Baked into the
+// texture it would lie; in a video the same light falls on the arm however it is turned, and texture matching (E_match)
+// would turn the arm after it.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "meshing/isosurface.h"
+
+namespace livecap {
+
+// Lambertian surfaces in distant light: a polynomial of second order in the normal (Ramamoorthi and Hanrahan, "An
+// Efficient Representation for Irradiance Environment Maps", 2001), here of the logarithm, so that it stays positive.
+struct Shading {
+  Eigen::Vector<double, 8> coefficients = Eigen::Vector<double, 8>::Zero();
+  double mean_log = 0;  // over the surface it was found on
+
+  // By how much a surface that faces there (unit normal) is brighter than the mean of all; within 0.5..2.
+  double at(const Eigen::Vector3d& normal) const;
+};
+
+// From the differences of brightness between neighbours: few of them are borders of a pattern (Cauchy-robust), the
+// others are light. colors: sRGB in [0,1] per vertex; known: 1 where they were seen. Too few known: no shading.
+Shading find_shading(const meshing::Surface& surface, const std::vector<Eigen::Vector3d>& colors,
+                     const std::vector<char>& known);
+
+}  // namespace livecap

@@ -1,0 +1,107 @@
+#include "texture/surface_views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+
+#include "base/text.h"
+#include "image/image_io.h"
+#include "image/silhouette.h"
+#include "livecap/error.h"
+#include "raster/depth.h"
+#include "raster/visibility.h"
+#include "views/camera_files.h"
+
+namespace livecap {
+
+Mesh mesh_of(const meshing::Surface& surface) {
+  Mesh mesh;
+  for (const auto& p : surface.vertices)
+    for (int k = 0; k < 3; ++k) mesh.positions.push_back(static_cast<float>(p[k]));
+  for (const auto& t : surface.triangles) mesh.triangles.insert(mesh.triangles.end(), {t[0], t[1], t[2]});
+  return mesh;
+}
+
+std::vector<ViewCoverage> cover_surface(ocl::DeviceContext& device, const Mesh& mesh, const std::vector<View>& views) {
+  const int n = mesh.n_vertices();
+  const std::vector<float> normals = vertex_normals(mesh.positions, mesh.triangles);
+  SurfaceVisibility visibility(device, mesh);
+  std::map<std::pair<int, int>, std::unique_ptr<DepthRasterizer>> rasters;  // by picture size
+  ocl::Buffer<float> positions_buffer(device, mesh.positions.size()), normals_buffer(device, mesh.positions.size());
+  std::vector<float> positions(mesh.positions.size()), turned(mesh.positions.size());
+  std::vector<ViewCoverage> coverage;
+  for (const View& view : views) {
+    auto& raster = rasters[{view.camera.width, view.camera.height}];
+    if (!raster) raster = std::make_unique<DepthRasterizer>(device, mesh, view.camera.width, view.camera.height);
+    const Eigen::Isometry3f camera_from_rest = view.camera_from_world.cast<float>();
+    using Row = Eigen::Map<const Eigen::Vector3f>;
+    for (int i = 0; i < n; ++i) {
+      Eigen::Map<Eigen::Vector3f>(positions.data() + 3 * i) = camera_from_rest * Row(&mesh.positions[3 * i]);
+      Eigen::Map<Eigen::Vector3f>(turned.data() + 3 * i) = camera_from_rest.linear() * Row(&normals[3 * i]);
+    }
+    positions_buffer.write(positions);
+    normals_buffer.write(turned);
+    raster->render(positions_buffer, view.camera);
+    ViewCoverage seen{std::vector<float>(n, 0), std::vector<Eigen::Vector2f>(n, Eigen::Vector2f::Zero())};
+    const ImageGray& mask = view.mask;
+    if (mask.width == view.camera.width && mask.height == view.camera.height)
+      seen.overlap = raster->intersection_over_union(ocl::Buffer<uint8_t>(device, mask.pixels));
+    visibility.find_visible(positions_buffer, normals_buffer, *raster);
+    const std::vector<int32_t> visible = visibility.visible().read_all();
+    for (int i = 0; i < n; ++i) {
+      if (!visible[i]) continue;
+      const Row p(&positions[3 * i]), normal(&turned[3 * i]);
+      seen.facing[i] = std::max(0.f, -p.normalized().dot(normal));
+      seen.pixels[i] = {static_cast<float>(view.camera.fx) * p.x() / p.z() + static_cast<float>(view.camera.cx),
+                        static_cast<float>(view.camera.fy) * p.y() / p.z() + static_cast<float>(view.camera.cy)};
+    }
+    coverage.push_back(std::move(seen));
+  }
+  return coverage;
+}
+
+double mean_overlap(const std::vector<ViewCoverage>& coverage) {
+  double sum = 0;
+  int n = 0;
+  for (const ViewCoverage& view : coverage)
+    if (std::isfinite(view.overlap)) sum += view.overlap, ++n;
+  return n > 0 ? sum / n : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::vector<char> visible_hull_vertices(ocl::DeviceContext& device, const Mesh& mesh,
+                                        const std::filesystem::path& cameras, const std::filesystem::path& masks,
+                                        double unit_mm) {
+  const int n = mesh.n_vertices();
+  std::vector<View> views;
+  std::vector<double> depth(n, 1e9);  // mm inside of the nearest silhouette's outline
+  for (const ViewPose& pose : read_view_poses(cameras)) {
+    View view;
+    view.camera = pose.camera;
+    view.camera_from_world = pose.camera_from_world;
+    view.camera_from_world.translation() *= unit_mm;
+    const std::filesystem::path file = masks / std::filesystem::path(pose.picture).replace_extension(".png");
+    const Silhouette silhouette = make_silhouette(read_image_gray(file));
+    if (silhouette.width != view.camera.width || silhouette.height != view.camera.height)
+      throw IoError(file.string() + format(": is %dx%d, its camera %dx%d", silhouette.width, silhouette.height,
+                                           view.camera.width, view.camera.height));
+    if (silhouette.empty()) throw IoError(file.string() + ": shows nobody; a mask with the person white is needed");
+    for (int i = 0; i < n; ++i) {
+      const Eigen::Vector3d p = Eigen::Map<const Eigen::Vector3f>(&mesh.positions[3 * i]).cast<double>();
+      Eigen::Vector2d pixel;
+      if (!view.project(p, pixel)) continue;
+      const int x = static_cast<int>(std::lround(pixel.x())), y = static_cast<int>(std::lround(pixel.y()));
+      if (x < 0 || y < 0 || x >= silhouette.width || y >= silhouette.height) continue;
+      const double px = -silhouette.signed_distance[static_cast<size_t>(y) * silhouette.width + x];
+      depth[i] = std::min(depth[i], px * (view.camera_from_world * p).z() / view.camera.fx);
+    }
+    views.push_back(view);
+  }
+  constexpr float kEdgeOn = 0.1f;  // cosine; the same limit as for a vote about materials
+  std::vector<char> seen(n, 0);
+  for (const ViewCoverage& view : cover_surface(device, mesh, views))
+    for (int i = 0; i < n; ++i) seen[i] |= view.facing[i] > kEdgeOn && depth[i] <= kConcavityMm;
+  return seen;
+}
+
+}  // namespace livecap

@@ -1,0 +1,150 @@
+#include "texture/texture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "image/silhouette.h"
+#include "meshing/surface_parts.h"
+#include "texture/shading.h"
+
+namespace livecap {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int kViewsPerVertex = 5;
+constexpr double kSharpness = 5;     // power of the weights: how much the best view outweighs the others
+constexpr double kBorderPx = 3;      // from the silhouette: background bleeds in there
+constexpr double kMinFacing = 0.25;  // cosine; flatter views are stretched
+
+struct Share {
+  int view;
+  double weight;
+};
+
+Vector3d sample(const ImageRgb& image, double u, double v) {
+  const double x = std::clamp(u, 0.0, image.width - 1.001), y = std::clamp(v, 0.0, image.height - 1.001);
+  const int ix = static_cast<int>(x), iy = static_cast<int>(y);
+  const double fx = x - ix, fy = y - iy;
+  const uint8_t* a = &image.pixels[3 * (static_cast<size_t>(iy) * image.width + ix)];
+  const uint8_t* b = a + 3 * static_cast<size_t>(image.width);
+  Vector3d c;
+  for (int k = 0; k < 3; ++k)
+    c[k] = ((1 - fy) * ((1 - fx) * a[k] + fx * a[k + 3]) + fy * ((1 - fx) * b[k] + fx * b[k + 3])) / 255;
+  return c;
+}
+
+// The best views of each vertex. A vertex counts as seen when its neighbours are: near an occluder's edge a pixel shows
+// the occluder.
+std::vector<std::vector<Share>> choose_views(const meshing::Surface& surface, const std::vector<View>& views,
+                                             const std::vector<ViewCoverage>& coverage,
+                                             const std::vector<std::vector<int>>& neighbors) {
+  const size_t n = surface.vertices.size();
+  std::vector<std::vector<Share>> shares(n);
+  for (size_t v = 0; v < views.size(); ++v) {
+    const Silhouette silhouette = views[v].mask.empty() ? Silhouette{} : make_silhouette(views[v].mask);
+    const Vector3d center = views[v].center();
+    for (size_t i = 0; i < n; ++i) {
+      double facing = coverage[v].facing[i];
+      if (facing < kMinFacing) continue;
+      for (int other : neighbors[i]) facing = coverage[v].facing[other] > 0 ? facing : 0;
+      if (facing <= 0) continue;
+      double inside = 1;
+      if (!silhouette.empty()) {
+        const int x = static_cast<int>(std::lround(coverage[v].pixels[i].x())),
+                  y = static_cast<int>(std::lround(coverage[v].pixels[i].y()));
+        if (x < 0 || y < 0 || x >= silhouette.width || y >= silhouette.height) continue;
+        const double depth = -silhouette.signed_distance[static_cast<size_t>(y) * silhouette.width + x];
+        inside = std::clamp(depth / kBorderPx - 0.3, 0.0, 1.0);
+      }
+      // Pixels per mm of the surface.
+      const double resolution = views[v].camera.fx / (surface.vertices[i] - center).norm() * facing;
+      if (inside > 0) shares[i].push_back({static_cast<int>(v), inside * (facing - kMinFacing) * resolution});
+    }
+  }
+  for (auto& list : shares) {
+    std::sort(list.begin(), list.end(), [](const Share& a, const Share& b) {
+      return a.weight != b.weight ? a.weight > b.weight : a.view < b.view;
+    });
+    if (list.size() > kViewsPerVertex) list.resize(kViewsPerVertex);
+    double best = list.empty() ? 1 : list.front().weight, sum = 0;
+    // Minus the weight of the first that is left out would be 0 at the change; the power makes it small enough.
+    for (Share& share : list) sum += share.weight = std::pow(share.weight / best, kSharpness);
+    for (Share& share : list) share.weight /= sum;
+  }
+  return shares;
+}
+
+}  // namespace
+
+void spread_colors(const std::vector<std::vector<int>>& neighbors, std::vector<char> known,
+                   std::vector<Vector3d>& colors) {
+  for (bool changed = true; changed;) {
+    changed = false;
+    std::vector<char> next = known;
+    for (size_t i = 0; i < known.size(); ++i) {
+      if (known[i]) continue;
+      Vector3d sum = Vector3d::Zero();
+      int count = 0;
+      for (int other : neighbors[i])
+        if (known[other]) sum += colors[other], ++count;
+      if (count == 0) continue;
+      colors[i] = sum / count;
+      next[i] = 1;
+      changed = true;
+    }
+    known.swap(next);
+  }
+}
+
+BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atlas& atlas, int size,
+                             const std::vector<View>& views, const std::vector<ViewCoverage>& coverage) {
+  const auto neighbors = meshing::neighbors_of(surface);
+  const auto shares = choose_views(surface, views, coverage, neighbors);
+  std::vector<Vector3d> colors(surface.vertices.size(), Vector3d::Constant(0.5));
+  std::vector<char> known(surface.vertices.size(), 0);
+  for (size_t i = 0; i < shares.size(); ++i) {
+    if (shares[i].empty()) continue;
+    known[i] = 1;
+    colors[i].setZero();
+    for (const auto& [view, weight] : shares[i])
+      colors[i] += weight * sample(views[view].image, coverage[view].pixels[i].x(), coverage[view].pixels[i].y());
+  }
+  BlendedTexture result;
+  spread_colors(neighbors, known, colors);
+  result.seen = known;
+  const std::vector<Vector3d> normals = meshing::vertex_normals(surface);
+  const Shading light = find_shading(surface, colors, result.seen);
+  const auto color = [&](const Vector3d& p, int triangle) {
+    const auto& t = surface.triangles[triangle];
+    const Vector3d &a = surface.vertices[t[0]], &b = surface.vertices[t[1]], &c = surface.vertices[t[2]];
+    const Vector3d normal = (b - a).cross(c - a);
+    const double area = normal.squaredNorm();
+    double bary[3] = {1, 0, 0};
+    if (area > 1e-12) {
+      bary[1] = (p - a).cross(c - a).dot(normal) / area;
+      bary[2] = (b - a).cross(p - a).dot(normal) / area;
+      bary[0] = 1 - bary[1] - bary[2];
+    }
+    Vector3d sum = Vector3d::Zero(), facing = Vector3d::Zero();
+    for (int k = 0; k < 3; ++k) {
+      facing += bary[k] * normals[t[k]];
+      if (shares[t[k]].empty()) sum += bary[k] * colors[t[k]];
+      for (const auto& [view, weight] : shares[t[k]]) {
+        // A view that does not show the whole triangle stands back for the corner's own colour.
+        const bool whole = coverage[view].facing[t[(k + 1) % 3]] > 0 && coverage[view].facing[t[(k + 2) % 3]] > 0;
+        Eigen::Vector2d pixel;
+        if (whole && views[view].project(p, pixel))
+          sum += bary[k] * weight * sample(views[view].image, pixel.x(), pixel.y());
+        else
+          sum += bary[k] * weight * colors[t[k]];
+      }
+    }
+    return Vector3d((sum / light.at(facing.normalized())).cwiseMin(1.0));
+  };
+  result.image = meshing::bake_texture(surface, atlas, size, color);
+  return result;
+}
+
+}  // namespace livecap

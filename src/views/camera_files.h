@@ -1,0 +1,29 @@
+// Where the cameras of a set of pictures stood, from the files other tools write: COLMAP's text model (cameras.txt,
+// images.txt), OpenCV's YAML, XML or JSON, or a Skeletool calibration (docs/actor_build.md).
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "livecap/camera.h"
+
+namespace livecap {
+
+struct ViewPose {
+  std::string picture;  // file name
+  Camera camera;        // OpenCV pixel convention, with distortion
+  Eigen::Isometry3d camera_from_world = Eigen::Isometry3d::Identity();
+};
+
+// path: a folder with cameras.txt and images.txt, a Skeletool calibration (whose cameras are given the pictures of the
+// folder `pictures` by name), or a file read by OpenCV's FileStorage. Sorted by picture. Throws IoError naming file,
+// line or view, and what would be right.
+std::vector<ViewPose> read_view_poses(const std::filesystem::path& path, const std::filesystem::path& pictures = {});
+
+// Where they are when nobody says: PICTURES, PICTURES/.., PICTURES/../sparse/0, each with a COLMAP text model,
+// cameras.yml or cameras.calibration. Throws ConfigError listing what was looked for.
+std::filesystem::path find_view_poses(const std::filesystem::path& pictures);
+
+}  // namespace livecap

@@ -1,0 +1,215 @@
+#include "views/load_views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <opencv2/imgproc.hpp>
+
+#include "base/text.h"
+#include "image/image_io.h"
+#include "livecap/error.h"
+#include "views/picture_orientation.h"
+
+namespace livecap {
+
+namespace {
+
+using std::filesystem::path;
+
+// Where each pixel of the reduced, undistorted picture comes from in the picture as it was taken.
+cv::Mat sampling_map(const Camera& from, const Camera& to) {
+  cv::Mat map(to.height, to.width, CV_32FC2);
+  const auto& [k1, k2, p1, p2, k3] = from.distortion;
+  for (int v = 0; v < to.height; ++v)
+    for (int u = 0; u < to.width; ++u) {
+      const double x = (u - to.cx) / to.fx, y = (v - to.cy) / to.fy, r2 = x * x + y * y;
+      const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+      const double xd = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x);
+      const double yd = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y;
+      map.at<cv::Vec2f>(v, u) = {static_cast<float>(from.fx * xd + from.cx),
+                                 static_cast<float>(from.fy * yd + from.cy)};
+    }
+  return map;
+}
+
+ImageRgb sample_rgb(const ImageRgb& image, const cv::Mat& map, int factor) {
+  cv::Mat from(image.height, image.width, CV_8UC3, const_cast<uint8_t*>(image.pixels.data()));
+  cv::Mat averaged = from;
+  if (factor > 1) cv::blur(from, averaged, {factor, factor});
+  ImageRgb result{map.cols, map.rows, std::vector<uint8_t>(size_t(3) * map.cols * map.rows)};
+  cv::Mat to(map.rows, map.cols, CV_8UC3, result.pixels.data());
+  cv::remap(averaged, to, map, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  return result;
+}
+
+ImageGray sample_gray(const ImageGray& image, const cv::Mat& map, int interpolation) {
+  const cv::Mat from(image.height, image.width, CV_8UC1, const_cast<uint8_t*>(image.pixels.data()));
+  ImageGray result{map.cols, map.rows, std::vector<uint8_t>(size_t(map.cols) * map.rows)};
+  cv::Mat to(map.rows, map.cols, CV_8UC1, result.pixels.data());
+  cv::remap(from, to, map, cv::noArray(), interpolation, cv::BORDER_CONSTANT, 0);
+  return result;
+}
+
+Camera reduced(const Camera& camera, int max_side) {
+  const double share = std::min(1.0, static_cast<double>(max_side) / std::max(camera.width, camera.height));
+  Camera small = camera;
+  small.width = std::max(1, static_cast<int>(std::lround(camera.width * share)));
+  small.height = std::max(1, static_cast<int>(std::lround(camera.height * share)));
+  const double sx = static_cast<double>(small.width) / camera.width,
+               sy = static_cast<double>(small.height) / camera.height;
+  small.fx *= sx;
+  small.fy *= sy;
+  small.cx = (camera.cx + 0.5) * sx - 0.5;
+  small.cy = (camera.cy + 0.5) * sy - 0.5;
+  small.distortion = {};
+  return small;
+}
+
+// folder/<stem of the picture>.png (or .jpg, or the picture's whole name with .png behind it, as COLMAP has it). The
+// companion of sub/a.jpg is sub/a.png; a.png only when no picture in another folder is called so as well.
+path companion(const path& folder, const std::string& picture, const std::map<std::string, int>& n_of_stem) {
+  const path name = path(picture).filename(), below = path(picture).parent_path();
+  std::vector<path> folders = {folder / below};
+  if (!below.empty() && n_of_stem.at(name.stem().string()) == 1) folders.push_back(folder);
+  for (const path& where : folders)
+    for (const std::string& candidate :
+         {name.stem().string() + ".png", name.string() + ".png", name.stem().string() + ".jpg"})
+      if (std::filesystem::exists(where / candidate)) return where / candidate;
+  return {};
+}
+
+// A companion made from the stored picture is turned as the picture was.
+ImageGray turned(const ImageGray& image, int quarter_turns) {
+  ImageGray result = image;
+  for (int i = 0; i < quarter_turns; ++i) {
+    const ImageGray from = result;
+    result.width = from.height, result.height = from.width;
+    for (int y = 0; y < from.height; ++y)
+      for (int x = 0; x < from.width; ++x)
+        result.pixels[size_t(x) * result.width + from.height - 1 - y] = from.pixels[size_t(y) * from.width + x];
+  }
+  return result;
+}
+
+ImageGray read_companion(const path& file, const ImageRgb& image, int turns) {
+  ImageGray gray = read_image_gray(file);
+  if (turns % 2 == 1 && gray.width == image.height && gray.height == image.width) gray = turned(gray, turns);
+  if (gray.width != image.width || gray.height != image.height)
+    throw IoError(file.string() +
+                  format(": %d x %d, its picture is %d x %d", gray.width, gray.height, image.width, image.height));
+  return gray;
+}
+
+View view_of(const std::string& name, const ImageRgb& image, const Camera& camera, int max_side_px, cv::Mat& map) {
+  View view;
+  view.name = name;
+  view.camera = reduced(camera, max_side_px);
+  map = sampling_map(camera, view.camera);
+  view.image = sample_rgb(image, map, std::max(1, static_cast<int>(camera.width / view.camera.width)));
+  return view;
+}
+
+}  // namespace
+
+View view_of(const std::string& name, const ImageRgb& image, const Camera& camera, int max_side_px) {
+  cv::Mat map;
+  return view_of(name, image, camera, max_side_px, map);
+}
+
+double sharpness(const ImageRgb& image) {
+  if (image.width < 3 || image.height < 3) return 0;
+  const cv::Mat rgb(image.height, image.width, CV_8UC3, const_cast<uint8_t*>(image.pixels.data()));
+  cv::Mat gray, small;
+  cv::cvtColor(rgb, gray, cv::COLOR_RGB2GRAY);
+  const double share = 640.0 / std::max(image.width, image.height);
+  if (share < 1)
+    cv::resize(gray, small, {}, share, share, cv::INTER_AREA);
+  else
+    small = gray;
+  small.convertTo(small, CV_32F);
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(small, mean, deviation);
+  cv::Mat blurred;
+  cv::GaussianBlur(small, blurred, {3, 3}, 0.8);
+  const double lost = cv::norm(small, blurred, cv::NORM_L2) / std::sqrt(static_cast<double>(small.total()));
+  return deviation[0] > 1 ? lost / deviation[0] : 0;
+}
+
+std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& notes) {
+  if (!std::filesystem::is_directory(files.images)) throw IoError(files.images.string() + ": is no folder of pictures");
+  for (const auto& [option, folder] : {std::pair{"--masks", files.masks}, std::pair{"--labels", files.labels}})
+    if (!folder.empty() && !std::filesystem::is_directory(folder))
+      throw IoError(folder.string() + ": is no folder (" + option + ")");
+  const path where = files.cameras.empty() ? find_view_poses(files.images) : files.cameras;
+  std::vector<View> views;
+  std::vector<double> sharp;
+  int n_missing = 0, n_no_mask = 0;
+  int n_turned = 0;
+  const bool as_stored = std::filesystem::is_directory(where);  // COLMAP's cameras
+  const std::vector<ViewPose> poses = read_view_poses(where, files.images);
+  std::map<std::string, int> n_of_stem;
+  for (const ViewPose& pose : poses) ++n_of_stem[path(pose.picture).stem().string()];
+  for (const ViewPose& given : poses) {
+    ViewPose pose = given;
+    const path file = files.images / pose.picture;
+    if (!std::filesystem::exists(file)) {
+      if (++n_missing <= 3)
+        notes.push_back(file.string() + ": named by " + where.string() + " but not there; left out");
+      continue;
+    }
+    ImageRgb image;
+    try {
+      image = read_image_rgb(file);
+    } catch (const IoError& error) {
+      notes.push_back(std::string(error.what()) + "; left out");
+      continue;
+    }
+    const int turns = as_stored ? quarter_turns(file) : 0;
+    if (turns > 0) pose = turned(given, turns), ++n_turned;
+    const Camera& camera = pose.camera;
+    if (image.width != camera.width || image.height != camera.height)
+      throw IoError(file.string() + format(": %d x %d, its camera has %d x %d", image.width, image.height, camera.width,
+                                           camera.height));
+    cv::Mat map;
+    View view = view_of(pose.picture, image, camera, files.max_side_px, map);
+    view.camera_from_world = pose.camera_from_world;
+    if (!files.masks.empty()) {
+      if (const path mask = companion(files.masks, pose.picture, n_of_stem); !mask.empty())
+        view.mask = sample_gray(read_companion(mask, image, turns), map, cv::INTER_LINEAR);
+      else
+        ++n_no_mask;
+    }
+    if (!files.labels.empty())
+      if (const path labels = companion(files.labels, pose.picture, n_of_stem); !labels.empty())
+        view.labels = sample_gray(read_companion(labels, image, turns), map, cv::INTER_NEAREST);
+    sharp.push_back(sharpness(view.image));
+    views.push_back(std::move(view));
+  }
+  if (n_turned > 0) notes.push_back(format("%d pictures are turned upright as their EXIF data says", n_turned));
+  if (n_missing > 3) notes.push_back(format("%d pictures in all are not there", n_missing));
+  if (n_no_mask > 0)
+    notes.push_back(
+        format("%d pictures have no mask in %s; the network's is used", n_no_mask, files.masks.string().c_str()));
+  // A picture much less sharp than the others was moved or out of focus.
+  if (!views.empty()) {
+    std::vector<double> sorted = sharp;
+    std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
+    const double usual = sorted[sorted.size() / 2];
+    std::vector<View> kept;
+    for (size_t i = 0; i < views.size(); ++i) {
+      if (sharp[i] < 0.4 * usual)
+        notes.push_back(views[i].name + format(": blurred (%.2f of the usual sharpness); left out", sharp[i] / usual));
+      else
+        kept.push_back(std::move(views[i]));
+    }
+    views = std::move(kept);
+    if (usual < 0.02) notes.push_back("all pictures are blurred; texture and shape will be coarse");
+  }
+  if (static_cast<int>(views.size()) < kMinViews)
+    throw ConfigError(
+        format("%s: %zu usable pictures with cameras; at least %d from all around are needed, 40 to 80 are good",
+               files.images.string().c_str(), views.size(), kMinViews));
+  return views;
+}
+
+}  // namespace livecap

@@ -1,0 +1,2 @@
+target_link_libraries(test_calibrate PRIVATE opencv_core opencv_imgproc opencv_aruco)
+set(slow_units calibrate)

@@ -1,0 +1,1 @@
+set(slow_units fit_actor)

@@ -1,0 +1,1 @@
+target_link_libraries(test_scan PRIVATE livecap_synth)

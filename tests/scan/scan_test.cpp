@@ -1,0 +1,173 @@
+#include "scan/scan.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <functional>
+#include <sstream>
+
+#include "actor/actor.h"
+#include "base/text.h"
+#include "livecap/error.h"
+#include "support/tolerances.h"
+#include "synth/synth.h"
+
+namespace livecap {
+namespace {
+
+using Eigen::Vector3d;
+
+class Scan : public testing::Test {
+ protected:
+  Scan() : folder_(std::filesystem::path(testing::TempDir()) / "scan_test") {
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+    const meshing::DistanceField field = [](const Vector3d& p) { return p.norm() - 80; };
+    ball_ = meshing::extract_surface(field, Vector3d::Constant(-120), Vector3d::Constant(120), 20);
+  }
+  ~Scan() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path write(const char* name, const std::string& text) {
+    write_file_atomically(folder_ / name, text);
+    return folder_ / name;
+  }
+  std::string obj() const {
+    std::string text = "# a ball\n";
+    for (const Vector3d& p : ball_.vertices) text += format("v %.9g %.9g %.9g 1 0.5 0\n", p.x(), p.y(), p.z());
+    for (const auto& t : ball_.triangles) text += format("f %d//1 %d//1 %d//1\n", t[0] + 1, t[1] + 1, t[2] + 1);
+    return text;
+  }
+  std::string ply(bool binary) const {
+    std::string text = format(
+        "ply\nformat %s 1.0\nelement vertex %zu\nproperty float x\nproperty float y\nproperty float z\nproperty uchar "
+        "red\nproperty uchar green\nproperty uchar blue\nelement face %zu\nproperty list uchar int "
+        "vertex_indices\nend_header\n",
+        binary ? "binary_little_endian" : "ascii", ball_.vertices.size(), ball_.triangles.size());
+    const auto bytes = [&](const auto& value) { text.append(reinterpret_cast<const char*>(&value), sizeof(value)); };
+    for (const Vector3d& p : ball_.vertices) {
+      if (!binary) text += format("%.9g %.9g %.9g 255 128 0\n", p.x(), p.y(), p.z());
+      if (binary)
+        for (int k = 0; k < 3; ++k) bytes(static_cast<float>(p[k]));
+      if (binary)
+        for (uint8_t c : {255, 128, 0}) bytes(c);
+    }
+    for (const auto& t : ball_.triangles) {
+      if (!binary) text += format("3 %d %d %d\n", t[0], t[1], t[2]);
+      if (binary) bytes(uint8_t{3});
+      if (binary)
+        for (int k = 0; k < 3; ++k) bytes(static_cast<int32_t>(t[k]));
+    }
+    return text;
+  }
+  std::string failure(const std::filesystem::path& path) {
+    try {
+      std::vector<std::string> notes;
+      read_scan(path, notes);
+    } catch (const IoError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  std::filesystem::path folder_;
+  meshing::Surface ball_;
+};
+
+TEST_F(Scan, EveryFormatGivesTheSameMesh) {
+  for (const auto& path : {write("a.obj", obj()), write("a.ply", ply(false)), write("b.ply", ply(true))}) {
+    std::vector<std::string> notes;
+    const livecap::Scan scan = read_scan(path, notes);
+    EXPECT_TRUE(notes.empty());
+    ASSERT_EQ(scan.surface.vertices.size(), ball_.vertices.size()) << path;
+    ASSERT_EQ(scan.surface.triangles.size(), ball_.triangles.size()) << path;
+    EXPECT_TRUE(is_closed_manifold(scan.surface));
+    ASSERT_TRUE(scan.has_color());
+    EXPECT_NEAR(scan.colors[5].x(), 1, 0.003);  // 8 bit
+    EXPECT_NEAR(scan.colors[5].y(), 0.5, 0.003);
+  }
+}
+
+// A file that is inside out gives the same surface, and says so.
+TEST_F(Scan, InsideOutIsTurned) {
+  std::istringstream lines(obj());
+  std::string inside_out;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string kind, a, b, c;
+    words >> kind >> a >> b >> c;
+    inside_out += kind == "f" ? "f " + a + " " + c + " " + b + "\n" : line + "\n";
+  }
+  std::vector<std::string> notes;
+  const livecap::Scan scan = read_scan(write("out.obj", inside_out), notes);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("inside out"), std::string::npos);
+  double volume = 0;
+  for (const auto& t : scan.surface.triangles)
+    volume += scan.surface.vertices[t[0]].dot(scan.surface.vertices[t[1]].cross(scan.surface.vertices[t[2]])) / 6;
+  EXPECT_GT(volume, 0);
+}
+
+TEST_F(Scan, ReadsARiggedGlbWithItsTexture) {
+  const auto path = write("actor.glb", make_builtin_actor_glb("trousers", 1700, 2000));
+  std::vector<std::string> notes;
+  const livecap::Scan scan = read_scan(path, notes);
+  const Actor actor = load_actor(path);
+  EXPECT_EQ(static_cast<int>(scan.surface.vertices.size()), actor.n_vertices());
+  EXPECT_FALSE(scan.texture.empty());
+  EXPECT_EQ(scan.uvs.size(), 3 * scan.surface.triangles.size());
+}
+
+// glTF's vertex colours are linear; the scan's are encoded.
+TEST_F(Scan, VertexColoursOfAGlbAreEncoded) {
+  std::string data;
+  const auto bytes = [&](const auto& value) { data.append(reinterpret_cast<const char*>(&value), sizeof(value)); };
+  const size_t n = ball_.vertices.size(), m = ball_.triangles.size();
+  for (const Vector3d& p : ball_.vertices)
+    for (int k = 0; k < 3; ++k) bytes(static_cast<float>(p[k]));
+  for (size_t i = 0; i < n; ++i)
+    for (float c : {1.0f, 0.2140411f, 0.0f}) bytes(c);  // 0.2140411 is what 0.5 stands for
+  for (const auto& t : ball_.triangles)
+    for (int k = 0; k < 3; ++k) bytes(static_cast<uint32_t>(t[k]));
+  std::string json = format(
+      R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0,"buffers":[{"byteLength":%zu}],)"
+      R"("bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":%zu},{"buffer":0,"byteOffset":%zu,"byteLength":%zu},)"
+      R"({"buffer":0,"byteOffset":%zu,"byteLength":%zu}],"accessors":[{"bufferView":0,"componentType":5126,"count":%zu,)"
+      R"("type":"VEC3","min":[-81,-81,-81],"max":[81,81,81]},{"bufferView":1,"componentType":5126,"count":%zu,"type":"VEC3"},)"
+      R"({"bufferView":2,"componentType":5125,"count":%zu,"type":"SCALAR"}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"COLOR_0":1},"indices":2}]}]})",
+      data.size(), 12 * n, 12 * n, 12 * n, 24 * n, 12 * m, n, n, 3 * m);
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  std::string glb = "glTF";
+  const auto number = [&](size_t value) {
+    const uint32_t v = static_cast<uint32_t>(value);
+    glb.append(reinterpret_cast<const char*>(&v), 4);
+  };
+  number(2), number(12 + 8 + json.size() + 8 + data.size());
+  number(json.size()), glb += "JSON" + json;
+  number(data.size()), glb.append("BIN\0", 4), glb += data;
+  std::vector<std::string> notes;
+  const livecap::Scan scan = read_scan(write("ball.glb", glb), notes);
+  ASSERT_EQ(scan.colors.size(), n);
+  EXPECT_NEAR(scan.colors[3].x(), 1, test::kHandComputed);
+  EXPECT_NEAR(scan.colors[3].y(), 0.5, test::kHandComputed);
+  EXPECT_NEAR(scan.colors[3].z(), 0, test::kHandComputed);
+}
+
+TEST_F(Scan, FaultsNameTheFile) {
+  const std::string text = obj(), binary = ply(true);
+  EXPECT_NE(failure(folder_ / "none.obj").find("none.obj"), std::string::npos);
+  EXPECT_NE(failure(write("a.stl", text)).find(".obj, .ply or .glb"), std::string::npos);
+  EXPECT_NE(failure(write("few.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")).find("no scan of a person"),
+            std::string::npos);
+  EXPECT_NE(failure(write("bad.obj", text + "f 1 2 999999\n")).find("no vertex 999999"), std::string::npos);
+  EXPECT_NE(failure(write("nan.obj", text + "v nan 0 0\n")).find("not finite"), std::string::npos);
+  EXPECT_NE(failure(write("cut.ply", binary.substr(0, binary.size() / 2))).find("ends before"), std::string::npos);
+  EXPECT_NE(failure(write("head.ply", binary.substr(0, 40))).find("end_header"), std::string::npos);
+  std::string big = ply(false);
+  big.replace(big.find("ascii"), 5, "binary_big_endian");
+  EXPECT_NE(failure(write("big.ply", big)).find("little endian"), std::string::npos);
+  EXPECT_NE(failure(write("cut.glb", "glTF")).find("cut.glb"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace livecap

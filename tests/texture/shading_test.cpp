@@ -1,0 +1,90 @@
+// The light in pictures of a person who stands still, on bodies whose light is known.
+#include "texture/shading.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "meshing/surface_parts.h"
+#include "support/tolerances.h"
+
+namespace livecap {
+namespace {
+
+using Eigen::Vector3d;
+
+class Shading : public ::testing::Test {
+ protected:
+  Shading() {
+    const meshing::DistanceField field = [](const Vector3d& p) {
+      return (p - Vector3d(0, std::clamp(p.y(), -200.0, 200.0), 0)).norm() - 120;
+    };
+    surface_ = meshing::extract_surface(field, {-170, -370, -170}, {170, 370, 170}, 17);
+    normals_ = meshing::vertex_normals(surface_);
+    known_.assign(normals_.size(), 1);
+  }
+
+  // Stripes of 90 mm, dark below one half.
+  double stripe(size_t i) const { return std::sin(surface_.vertices[i].y() / 90 * M_PI) > 0 ? 0.5 : 0.2; }
+
+  // The largest relative difference between find_shading and `light` up to a common factor, over all vertices.
+  template <typename Light>
+  double worst(const std::vector<Vector3d>& colors, const Light& light) const {
+    const livecap::Shading found = find_shading(surface_, colors, known_);
+    double low = 1e9, high = 0;
+    for (const Vector3d& n : normals_) {
+      const double ratio = found.at(n) / light(n);
+      low = std::min(low, ratio);
+      high = std::max(high, ratio);
+    }
+    return std::sqrt(high / low) - 1;
+  }
+
+  meshing::Surface surface_;
+  std::vector<Vector3d> normals_;
+  std::vector<char> known_;
+};
+
+TEST_F(Shading, IsToldFromThePattern) {
+  // A lamp at the upper left in front and a bright room.
+  const Vector3d lamp = Vector3d(1, 1, 2).normalized();
+  const auto light = [&](const Vector3d& n) { return 1 + 0.45 * n.dot(lamp); };
+  std::vector<Vector3d> plain, striped;
+  for (size_t i = 0; i < normals_.size(); ++i) {
+    plain.push_back(light(normals_[i]) * Vector3d(0.5, 0.35, 0.3));
+    striped.push_back(light(normals_[i]) * stripe(i) * Vector3d(0.9, 1, 1.1));
+  }
+  std::printf("plain %.3f, striped %.3f; the light itself %.3f\n", worst(plain, light), worst(striped, light),
+              worst(std::vector<Vector3d>(normals_.size(), Vector3d(0.5, 0.5, 0.5)), light));
+  EXPECT_LT(worst(plain, light), test::kShadingLeft);
+  EXPECT_LT(worst(striped, light), test::kShadingLeft);
+}
+
+TEST_F(Shading, NoneWhereLightIsEven) {
+  std::vector<Vector3d> striped;
+  for (size_t i = 0; i < normals_.size(); ++i) striped.push_back(Vector3d::Constant(stripe(i)));
+  EXPECT_LT(worst(striped, [](const Vector3d&) { return 1.0; }), test::kShadingLeft);
+}
+
+TEST_F(Shading, NoneWhereNothingWasSeen) {
+  std::vector<Vector3d> colors;
+  for (const Vector3d& n : normals_) colors.push_back(Vector3d::Constant(0.5 + 0.3 * n.x()));
+  known_.assign(known_.size(), 0);
+  const livecap::Shading found = find_shading(surface_, colors, known_);
+  EXPECT_EQ(found.at(Vector3d::UnitX()), 1);
+  EXPECT_EQ(found.at(-Vector3d::UnitX()), 1);
+}
+
+// Wild colours must not blow the texture up.
+TEST_F(Shading, StaysWithinAFactorOfTwo) {
+  std::vector<Vector3d> colors;
+  for (const Vector3d& n : normals_) colors.push_back(Vector3d::Constant(n.x() > 0.3 ? 1 : n.x() < -0.3 ? 0 : 0.4));
+  const livecap::Shading found = find_shading(surface_, colors, known_);
+  for (const Vector3d& n : normals_) {
+    EXPECT_GE(found.at(n), 0.5);
+    EXPECT_LE(found.at(n), 2);
+  }
+}
+
+}  // namespace
+}  // namespace livecap

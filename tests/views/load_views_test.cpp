@@ -1,0 +1,172 @@
+#include "views/load_views.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "base/text.h"
+#include "image/image_io.h"
+#include "support/tolerances.h"
+#include "views/picture_orientation.h"
+
+namespace livecap {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr int kWidth = 96, kHeight = 64;
+
+class LoadViews : public ::testing::Test {
+ protected:
+  LoadViews() : folder_(std::filesystem::temp_directory_path() / ("livecap_load_views_" + std::to_string(::getpid()))) {
+    for (const char* name : {"images/a", "images/b", "masks/a", "masks/b", "flat"})
+      std::filesystem::create_directories(folder_ / name);
+  }
+  ~LoadViews() override { std::filesystem::remove_all(folder_); }
+
+  static ImageRgb dotted(int x, int y) {
+    ImageRgb image{kWidth, kHeight, std::vector<uint8_t>(size_t(3) * kWidth * kHeight, 40)};
+    for (int dy = -2; dy <= 2; ++dy)
+      for (int dx = -2; dx <= 2; ++dx)
+        for (int k = 0; k < 3; ++k) image.pixels[3 * (size_t(y + dy) * kWidth + x + dx) + k] = 240;
+    return image;
+  }
+
+  static ImageGray plain(uint8_t value, int width = kWidth, int height = kHeight) {
+    return {width, height, std::vector<uint8_t>(size_t(width) * height, value)};
+  }
+
+  // A COLMAP model of these pictures, all from the same place.
+  void write_model(const std::vector<std::string>& names) {
+    std::ofstream cameras(folder_ / "cameras.txt"), images(folder_ / "images.txt");
+    cameras << "1 OPENCV 96 64 90 88 50 30 -0.1 0.02 0.01 -0.02\n";
+    for (size_t i = 0; i < names.size(); ++i)
+      images << i + 1 << " 0.96 0.02 -0.27 0.05 0.1 0.2 3 1 " << names[i] << "\n\n";
+  }
+
+  ViewFiles files() const {
+    ViewFiles files;
+    files.images = folder_ / "images";
+    files.cameras = folder_;
+    return files;
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(LoadViews, PicturesOfTheSameNameHaveMasksOfTheirOwn) {
+  std::vector<std::string> names;
+  for (int i = 0; i < 4; ++i)
+    for (const char* camera : {"a", "b"}) {
+      names.push_back(std::string(camera) + format("/%d.png", i));
+      write_png(dotted(40, 30), folder_ / "images" / names.back());
+      write_png(plain(camera[0] == 'a' ? 200 : 60), folder_ / "masks" / names.back());
+    }
+  names.push_back("a/alone.png");
+  write_png(dotted(40, 30), folder_ / "images" / names.back());
+  write_png(plain(100), folder_ / "masks" / "alone.png");  // not in a folder of its own
+  write_png(plain(10), folder_ / "flat" / "0.png");        // whose?
+  write_model(names);
+  ViewFiles given = files();
+  given.masks = folder_ / "masks";
+  std::vector<std::string> notes;
+  std::vector<View> views = load_views(given, notes);
+  ASSERT_EQ(views.size(), 9u);
+  for (const View& view : views) {
+    ASSERT_FALSE(view.mask.empty()) << view.name;
+    const int expected = view.name == "a/alone.png" ? 100 : view.name[0] == 'a' ? 200 : 60;
+    EXPECT_EQ(view.mask.pixels[30 * kWidth + 40], expected) << view.name;
+  }
+  given.masks = folder_ / "flat";
+  views = load_views(given, notes);
+  EXPECT_TRUE(std::all_of(views.begin(), views.end(), [](const View& view) { return view.mask.empty(); }));
+}
+
+// The dot in the stored picture is where the model's camera sees a point; it still is after the picture was turned.
+TEST_F(LoadViews, PhonePicturesAreTurnedWithTheirCameras) {
+  // The pixel of the dot and, by hand, a point on its viewing ray.
+  write_model({"probe"});
+  const ViewPose stored = read_view_poses(folder_).front();
+  Vector2d ray(-0.2, 0.15);
+  const auto& [k1, k2, p1, p2, k3] = stored.camera.distortion;
+  const double r2 = ray.squaredNorm(), radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+  const double xd = ray.x() * radial + 2 * p1 * ray.x() * ray.y() + p2 * (r2 + 2 * ray.x() * ray.x());
+  const double yd = ray.y() * radial + p1 * (r2 + 2 * ray.y() * ray.y()) + 2 * p2 * ray.x() * ray.y();
+  const int x = static_cast<int>(std::lround(stored.camera.fx * xd + stored.camera.cx)),
+            y = static_cast<int>(std::lround(stored.camera.fy * yd + stored.camera.cy));
+  const Vector3d point = stored.camera_from_world.inverse() * Vector3d(3 * ray.x(), 3 * ray.y(), 3);
+
+  std::vector<std::string> names;
+  const std::string plain_jpeg = encode_jpeg(dotted(x, y), 97);
+  for (int i = 0; i < 12; ++i) {
+    const char orientation[] = {1, 6, 3, 8};
+    std::string exif("Exif\0\0MM\0*\0\0\0\10\0\1\1\22\0\3\0\0\0\1\0", 6 + 8 + 2 + 9);
+    exif += orientation[i % 4];
+    exif += std::string("\0\0\0\0\0\0", 6);
+    if (i >= 4 && i < 8) {  // the other byte order
+      exif = std::string("Exif\0\0II*\0\10\0\0\0\1\0\22\1\3\0\1\0\0\0", 6 + 8 + 2 + 8);
+      exif += orientation[i % 4];
+      exif += std::string("\0\0\0\0\0\0\0", 7);
+    }
+    const size_t size = exif.size() + 2;
+    std::string jpeg = plain_jpeg.substr(0, 2) + "\xff\xe1" + static_cast<char>(size >> 8) +
+                       static_cast<char>(size & 255) + exif + plain_jpeg.substr(2);
+    names.push_back(format("%02d.jpg", i));
+    write_file_atomically(folder_ / "images" / names.back(), jpeg);
+    write_png(i % 2 ? plain(255) : plain(255, kWidth, kHeight), folder_ / "masks" / format("%02d.png", i));
+  }
+  write_model(names);
+  ViewFiles given = files();
+  given.masks = folder_ / "masks";  // of the stored pictures
+  std::vector<std::string> notes;
+  const std::vector<View> views = load_views(given, notes);
+  ASSERT_EQ(views.size(), 12u);
+  for (size_t i = 0; i < views.size(); ++i) {
+    const View& view = views[i];
+    EXPECT_EQ(view.image.width, i % 2 ? kHeight : kWidth);
+    EXPECT_EQ(view.mask.width, view.image.width);
+    Vector2d seen = Vector2d::Zero(), pixel;
+    double sum = 0;
+    for (int v = 0; v < view.image.height; ++v)
+      for (int u = 0; u < view.image.width; ++u) {
+        const int value = view.image.pixels[3 * (size_t(v) * view.image.width + u)];
+        if (value < 140) continue;
+        seen += value * Vector2d(u, v), sum += value;
+      }
+    ASSERT_GT(sum, 0) << view.name;
+    ASSERT_TRUE(view.project(point, pixel));
+    EXPECT_LT((seen / sum - pixel).norm(), test::kDotPx) << view.name;
+  }
+  EXPECT_TRUE(std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
+    return note.find("9 pictures are turned upright") != std::string::npos;
+  }));
+}
+
+// Every ray falls on the same spot of the picture before and after both were turned, tangential distortion included.
+TEST_F(LoadViews, TurnedCamerasSeeTurnedPictures) {
+  ViewPose stored;
+  stored.camera = {kWidth, kHeight, 90, 88, 50, 30, {-0.2, 0.1, 0.15, -0.08, 0.05}};
+  stored.camera_from_world =
+      Eigen::Translation3d(0.1, -0.2, 0.4) * Eigen::AngleAxisd(0.4, Vector3d(1, 2, 3).normalized());
+  const auto pixel = [](const ViewPose& view, const Vector3d& world) {
+    const Vector3d p = view.camera_from_world * world;
+    const double x = p.x() / p.z(), y = p.y() / p.z(), r2 = x * x + y * y;
+    const auto& [k1, k2, p1, p2, k3] = view.camera.distortion;
+    const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+    return Vector2d(view.camera.fx * (x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)) + view.camera.cx,
+                    view.camera.fy * (y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y) + view.camera.cy);
+  };
+  for (const Vector3d& world : {Vector3d(0.3, 0.2, 2), Vector3d(-0.5, 0.6, 3), Vector3d(0.1, -0.7, 2.5)}) {
+    const Vector2d before = pixel(stored, world);
+    const double w = kWidth - 1, h = kHeight - 1;
+    EXPECT_LT((pixel(turned(stored, 1), world) - Vector2d(h - before.y(), before.x())).norm(), test::kDoubleExact);
+    EXPECT_LT((pixel(turned(stored, 2), world) - Vector2d(w - before.x(), h - before.y())).norm(), test::kDoubleExact);
+    EXPECT_LT((pixel(turned(stored, 3), world) - Vector2d(before.y(), w - before.x())).norm(), test::kDoubleExact);
+  }
+}
+
+}  // namespace
+}  // namespace livecap

@@ -26,6 +26,9 @@
 #define LC_POSE_RECORD_EXTRA_COLUMN 25
 #define LC_POSE_RECORD_EXTRA 26
 
+// One match: u, v (px), root a, b, c of the distance's weight.
+#define LC_POSE_MATCH 5
+
 // One vertex of skin: light 9, brightness, root of the weight.
 #define LC_POSE_SHADED 11
 
@@ -59,6 +62,18 @@ typedef struct {
 #define LC_POSE_STEP_DUAL_QUATS(layout) (LC_POSE_STEP_ANGLES(layout) + (layout).n_dofs)
 #define LC_POSE_STEP_SOLES(layout) (LC_POSE_STEP_DUAL_QUATS(layout) + 8 * (layout).n_bones)
 #define LC_POSE_STEP_SIZE(layout) (LC_POSE_STEP_SOLES(layout) + 3 * (layout).n_soles)
+
+// What the rows of a frame are made of, one upload: where in it each thing lies, in words. Vertices are template vertex
+// indices, int.
+typedef struct {
+  int targets;           // [LC_POSE_TARGET*LC_POSE_KEYPOINTS]
+  int ground;            // [LC_POSE_GROUND_STANDS + n_soles]
+  int contour_vertices;  // [n]
+  int match_vertices;    // [n]
+  int match_targets;     // [LC_POSE_MATCH*n]
+  int shaded_vertices;   // [n]
+  int shaded_targets;    // [LC_POSE_SHADED*n]
+} PoseInputs;
 
 // The ground: normal xyz, offset (mm), root of the weight (0: none is known), Huber threshold (mm; 0 = quadratic
 // everywhere); then for each point of the soles how sure it is to rest there.

@@ -19,12 +19,9 @@
 // [n_rows*n_columns]; parts [n_groups][n_tiles][8] [8]. rows: ROWS * n_columns floats.
 kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_normal_equations(
     PoseLayout layout, float4 camera, int4 counts, PoseContour contour, float keypoint_huber_px, float match_huber_px,
-    float shading_huber, float sqrt_anatomic, global const float* restrict step, global const float* restrict moves,
-    global const float* restrict targets, global const int* restrict point_bones, global const float* restrict limits,
-    global const float* restrict ground, global const int* restrict contour_vertices,
-    global const int* restrict match_vertices, global const float* restrict match_targets,
-    global const int* restrict shaded_vertices, global const float* restrict shaded_targets,
-    global const float* restrict rest, global const float* restrict rest_normals,
+    float shading_huber, float sqrt_anatomic, PoseInputs at, global const float* restrict step,
+    global const float* restrict moves, global const float* restrict inputs, global const int* restrict point_bones,
+    global const float* restrict limits, global const float* restrict rest, global const float* restrict rest_normals,
     global const float* restrict displacement, global const int* restrict bones, global const float* restrict weights,
     global const float* restrict distance, global float* point, global float* on_contour, global float* matched,
     global float* shaded, global float* residuals, global float* restrict J, global float* restrict parts,
@@ -46,19 +43,21 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_norm
     const Pinhole cam = {camera.x, camera.y, camera.z, camera.w};
     if (id < min(ROWS, n_rows) && (limit >= 0 || row % LC_POSE_ROWS_PER_KEYPOINT == 0))
       point_records(limit >= 0 ? LC_POSE_KEYPOINTS + limit : row / LC_POSE_ROWS_PER_KEYPOINT, layout, cam,
-                    keypoint_huber_px, step, targets, point_bones, limits, ground, sqrt_anatomic, point, of_kind);
+                    keypoint_huber_px, step, inputs + at.targets, point_bones, limits, inputs + at.ground,
+                    sqrt_anatomic, point, of_kind);
   } else if (kind == 1) {
     if (id < min(ROWS, n_rows))
-      contour_records(first + id, layout, camera, contour, step, contour_vertices, rest, rest_normals, displacement,
-                      bones, weights, distance, on_contour, of_kind,
+      contour_records(first + id, layout, camera, contour, step, (global const int*)(inputs + at.contour_vertices),
+                      rest, rest_normals, displacement, bones, weights, distance, on_contour, of_kind,
                       residuals + n_point + contour.n + 2 * n_match + n_shaded);
   } else if (kind == 2) {
     if (2 * id < min(ROWS, n_rows))
-      match_records(first / 2 + id, layout, camera, n_match, match_huber_px, step, match_vertices, match_targets, rest,
-                    bones, weights, matched, of_kind);
+      match_records(first / 2 + id, layout, camera, n_match, match_huber_px, step,
+                    (global const int*)(inputs + at.match_vertices), inputs + at.match_targets, rest, bones, weights,
+                    matched, of_kind);
   } else if (id < min(ROWS, n_rows)) {
-    shading_records(first + id, layout, n_shaded, shading_huber, step, shaded_vertices, shaded_targets, rest_normals,
-                    bones, weights, shaded, of_kind);
+    shading_records(first + id, layout, n_shaded, shading_huber, step, (global const int*)(inputs + at.shaded_vertices),
+                    inputs + at.shaded_targets, rest_normals, bones, weights, shaded, of_kind);
   }
   barrier(CLK_GLOBAL_MEM_FENCE);
   const int blocks = n_columns / FILL_COLUMNS;

@@ -94,12 +94,13 @@ static inline void point_records(int i, PoseLayout layout, Pinhole cam, float hu
 
 #if LC_CPU
 // Over the keypoints, joint angles and points of the soles.
-kernel void pose_point_records(PoseLayout layout, Pinhole cam, float huber_px, global const float* restrict step,
-                               global const float* restrict targets, global const int* restrict bones,
-                               global const float* restrict limits, global const float* restrict ground,
-                               float sqrt_anatomic, global float* restrict records, global float* restrict residuals) {
+kernel void pose_point_records(PoseLayout layout, Pinhole cam, float huber_px, float sqrt_anatomic, PoseInputs at,
+                               global const float* restrict step, global const float* restrict inputs,
+                               global const int* restrict bones, global const float* restrict limits,
+                               global float* restrict records, global float* restrict residuals) {
   const int i = get_global_id(0);
   if (i >= LC_POSE_KEYPOINTS + layout.n_dofs + layout.n_soles) return;
-  point_records(i, layout, cam, huber_px, step, targets, bones, limits, ground, sqrt_anatomic, records, residuals);
+  point_records(i, layout, cam, huber_px, step, inputs + at.targets, bones, limits, inputs + at.ground, sqrt_anatomic,
+                records, residuals);
 }
 #endif

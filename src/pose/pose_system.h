@@ -17,6 +17,7 @@
 #include "pose/floor.h"
 #include "pose/layout.h"
 #include "pose/pose_options.h"
+#include "pose/row_inputs.h"
 #include "pose/targets.h"
 
 namespace livecap {
@@ -61,18 +62,16 @@ class PoseSystem {
   Eigen::MatrixXf jacobian(const PoseState& state);
 
   int n_unknowns() const { return layout_.n_unknowns; }
-  int n_rows() const { return n_point_rows_ + n_contour_ + 2 * n_matches_ + n_shaded_; }
+  int n_rows() const { return n_point_rows_ + n_contour() + 2 * n_matches() + n_shaded(); }
   int n_point_rows() const { return n_point_rows_; }
   const std::vector<SolePoint>& soles() const { return soles_; }
-  int n_contour() const { return n_contour_; }
-  int n_matches() const { return n_matches_; }
-  int n_shaded() const { return n_shaded_; }
+  int n_contour() const { return inputs_.n_contour(); }
+  int n_matches() const { return inputs_.n_matches(); }
+  int n_shaded() const { return inputs_.n_shaded(); }
   // Weight of one contour row: lambda_silhouette times contour vertices per used vertex.
-  double contour_weight() const { return contour_weight_; }
+  double contour_weight() const { return inputs_.contour_weight(); }
 
  private:
-  void set_matches(std::span<const VertexMatch> matches);
-  void set_shaded(std::span<const ShadedVertex> shaded);
   void upload(const PoseState& state);
   void launch_records();
   void launch_rows();
@@ -89,40 +88,32 @@ class PoseSystem {
   PoseLayout layout_{};
   int n_vertices_ = 0;
   int n_point_rows_ = 0;
-  int n_contour_ = 0;
-  double contour_weight_ = 0;
-  int n_matches_ = 0;
-  int n_shaded_ = 0;
   bool is_cpu_ = true;
   int lanes_ = 1;
   int n_tiles_ = 0;
   const DeviceFrame* frame_ = nullptr;
   const ocl::Buffer<float>* displacement_ = nullptr;
+  PoseRowInputs inputs_;
+  bool inputs_changed_ = true;  // since they were uploaded
   std::vector<float> step_host_;
   std::vector<float> gram_host_;
 
   ocl::Buffer<float> step_;
-  ocl::Buffer<float> targets_;
+  ocl::Buffer<float> inputs_on_device_;
   ocl::Buffer<int32_t> point_bones_;  // of keypoints, then of the soles
-  ocl::Buffer<float> ground_;
   ocl::Buffer<float> limits_;
   ocl::Buffer<float> moves_;
   ocl::Buffer<float> rest_;          // [3*n_vertices]
   ocl::Buffer<float> rest_normals_;  // [3*n_vertices]
   ocl::Buffer<int32_t> bones_;       // [4*n_vertices]
   ocl::Buffer<float> weights_;       // [4*n_vertices]
-  ocl::Buffer<int32_t> contour_vertices_;
   ocl::Buffer<float> point_records_;
   ocl::Buffer<float> contour_records_;
   ocl::Buffer<float> point_residuals_;
   ocl::Buffer<float> contour_residuals_;
   ocl::Buffer<float> distances_px_;
-  ocl::Buffer<int32_t> match_vertices_;
-  ocl::Buffer<float> match_targets_;  // [5*max_matches] u, v, root a, b, c of the weight
   ocl::Buffer<float> match_records_;
   ocl::Buffer<float> match_residuals_;
-  ocl::Buffer<int32_t> shaded_vertices_;
-  ocl::Buffer<float> shaded_targets_;  // [LC_POSE_SHADED*max_shaded]
   ocl::Buffer<float> shading_records_;
   ocl::Buffer<float> shading_residuals_;
   ocl::Buffer<float> J_;

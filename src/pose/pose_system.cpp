@@ -1,7 +1,9 @@
 #include "pose/pose_system.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "base/round_up.h"
 #include "base/text.h"
@@ -14,16 +16,22 @@ namespace {
 
 constexpr const char* kProgram = "pose/pose.cl";
 constexpr const char* kSkinnedProgram = "pose/skinned_records.cl";
-constexpr const char* kGpuProgram = "pose/normal_equations.cl";
+constexpr const char* kGpuProgram = "pose/gauss_newton.cl";
 constexpr int kTile = 8;
 // The bones of a contour row are packed into bytes.
 constexpr int kMaxBones = LC_POSE_NO_BONE;
 
 static_assert(LC_POSE_KEYPOINTS == kKeypointCount);
-static_assert(sizeof(PoseLayout) == 20 && sizeof(PoseContour) == 24 && sizeof(PoseInputs) == 28);
+static_assert(sizeof(PoseLayout) == 20 && sizeof(PoseContour) == 24 && sizeof(PoseInputs) == 28 &&
+              sizeof(PoseStepsArg) == 32);
 
 void require(bool ok, const std::string& message) {
   if (!ok) throw LogicError("pose: " + message);
+}
+
+// Of a work-group that takes steps by itself, and a few integers.
+size_t local_bytes(const PoseLayout& layout) {
+  return sizeof(float) * LC_POSE_GROUP_ROWS * layout.n_columns + sizeof(double) * LC_POSE_LOCAL(layout) + 64;
 }
 
 void check_actor(const Actor& actor) {
@@ -43,9 +51,7 @@ void check_actor(const Actor& actor) {
 }  // namespace
 
 PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const PoseOptions& options)
-    : skeleton_(actor.skeleton),
-      keypoints_(actor.keypoints),
-      soles_(sole_points(actor)),
+    : points_{actor.skeleton, actor.keypoints, sole_points(actor)},
       options_(options),
       width_(camera.width),
       height_(camera.height),
@@ -55,11 +61,12 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
   camera.validate();
   options.validate();
   require(width_ >= 2 && height_ >= 2, format("camera picture is %d x %d", width_, height_));
-  layout_.n_dofs = skeleton_.n_dofs();
+  const Skeleton& skeleton = actor.skeleton;
+  layout_.n_dofs = skeleton.n_dofs();
   layout_.n_unknowns = layout_.n_dofs + 9;
   layout_.n_columns = int(round_up(layout_.n_unknowns + 1, LC_POSE_SLICE));
-  layout_.n_bones = skeleton_.n_bones();
-  layout_.n_soles = int(soles_.size());
+  layout_.n_bones = skeleton.n_bones();
+  layout_.n_soles = int(points_.soles.size());
   n_point_rows_ = LC_POSE_POINT_ROWS + layout_.n_dofs + layout_.n_soles;
   const int side = layout_.n_columns / kTile;
   n_tiles_ = side * (side + 1) / 2;
@@ -68,28 +75,23 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
 
   // Every column but t' and the residual's moves bones: the root's six all of them, a joint those below it.
   std::vector<float> moves(size_t(layout_.n_bones) * layout_.n_columns, 0.0f);
-  const std::vector<uint64_t> masks = dofs_moving_bones(skeleton_);
+  const std::vector<uint64_t> masks = dofs_moving_bones(skeleton);
   for (int b = 0; b < layout_.n_bones; ++b) {
     float* row = &moves[size_t(b) * layout_.n_columns];
     std::fill(row, row + 6, 1.0f);
     for (int k = 0; k < layout_.n_dofs; ++k) row[6 + k] = masks[b] >> k & 1 ? 1.0f : 0.0f;
   }
   std::vector<float> limits;
-  for (const Dof& dof : skeleton_.dofs) {
+  for (const Dof& dof : skeleton.dofs) {
     limits.push_back(float(dof.min_rad));
     limits.push_back(float(dof.max_rad));
   }
-  std::vector<int32_t> point_bones;
-  for (const KeypointAnchor& anchor : keypoints_) point_bones.push_back(std::max(anchor.bone, 0));
-  for (const SolePoint& sole : soles_) point_bones.push_back(sole.bone);
-
   const size_t n_contour = round_up(options.max_contour_vertices, LC_POSE_SLICE);
   step_host_.resize(LC_POSE_STEP_SIZE(layout_));
   gram_host_.resize(size_t(n_tiles_) * kTile * kTile);
-  step_ = ocl::Buffer<float>(device, step_host_.size());
   inputs_ = PoseRowInputs(layout_, options, n_vertices_);
   inputs_on_device_ = ocl::Buffer<float>(device, inputs_.most_words());
-  point_bones_ = ocl::Buffer<int32_t>(device, point_bones);
+  links_ = ocl::Buffer<int32_t>(device, chain_links(points_));
   limits_ = ocl::Buffer<float>(device, limits);
   moves_ = ocl::Buffer<float>(device, moves);
   rest_ = ocl::Buffer<float>(device, actor.mesh.positions);
@@ -105,14 +107,22 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
   J_ = ocl::Buffer<float>(device, (n_point_rows_ + n_contour + 2 * n_matches + n_shaded) * layout_.n_columns);
   gram_ = ocl::Buffer<float>(device, gram_host_.size());
   if (!is_cpu_) {
-    const auto groups = [](size_t n_rows) { return round_up(n_rows, LC_POSE_GROUP_ROWS) / LC_POSE_GROUP_ROWS; };
-    parts_ = ocl::Buffer<float>(
-        device, (groups(n_point_rows_) + groups(n_contour) + groups(2 * n_matches) + groups(n_shaded)) * gram_.size());
-    residuals_ = ocl::Buffer<float>(device, n_point_rows_ + 2 * n_contour + 2 * n_matches + n_shaded);
-    normal_equations_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_normal_equations");
-    sum_parts_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_sum_parts");
+    const auto parts = [](size_t n_rows) { return round_up(n_rows, LC_POSE_GROUP_ROWS) / LC_POSE_GROUP_ROWS; };
+    const size_t most_parts = parts(n_point_rows_) + parts(n_contour) + parts(2 * n_matches) + parts(n_shaded);
+    groups_ = ocl::GroupsTogether(device, most_parts);
+    takes_steps_ = device.info().has_double && local_bytes(layout_) <= device.info().local_memory_bytes;
+    step_ = ocl::Buffer<float>(device, most_parts * step_host_.size());
+    chain_ = ocl::Buffer<double>(device, chain_constants(layout_, points_));
+    parts_ = ocl::Buffer<float>(device, most_parts * gram_.size());
+    results_ = ocl::Buffer<float>(
+        device, LC_POSE_RESULT_RESIDUALS(layout_) + n_point_rows_ + 2 * n_contour + 2 * n_matches + n_shaded);
+    results_.fill(0);
+    const std::string option = takes_steps_ ? "-D LC_POSE_TAKES_STEPS=1" : "-D LC_POSE_TAKES_STEPS=0";
+    gauss_newton_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_gauss_newton", option);
+    sum_parts_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_sum_parts", option);
     return;
   }
+  step_ = ocl::Buffer<float>(device, step_host_.size());
   point_residuals_ = ocl::Buffer<float>(device, n_point_rows_);
   contour_residuals_ = ocl::Buffer<float>(device, n_contour);
   distances_px_ = ocl::Buffer<float>(device, n_contour);
@@ -149,41 +159,13 @@ void PoseSystem::set_floor(const Floor* floor, std::span<const double> stands) {
 }
 
 void PoseSystem::upload(const PoseState& state) {
-  // Everything relative to the root's origin; see kernels/pose/layout.h.
-  Pose at_root = state.pose;
-  at_root.root_translation_mm.setZero();
-  const PosedSkeleton posed = forward_kinematics(skeleton_, at_root);
-  const int columns = layout_.n_columns;
-  float* out = step_host_.data();
-  std::fill(out, out + 6 * columns, 0.0f);
-  for (int i = 0; i < 3; ++i) {
-    out[i * columns + i] = 1.0f;            // root rotation: axis e_i through the root's origin
-    out[(3 + i) * columns + 3 + i] = 1.0f;  // root translation: a pure moment
+  if (takes_steps_) {
+    inputs_.set_start(state_values(state));
+    inputs_changed_ = true;
+  } else {
+    write_step(layout_, points_, state, step_host_);
+    step_.write_later(step_host_);
   }
-  for (int k = 0; k < layout_.n_dofs; ++k) {
-    const Eigen::Vector3d moment = posed.dof_origin_mm[k].cross(posed.dof_axis[k]);
-    for (int i = 0; i < 3; ++i) {
-      out[i * columns + 6 + k] = float(posed.dof_axis[k][i]);
-      out[(3 + i) * columns + 6 + k] = float(moment[i]);
-    }
-  }
-  for (int k = 0; k < kKeypointCount; ++k) {
-    Eigen::Vector3d p = Eigen::Vector3d::Zero();
-    if (keypoints_[k].bone >= 0) p = posed.camera_from_rest[keypoints_[k].bone] * keypoints_[k].rest_position_mm;
-    for (int i = 0; i < 3; ++i) out[LC_POSE_STEP_KEYPOINTS(layout_) + 3 * k + i] = float(p[i]);
-  }
-  for (int i = 0; i < 3; ++i) {
-    out[LC_POSE_STEP_T_PRIME(layout_) + i] = float(state.t_prime_mm[i]);
-    out[LC_POSE_STEP_ROOT(layout_) + i] = float(state.pose.root_translation_mm[i]);
-  }
-  for (int k = 0; k < layout_.n_dofs; ++k) out[LC_POSE_STEP_ANGLES(layout_) + k] = float(state.pose.angles_rad[k]);
-  const std::vector<float> dual_quats = bone_dual_quats(posed);
-  std::copy(dual_quats.begin(), dual_quats.end(), out + LC_POSE_STEP_DUAL_QUATS(layout_));
-  for (size_t k = 0; k < soles_.size(); ++k) {
-    const Eigen::Vector3d p = posed.camera_from_rest[soles_[k].bone] * soles_[k].rest_mm;
-    for (int i = 0; i < 3; ++i) out[LC_POSE_STEP_SOLES(layout_) + 3 * k + i] = float(p[i]);
-  }
-  step_.write_later(step_host_);
   if (inputs_changed_) inputs_on_device_.write_later(inputs_.words());
   inputs_changed_ = false;
 }
@@ -193,7 +175,7 @@ void PoseSystem::launch_records() {
   const auto lane_items = [this](int n) { return ocl::lane_items(n, lanes_); };
   point_records_kernel_.launch(kKeypointCount + layout_.n_dofs + layout_.n_soles, 0, layout_, pinhole_,
                                float(options_.keypoint_2d_huber_px), float(std::sqrt(options_.weights.anatomic)),
-                               inputs_.places(), step_, inputs_on_device_, point_bones_, limits_, point_records_,
+                               inputs_.places(), step_, inputs_on_device_, links_, limits_, point_records_,
                                point_residuals_);
   if (n_matches() > 0)
     match_records_kernel_.launch(lane_items(n_matches()), 1, layout_, pinhole_, n_matches(),
@@ -233,22 +215,80 @@ void PoseSystem::launch_rows() {
                               step_, moves_, shading_records_, shading_residuals_, J_);
 }
 
-// On GPUs: rows, residuals and the parts of the normal equations, whose number is returned.
-size_t PoseSystem::launch_normal_equations(bool write_rows) {
+// On GPUs.
+void PoseSystem::launch_gauss_newton(size_t n_groups, const PoseStepsArg& steps) {
   struct Counts {
-    int32_t point_rows, matches, shaded, write_rows;
+    int32_t matches, shaded;
   };
-  const auto groups = [](int n_rows) { return round_up(n_rows, LC_POSE_GROUP_ROWS) / LC_POSE_GROUP_ROWS; };
-  const size_t n_groups = groups(n_point_rows_) + groups(n_contour()) + groups(2 * n_matches()) + groups(n_shaded());
-  normal_equations_kernel_.launch(
-      n_groups * LC_POSE_GROUP, LC_POSE_GROUP, layout_, pinhole_,
-      Counts{n_point_rows_, n_matches(), n_shaded(), write_rows}, contour_arg(), float(options_.keypoint_2d_huber_px),
-      float(options_.match_huber_px), float(options_.shading_huber), float(std::sqrt(options_.weights.anatomic)),
-      inputs_.places(), step_, moves_, inputs_on_device_, point_bones_, limits_, rest_, rest_normals_,
-      displacement_ ? *displacement_ : rest_, bones_, weights_, n_contour() > 0 ? frame_->signed_distance : rest_,
-      point_records_, contour_records_, match_records_, shading_records_, residuals_, J_, parts_,
-      ocl::LocalMemory{sizeof(float) * LC_POSE_GROUP_ROWS * layout_.n_columns});
-  return n_groups;
+  gauss_newton_kernel_.launch(
+      n_groups * LC_POSE_GROUP, LC_POSE_GROUP, layout_, pinhole_, Counts{n_matches(), n_shaded()}, contour_arg(),
+      float(options_.keypoint_2d_huber_px), float(options_.match_huber_px), float(options_.shading_huber),
+      float(std::sqrt(options_.weights.anatomic)), inputs_.places(), steps, inputs_on_device_, chain_, links_, moves_,
+      limits_, rest_, rest_normals_, displacement_ ? *displacement_ : rest_, bones_, weights_,
+      n_contour() > 0 ? frame_->signed_distance : rest_, step_, point_records_, contour_records_, match_records_,
+      shading_records_, J_, parts_, gram_, results_, groups_.state(),
+      ocl::LocalMemory{sizeof(float) * LC_POSE_GROUP_ROWS * layout_.n_columns},
+      ocl::LocalMemory{takes_steps_ ? sizeof(double) * LC_POSE_LOCAL(layout_) : sizeof(double)});
+}
+
+// Of the normal equations, on GPUs.
+size_t PoseSystem::n_parts() const {
+  const auto parts = [](int n_rows) { return round_up(n_rows, LC_POSE_GROUP_ROWS) / LC_POSE_GROUP_ROWS; };
+  return parts(n_point_rows_) + parts(n_contour()) + parts(2 * n_matches()) + parts(n_shaded());
+}
+
+// On GPUs: rows, residuals and parts at the step that was uploaded.
+void PoseSystem::launch_normal_equations(bool write_rows) {
+  PoseStepsArg none{};
+  none.most = -1;
+  none.write_rows = write_rows;
+  launch_gauss_newton(n_parts(), none);
+}
+
+std::optional<PoseSteps> PoseSystem::take_steps(const PoseState& start, int n_steps, double settled_px) {
+  if (!takes_steps_ || !groups_.work() || n_steps > LC_POSE_MOST_STEPS) return std::nullopt;
+  upload(start);
+  launch_gauss_newton(groups_.n(), {.most = n_steps,
+                                    .arrived = groups_.arrived(),
+                                    .write_rows = 0,
+                                    .settled_px = float(settled_px),
+                                    .damping_own = float(options_.damping_own),
+                                    .damping_largest = float(options_.damping_largest),
+                                    .max_step_rad = float(options_.max_step_rad),
+                                    .rank_threshold = float(kRankThreshold)});
+  read_results();
+  const auto told = [this](int place) { return std::bit_cast<int32_t>(results_host_[place]); };
+  if (groups_.gave_up("pose", told(LC_POSE_RESULT_GAVE_UP(layout_)) != 0)) return std::nullopt;
+  const int n_taken = told(LC_POSE_RESULT_TAKEN(layout_));
+  groups_.launched(2 * size_t(n_taken));
+  PoseSteps taken;
+  std::vector<double> state(LC_POSE_STATE_SIZE(layout_));
+  std::memcpy(state.data(), results_host_.data(), state.size() * sizeof(double));
+  taken.state = state_of(state);
+  const auto energy = results_host_.begin() + LC_POSE_RESULT_ENERGY(layout_);
+  taken.step_energy.assign(energy, energy + n_taken);
+  switch (told(LC_POSE_RESULT_STATUS(layout_))) {
+    case LC_POSE_SOLVED:
+      taken.residuals = residuals_read();
+      break;
+    case LC_POSE_RANK_DEFICIENT:
+      taken.status = SolveStatus::kRankDeficient;
+      break;
+    default:
+      taken.status = SolveStatus::kNotFinite;
+  }
+  return taken;
+}
+
+// Blocking.
+void PoseSystem::read_results() {
+  results_host_.resize(LC_POSE_RESULT_RESIDUALS(layout_) + n_rows() + n_contour());
+  results_.read(results_host_);
+}
+
+PoseResiduals PoseSystem::residuals_read() const {
+  const auto rows = results_host_.begin() + LC_POSE_RESULT_RESIDUALS(layout_);
+  return {{rows, rows + n_rows()}, {rows + n_rows(), rows + n_rows() + n_contour()}};
 }
 
 PoseNormalEquations PoseSystem::assemble(const PoseState& state) {
@@ -258,9 +298,9 @@ PoseNormalEquations PoseSystem::assemble(const PoseState& state) {
     launch_rows();
     gram_kernel_.launch(n_tiles_, 1, n_tiles_, n_rows(), layout_.n_columns, J_, gram_);
   } else {
-    const int n_parts = static_cast<int>(launch_normal_equations(false));
+    launch_normal_equations(false);
     const int n_entries = static_cast<int>(gram_.size());
-    sum_parts_kernel_.launch(gram_.size(), 64, n_entries, n_parts, parts_, gram_);
+    sum_parts_kernel_.launch(gram_.size(), 64, n_entries, static_cast<int>(n_parts()), parts_, gram_);
   }
   gram_.read(gram_host_);
 
@@ -282,17 +322,14 @@ PoseNormalEquations PoseSystem::assemble(const PoseState& state) {
 
 PoseResiduals PoseSystem::residuals(const PoseState& state) {
   upload(state);
+  if (!is_cpu_) {
+    launch_normal_equations(false);
+    read_results();
+    return residuals_read();
+  }
   PoseResiduals result;
   result.rows.resize(n_rows());
   result.distances_px.resize(n_contour());
-  if (!is_cpu_) {
-    launch_normal_equations(false);
-    result.rows.resize(n_rows() + n_contour());
-    residuals_.read(result.rows);
-    std::copy(result.rows.begin() + n_rows(), result.rows.end(), result.distances_px.begin());
-    result.rows.resize(n_rows());
-    return result;
-  }
   launch_records();
   contour_residuals_.read_later(std::span(result.rows).subspan(n_point_rows_, n_contour()));
   match_residuals_.read_later(std::span(result.rows).subspan(n_point_rows_ + n_contour(), 2 * n_matches()));

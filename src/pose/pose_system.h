@@ -1,8 +1,10 @@
 // The pose stage's residuals F and Jacobian J on the device, and their normal equations (paper, "Data Parallel GPU
-// Optimization", "Pose Estimation"): per step one small upload, the row kernels of kernels/pose, one blocking read.
+// Optimization", "Pose Estimation"): per step one small upload, the row kernels of kernels/pose, one blocking read; on
+// GPUs that can all steps of a solve for that much.
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -13,20 +15,17 @@
 #include "image/device_frame.h"
 #include "livecap/camera.h"
 #include "ocl/buffer.h"
+#include "ocl/groups_together.h"
 #include "ocl/kernel.h"
 #include "pose/floor.h"
 #include "pose/layout.h"
 #include "pose/pose_options.h"
+#include "pose/posed_step.h"
 #include "pose/row_inputs.h"
 #include "pose/targets.h"
+#include "solve/dense_solver.h"
 
 namespace livecap {
-
-// Unknowns in this order everywhere: [root rotation vector 3 | t 3 | joint angles n_dofs | t' 3].
-struct PoseState {
-  Pose pose;
-  Eigen::Vector3d t_prime_mm = Eigen::Vector3d::Zero();
-};
 
 struct PoseNormalEquations {
   Eigen::MatrixXd JtJ;  // [n_unknowns, n_unknowns]
@@ -39,6 +38,14 @@ struct PoseNormalEquations {
 struct PoseResiduals {
   std::vector<float> rows;          // [n_rows]
   std::vector<float> distances_px;  // [n_contour] signed; NaN for a vertex that is not inside the image
+};
+
+// Gauss-Newton steps from a state on.
+struct PoseSteps {
+  SolveStatus status = SolveStatus::kOk;
+  PoseState state;                  // where they ended, or the last one failed
+  std::vector<double> step_energy;  // F^T F before each
+  PoseResiduals residuals;          // at `state`; empty unless status is kOk
 };
 
 class PoseSystem {
@@ -58,13 +65,16 @@ class PoseSystem {
 
   PoseNormalEquations assemble(const PoseState& state);
   PoseResiduals residuals(const PoseState& state);
+  // n_steps, fewer where one moves no keypoint by settled_px (0: never), in one launch with one read. Nothing where the
+  // device cannot: then assemble, solve and ask for the residuals.
+  std::optional<PoseSteps> take_steps(const PoseState& start, int n_steps, double settled_px);
   // J as the device filled it, [n_rows, n_unknowns].
   Eigen::MatrixXf jacobian(const PoseState& state);
 
   int n_unknowns() const { return layout_.n_unknowns; }
   int n_rows() const { return n_point_rows_ + n_contour() + 2 * n_matches() + n_shaded(); }
   int n_point_rows() const { return n_point_rows_; }
-  const std::vector<SolePoint>& soles() const { return soles_; }
+  const std::vector<SolePoint>& soles() const { return points_.soles; }
   int n_contour() const { return inputs_.n_contour(); }
   int n_matches() const { return inputs_.n_matches(); }
   int n_shaded() const { return inputs_.n_shaded(); }
@@ -75,12 +85,14 @@ class PoseSystem {
   void upload(const PoseState& state);
   void launch_records();
   void launch_rows();
-  size_t launch_normal_equations(bool write_rows);
+  void launch_gauss_newton(size_t n_groups, const PoseStepsArg& steps);
+  size_t n_parts() const;
+  void launch_normal_equations(bool write_rows);
+  void read_results();
+  PoseResiduals residuals_read() const;
   PoseContour contour_arg() const;
 
-  Skeleton skeleton_;
-  std::array<KeypointAnchor, kKeypointCount> keypoints_;
-  std::vector<SolePoint> soles_;
+  PosePoints points_;
   PoseOptions options_;
   int width_ = 0;
   int height_ = 0;
@@ -97,10 +109,14 @@ class PoseSystem {
   bool inputs_changed_ = true;  // since they were uploaded
   std::vector<float> step_host_;
   std::vector<float> gram_host_;
+  std::vector<float> results_host_;
+  bool takes_steps_ = false;  // whether the device has what chain and solve there need
+  ocl::GroupsTogether groups_;
 
-  ocl::Buffer<float> step_;
+  ocl::Buffer<float> step_;  // GPUs: of each work-group
   ocl::Buffer<float> inputs_on_device_;
-  ocl::Buffer<int32_t> point_bones_;  // of keypoints, then of the soles
+  ocl::Buffer<double> chain_;
+  ocl::Buffer<int32_t> links_;
   ocl::Buffer<float> limits_;
   ocl::Buffer<float> moves_;
   ocl::Buffer<float> rest_;          // [3*n_vertices]
@@ -118,8 +134,8 @@ class PoseSystem {
   ocl::Buffer<float> shading_residuals_;
   ocl::Buffer<float> J_;
   ocl::Buffer<float> gram_;
-  ocl::Buffer<float> parts_;      // of gram_, GPUs
-  ocl::Buffer<float> residuals_;  // of all rows, then distances_px, GPUs
+  ocl::Buffer<float> parts_;    // of gram_, GPUs
+  ocl::Buffer<float> results_;  // GPUs
   ocl::Kernel point_records_kernel_;
   ocl::Kernel contour_records_kernel_;
   ocl::Kernel match_records_kernel_;
@@ -127,7 +143,7 @@ class PoseSystem {
   ocl::Kernel fill_points_kernel_;
   ocl::Kernel fill_skinned_kernel_;
   ocl::Kernel gram_kernel_;
-  ocl::Kernel normal_equations_kernel_;  // GPUs, with sum_parts_kernel_
+  ocl::Kernel gauss_newton_kernel_;  // GPUs, with sum_parts_kernel_
   ocl::Kernel sum_parts_kernel_;
 };
 

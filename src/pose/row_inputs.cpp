@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "base/text.h"
 #include "livecap/error.h"
@@ -34,7 +35,8 @@ std::vector<Weighted> thinned(std::span<const Weighted> all, int most) {
 
 PoseRowInputs::PoseRowInputs(const PoseLayout& layout, const PoseOptions& options, int n_vertices)
     : layout_(layout), options_(options), n_vertices_(n_vertices) {
-  places_.ground = LC_POSE_TARGET * kKeypointCount;
+  places_.targets = 2 * LC_POSE_STATE_SIZE(layout);
+  places_.ground = places_.targets + LC_POSE_TARGET * kKeypointCount;
   places_.contour_vertices = places_.ground + LC_POSE_GROUND_STANDS + layout.n_soles;
   words_.assign(places_.contour_vertices, 0.0f);
 }
@@ -118,6 +120,10 @@ void PoseRowInputs::set_floor(const Floor* floor, std::span<const double> stands
                         float(options_.floor_huber_mm)};
   std::copy(std::begin(head), std::end(head), ground);
   std::copy(stands.begin(), stands.end(), ground + LC_POSE_GROUND_STANDS);
+}
+
+void PoseRowInputs::set_start(std::span<const double> state) {
+  std::memcpy(words_.data(), state.data(), state.size_bytes());
 }
 
 }  // namespace livecap

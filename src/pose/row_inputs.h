@@ -26,6 +26,9 @@ class PoseRowInputs {
   // stands: [n_soles]. floor nullptr: none is known, as before the first call. Throws LogicError for a wrong count.
   void set_floor(const Floor* floor, std::span<const double> stands);
 
+  // The state that the device starts from, [LC_POSE_STATE_SIZE].
+  void set_start(std::span<const double> state);
+
   int n_contour() const { return n_contour_; }
   int n_matches() const { return n_matches_; }
   int n_shaded() const { return n_shaded_; }

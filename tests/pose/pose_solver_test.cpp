@@ -8,9 +8,9 @@
 
 #include "livecap/error.h"
 #include "solve/term_table.h"
+#include "support/gpu_bodies.h"
 #include "support/pose_reference.h"
 #include "support/pose_scene.h"
-#include "support/test_device.h"
 #include "support/tolerances.h"
 
 namespace livecap {
@@ -23,7 +23,7 @@ using test::keypoint_distance_mm;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(PoseSolver, RecoversRandomPosesFromTheirDetectionsAlone) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_gpu_body([](ocl::DeviceContext& device) {
     for (double arms_down : {0.0, 0.7}) {
       const Actor actor = test::make_test_actor(arms_down);
       const Camera camera = test::portrait_camera();
@@ -49,7 +49,7 @@ TEST(PoseSolver, RecoversRandomPosesFromTheirDetectionsAlone) {
 // The network's own scale and lengths: re-boning restores the actor's. Clavicles at rest, whose angles change the
 // distance between neck and shoulder.
 TEST(PoseSolver, RecoversPosesFromScaledDetections) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_gpu_body([](ocl::DeviceContext& device) {
     const Actor actor = test::make_test_actor(0.7);
     const Camera camera = test::portrait_camera();
     PoseOptions options;
@@ -70,7 +70,7 @@ TEST(PoseSolver, RecoversPosesFromScaledDetections) {
 }
 
 TEST(PoseSolver, SixStepsFollowATrackedFrame) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_gpu_body([](ocl::DeviceContext& device) {
     const Actor actor = test::make_test_actor(0.7);
     const Camera camera = test::portrait_camera();
     PoseOptions options;
@@ -117,7 +117,7 @@ class ReferenceCost : public ceres::CostFunction {
 };
 
 TEST(PoseSolver, EnergyIsNotWorseThanCeres) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_gpu_body([](ocl::DeviceContext& device) {
     const Actor actor = test::make_test_actor(0.7);
     const Camera camera = test::portrait_camera();
     PoseOptions options;
@@ -177,7 +177,7 @@ TEST(PoseSolver, EnergyIsNotWorseThanCeres) {
 
 // Without detections the silhouette alone moves the body, against E_temporal.
 TEST(PoseSolver, SilhouettePullsTheBodyToTheContour) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_gpu_body([](ocl::DeviceContext& device) {
     const Actor actor = test::make_test_actor(0.7);
     const Camera camera = test::portrait_camera();
     PoseOptions quadratic;
@@ -211,7 +211,7 @@ TEST(PoseSolver, SilhouettePullsTheBodyToTheContour) {
 }
 
 TEST(PoseSolver, EndsWhenAStepMovesLittleInThePicture) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_gpu_body([](ocl::DeviceContext& device) {
     const Actor actor = test::make_test_actor(0.7);
     const Camera camera = test::portrait_camera();
     PoseOptions options;
@@ -251,7 +251,7 @@ TEST(PoseSolver, EndsWhenAStepMovesLittleInThePicture) {
 }
 
 TEST(PoseSolver, RepeatsBitForBit) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_gpu_body([](ocl::DeviceContext& device) {
     const Actor actor = test::make_test_actor(0.7);
     const Camera camera = test::portrait_camera();
     std::mt19937 rng(9);
@@ -280,7 +280,7 @@ TEST(PoseSolver, RepeatsBitForBit) {
 }
 
 TEST(PoseSolver, NothingToSeeReturnsThePrediction) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_gpu_body([](ocl::DeviceContext& device) {
     const Actor actor = test::make_test_actor();
     const Camera camera = test::portrait_camera();
     PoseSolver solver(device, actor, camera, {});
@@ -300,7 +300,7 @@ TEST(PoseSolver, NothingToSeeReturnsThePrediction) {
 }
 
 TEST(PoseSolver, AnEmptyContourOrOneKeypointIsEnough) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_gpu_body([](ocl::DeviceContext& device) {
     const Actor actor = test::make_test_actor();
     const Camera camera = test::portrait_camera();
     PoseSolver solver(device, actor, camera, {});
@@ -327,7 +327,7 @@ TEST(PoseSolver, AnEmptyContourOrOneKeypointIsEnough) {
 }
 
 TEST(PoseSolver, NanGivesThePredictionAndAStatus) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_gpu_body([](ocl::DeviceContext& device) {
     const Actor actor = test::make_test_actor();
     const Camera camera = test::portrait_camera();
     PoseSolver solver(device, actor, camera, {});
@@ -363,7 +363,7 @@ TEST(PoseSolver, DefaultWeightsAreTheTermTables) {
 
 // --without TERM: weight 0 by name removes exactly that energy.
 TEST(PoseSolver, EveryTermCanBeSwitchedOffByName) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_gpu_body([](ocl::DeviceContext& device) {
     const Actor actor = test::make_test_actor(0.7);
     const Camera camera = test::portrait_camera();
     std::mt19937 rng(10);
@@ -407,9 +407,9 @@ TEST(PoseSolver, EveryTermCanBeSwitchedOffByName) {
 }
 
 TEST(PoseSolver, SelfTestPassesOnEveryDevice) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_gpu_body([](ocl::DeviceContext& device) {
     const auto results = pose_self_test(device);
-    EXPECT_EQ(results.size(), 7u);
+    EXPECT_EQ(results.size(), device.is_cpu() || !device.info().has_double ? 7u : 8u);
     for (const auto& result : results) EXPECT_TRUE(result.ok) << result.kernel << ": " << result.detail;
   });
 }

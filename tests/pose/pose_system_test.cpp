@@ -7,9 +7,9 @@
 
 #include "actor/skinner.h"
 #include "livecap/error.h"
+#include "support/gpu_bodies.h"
 #include "support/pose_reference.h"
 #include "support/pose_scene.h"
-#include "support/test_device.h"
 #include "support/tolerances.h"
 
 namespace livecap {
@@ -59,23 +59,10 @@ struct Scene {
   }
 };
 
-// Every device with its own kernel bodies and, since they must give the same anywhere, with those for GPUs.
-template <typename Check>
-void on_every_device_and_body(Check&& check) {
-  test::on_every_device([&](ocl::DeviceContext& device) {
-    check(device);
-    if (!device.is_cpu()) return;
-    ocl::DeviceInfo info = device.info();
-    info.is_cpu = false;
-    ocl::DeviceContext as_gpu(info);
-    check(as_gpu);
-  });
-}
-
 // Runs check(system, reference) with and without a displacement.
 template <typename Check>
 void with_system(Check&& check) {
-  on_every_device_and_body([&](ocl::DeviceContext& device) {
+  test::on_every_device_and_gpu_body([&](ocl::DeviceContext& device) {
     Scene scene;
     for (bool displaced : {true, false}) {
       if (!displaced) scene.displacement.clear();
@@ -168,7 +155,7 @@ TEST(PoseSystem, RepeatsBitForBit) {
 }
 
 TEST(PoseSystem, ContourCountsAroundTheVectorWidth) {
-  on_every_device_and_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_gpu_body([](ocl::DeviceContext& device) {
     Scene scene;
     scene.displacement.clear();
     PoseSystem system(device, scene.actor, scene.camera, scene.options);
@@ -189,7 +176,7 @@ TEST(PoseSystem, ContourCountsAroundTheVectorWidth) {
 
 // Behind contour and matches, in counts around the vector width: L = 0.5 + n_x + 2 n_y, exact by hand.
 TEST(PoseSystem, ShadedVerticesFollowTheirNormals) {
-  on_every_device_and_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_gpu_body([](ocl::DeviceContext& device) {
     Scene scene;
     scene.displacement.clear();
     scene.options.shading_huber = scene.options.match_huber_px = 0;
@@ -324,7 +311,7 @@ TEST(PoseSystem, WrongInputsAreRefused) {
 
 // More matches than rows: the heavy ones stay, and the total weight with them.
 TEST(PoseSystem, MatchesAreThinnedToTheirTotalWeight) {
-  on_every_device_and_body([](ocl::DeviceContext& device) {
+  test::on_every_device_and_gpu_body([](ocl::DeviceContext& device) {
     Scene scene;
     scene.options.max_matches = 40;
     scene.options.match_huber_px = 0;

@@ -159,14 +159,15 @@ void PoseSystem::set_floor(const Floor* floor, std::span<const double> stands) {
 }
 
 void PoseSystem::upload(const PoseState& state) {
+  size_t n_start = 0;
   if (takes_steps_) {
     inputs_.set_start(state_values(state));
-    inputs_changed_ = true;
+    n_start = 2 * LC_POSE_STATE_SIZE(layout_);
   } else {
     write_step(layout_, points_, state, step_host_);
     step_.write_later(step_host_);
   }
-  if (inputs_changed_) inputs_on_device_.write_later(inputs_.words());
+  inputs_on_device_.write_later(inputs_changed_ ? inputs_.words() : inputs_.words().first(n_start));
   inputs_changed_ = false;
 }
 

@@ -1,8 +1,15 @@
 // Gauss-Newton steps on GPUs. A work-group makes LC_POSE_GROUP_ROWS rows of J at a time in local memory and their part
-// of [J | F]^T [J | F]; the parts are added in order. With double precision all steps of a solve are one launch: groups
-// wait for each other before the parts are added and before the step is solved for, which each does for itself, as it
-// does with the kinematic chain. Without, or where groups do not wait, the host launches each step.
+// of [J | F]^T [J | F]; the parts are added in order. All steps of a solve are one launch: groups wait for each other
+// before the parts are added and before the step is solved for, which each does for itself, as it does with the
+// kinematic chain. Where groups do not wait the host launches each step; without double precision
+// (LC_POSE_TAKES_STEPS 0) it does the chain, too.
+//
+// Barriers are in no branch and the loop is left at two places only: PoCL compiles what follows a branch with a barrier
+// once for every way there.
 #if !LC_CPU
+#if !defined(LC_POSE_TAKES_STEPS) && defined(cl_khr_fp64)
+#define LC_POSE_TAKES_STEPS 1
+#endif
 #include "shared/lanes.h"
 //
 #include "pose/chain.h"

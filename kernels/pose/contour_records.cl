@@ -68,15 +68,15 @@ static inline void contour_records(int first, PoseLayout layout, float4 camera, 
 
 #if LC_CPU
 // Over slices of the contour vertices.
-kernel void pose_contour_records(PoseLayout layout, float4 camera, PoseContour contour,
-                                 global const float* restrict step, global const int* restrict vertices,
+kernel void pose_contour_records(PoseLayout layout, float4 camera, PoseContour contour, PoseInputs at,
+                                 global const float* restrict step, global const float* restrict inputs,
                                  global const float* restrict rest, global const float* restrict rest_normals,
                                  global const float* restrict displacement, global const int* restrict bones,
                                  global const float* restrict weights, global const float* restrict distance,
                                  global float* restrict records, global float* restrict residuals,
                                  global float* restrict distances_px) {
   if (FIRST_ROW >= contour.n) return;
-  contour_records(FIRST_ROW, layout, camera, contour, step, vertices, rest, rest_normals, displacement, bones, weights,
-                  distance, records, residuals, distances_px);
+  contour_records(FIRST_ROW, layout, camera, contour, step, (global const int*)(inputs + at.contour_vertices), rest,
+                  rest_normals, displacement, bones, weights, distance, records, residuals, distances_px);
 }
 #endif

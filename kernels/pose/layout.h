@@ -26,6 +26,9 @@
 #define LC_POSE_RECORD_EXTRA_COLUMN 25
 #define LC_POSE_RECORD_EXTRA 26
 
+// One match: u, v (px), root a, b, c of the distance's weight.
+#define LC_POSE_MATCH 5
+
 // One vertex of skin: light 9, brightness, root of the weight.
 #define LC_POSE_SHADED 11
 
@@ -33,7 +36,7 @@
 #define LC_POSE_FILL_COLUMNS(is_cpu) ((is_cpu) ? 16 : 8)
 #define LC_POSE_FILL_ROWS 16
 
-// Of normal_equations.cl: rows of a work-group and its work-items.
+// Of gauss_newton.cl: rows of a work-group and its work-items.
 #define LC_POSE_GROUP_ROWS 32
 #define LC_POSE_GROUP 256
 
@@ -60,9 +63,71 @@ typedef struct {
 #define LC_POSE_STEP_SOLES(layout) (LC_POSE_STEP_DUAL_QUATS(layout) + 8 * (layout).n_bones)
 #define LC_POSE_STEP_SIZE(layout) (LC_POSE_STEP_SOLES(layout) + 3 * (layout).n_soles)
 
+// What the rows of a frame are made of, one upload: first the state that gauss_newton.cl starts from, then, where this
+// says, in words, each thing. Vertices are template vertex indices, int.
+typedef struct {
+  int targets;           // [LC_POSE_TARGET*LC_POSE_KEYPOINTS]
+  int ground;            // [LC_POSE_GROUND_STANDS + n_soles]
+  int contour_vertices;  // [n]
+  int match_vertices;    // [n]
+  int match_targets;     // [LC_POSE_MATCH*n]
+  int shaded_vertices;   // [n]
+  int shaded_targets;    // [LC_POSE_SHADED*n]
+} PoseInputs;
+
 // The ground: normal xyz, offset (mm), root of the weight (0: none is known), Huber threshold (mm; 0 = quadratic
 // everywhere); then for each point of the soles how sure it is to rest there.
 #define LC_POSE_GROUND_STANDS 6
+
+// For gauss_newton.cl. The state, in doubles: quaternion x, y, z, w of the root's rotation; t; joint angles; t'.
+#define LC_POSE_STATE_ROOT 4
+#define LC_POSE_STATE_ANGLES 7
+#define LC_POSE_STATE_T_PRIME(layout) (LC_POSE_STATE_ANGLES + (layout).n_dofs)
+#define LC_POSE_STATE_SIZE(layout) ((layout).n_dofs + 10)
+
+// The kinematic chain, in doubles. A bone: its origin in the parent's frame (0 for the root); quaternion x, y, z, w and
+// translation of bone_from_rest. Then the joints' axes in their bones' frames; keypoints and points of the soles in
+// theirs.
+#define LC_POSE_CHAIN_BONE 10
+#define LC_POSE_CHAIN_AXES(layout) (LC_POSE_CHAIN_BONE * (layout).n_bones)
+#define LC_POSE_CHAIN_POINTS(layout) (LC_POSE_CHAIN_AXES(layout) + 3 * (layout).n_dofs)
+#define LC_POSE_CHAIN_SIZE(layout) (LC_POSE_CHAIN_POINTS(layout) + 3 * (LC_POSE_KEYPOINTS + (layout).n_soles))
+// How it hangs together: each bone's parent (-1 of the root), each joint's bone, each keypoint's (-1: it has no anchor)
+// and sole point's.
+#define LC_POSE_LINKS_DOFS(layout) ((layout).n_bones)
+#define LC_POSE_LINKS_POINTS(layout) (LC_POSE_LINKS_DOFS(layout) + (layout).n_dofs)
+
+// Local memory of gauss_newton.cl, in doubles: state, posed chain, damped system.
+#define LC_POSE_CHAIN_LOCAL(layout) (11 * (layout).n_bones + 4 * (layout).n_dofs + 4 * LC_POSE_KEYPOINTS)
+#define LC_POSE_SOLVE_LOCAL(layout) (((layout).n_unknowns + 3) * (layout).n_unknowns)
+#define LC_POSE_LOCAL(layout) (LC_POSE_STATE_SIZE(layout) + LC_POSE_CHAIN_LOCAL(layout) + LC_POSE_SOLVE_LOCAL(layout))
+
+// Entries of [J | F]^T [J | F] in gram.cl's tiles.
+#define LC_POSE_GRAM_SIZE(layout) ((layout).n_columns * ((layout).n_columns + 8) / 2)
+
+typedef struct {
+  int most;           // steps; -1: none, the normal equations of the step that was uploaded
+  int arrived;        // see all_arrived.h
+  int write_rows;     // whether J is written as well
+  float settled_px;   // no further step after one that moves no keypoint so far
+  float damping_own;  // see PoseOptions
+  float damping_largest;
+  float max_step_rad;
+  float rank_threshold;  // pivots below this share of the largest count as zero
+} PoseStepsArg;
+
+#define LC_POSE_SOLVED 0
+#define LC_POSE_RANK_DEFICIENT 1
+#define LC_POSE_NOT_FINITE 2
+// What it says, in words: the state where the steps ended (doubles); how many were begun; LC_POSE_SOLVED or why the
+// last one failed; whether a wait was given up (never reset); F^T F before each; the residuals of all rows, then the
+// contour's distances_px.
+#define LC_POSE_MOST_STEPS 32
+#define LC_POSE_RESULT_TAKEN(layout) (2 * LC_POSE_STATE_SIZE(layout))
+#define LC_POSE_RESULT_STATUS(layout) (LC_POSE_RESULT_TAKEN(layout) + 1)
+#define LC_POSE_RESULT_GAVE_UP(layout) (LC_POSE_RESULT_TAKEN(layout) + 2)
+#define LC_POSE_RESULT_ENERGY(layout) (LC_POSE_RESULT_TAKEN(layout) + 3)
+#define LC_POSE_RESULT_RESIDUALS(layout) (LC_POSE_RESULT_ENERGY(layout) + LC_POSE_MOST_STEPS)
 
 // The contour term's constants.
 typedef struct {

@@ -6,8 +6,8 @@
 #include "pose/skinned_row.h"
 #include "terms/match.cl"
 
-// The lanes from match `first` on. camera: fx, fy, cx, cy. step: layout.h. vertices [n]. targets [5*n] u, v (px), root
-// a, b, c of the distance's weight. rest [3*n_vertices] mm, bones, weights [4*n_vertices]. records, residuals (pairs):
+// The lanes from match `first` on. camera: fx, fy, cx, cy. step: layout.h. vertices [n]. targets [LC_POSE_MATCH*n].
+// rest [3*n_vertices] mm, bones, weights [4*n_vertices]. records, residuals (pairs):
 // the first match row's, both with room for whole slices.
 static inline void match_records(int first, PoseLayout layout, float4 camera, int n, float huber_px,
                                  global const float* restrict step, global const int* restrict vertices,
@@ -16,7 +16,7 @@ static inline void match_records(int first, PoseLayout layout, float4 camera, in
                                  global float* restrict records, global float* restrict residuals) {
   const Pinhole cam = {camera.x, camera.y, camera.z, camera.w};
   const LaneInt vertex = lane_vertices(vertices, first, n);
-  const LaneInt target = 5 * min(first + LANE_IDS, (LaneInt)(n - 1));
+  const LaneInt target = LC_POSE_MATCH * min(first + LANE_IDS, (LaneInt)(n - 1));
   const SkinnedVertex s =
       skinned_vertex(vertex, gather_vec3(rest, vertex), step + LC_POSE_STEP_DUAL_QUATS(layout), bones, weights);
   global const float* root = step + LC_POSE_STEP_ROOT(layout);
@@ -42,13 +42,13 @@ static inline void match_records(int first, PoseLayout layout, float4 camera, in
 
 #if LC_CPU
 // Over slices of the matches.
-kernel void pose_match_records(PoseLayout layout, float4 camera, int n, float huber_px,
-                               global const float* restrict step, global const int* restrict vertices,
-                               global const float* restrict targets, global const float* restrict rest,
-                               global const int* restrict bones, global const float* restrict weights,
-                               global float* restrict records, global float* restrict residuals) {
+kernel void pose_match_records(PoseLayout layout, float4 camera, int n, float huber_px, PoseInputs at,
+                               global const float* restrict step, global const float* restrict inputs,
+                               global const float* restrict rest, global const int* restrict bones,
+                               global const float* restrict weights, global float* restrict records,
+                               global float* restrict residuals) {
   if (FIRST_ROW >= n) return;
-  match_records(FIRST_ROW, layout, camera, n, huber_px, step, vertices, targets, rest, bones, weights, records,
-                residuals);
+  match_records(FIRST_ROW, layout, camera, n, huber_px, step, (global const int*)(inputs + at.match_vertices),
+                inputs + at.match_targets, rest, bones, weights, records, residuals);
 }
 #endif

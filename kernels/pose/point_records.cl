@@ -26,8 +26,8 @@ LC_FN Vec3 load_vec3(global const float* p) {
 }
 
 // i < LC_POSE_KEYPOINTS: the 8 rows of keypoint i; from there on a joint angle each, then a point of the soles each.
-// step, targets, ground: see layout.h. bones [LC_POSE_KEYPOINTS + n_soles], any valid bone for a keypoint without
-// anchor. limits [2*n_dofs] min, max. Out: records [LC_POSE_RECORD * rows], residuals [rows].
+// step, targets, ground: see layout.h. bones [LC_POSE_KEYPOINTS + n_soles], -1 for a keypoint without anchor, which has
+// no rows. limits [2*n_dofs] min, max. Out: records [LC_POSE_RECORD * rows], residuals [rows].
 static inline void point_records(int i, PoseLayout layout, Pinhole cam, float huber_px,
                                  global const float* restrict step, global const float* restrict targets,
                                  global const int* restrict bones, global const float* restrict limits,
@@ -60,7 +60,7 @@ static inline void point_records(int i, PoseLayout layout, Pinhole cam, float hu
   global float* record = records + first * LC_POSE_RECORD;
   global float* residual = residuals + first;
   global const float* target = targets + i * LC_POSE_TARGET;
-  const int bone = bones[i];
+  const int bone = max(bones[i], 0);
   const Vec3 p = load_vec3(step + LC_POSE_STEP_KEYPOINTS(layout) + 3 * i);
   const Vec3 p_camera = add3(p, load_vec3(step + LC_POSE_STEP_ROOT(layout)));
   for (int j = 0; j < LC_POSE_ROWS_PER_KEYPOINT; ++j)
@@ -94,12 +94,13 @@ static inline void point_records(int i, PoseLayout layout, Pinhole cam, float hu
 
 #if LC_CPU
 // Over the keypoints, joint angles and points of the soles.
-kernel void pose_point_records(PoseLayout layout, Pinhole cam, float huber_px, global const float* restrict step,
-                               global const float* restrict targets, global const int* restrict bones,
-                               global const float* restrict limits, global const float* restrict ground,
-                               float sqrt_anatomic, global float* restrict records, global float* restrict residuals) {
+kernel void pose_point_records(PoseLayout layout, Pinhole cam, float huber_px, float sqrt_anatomic, PoseInputs at,
+                               global const float* restrict step, global const float* restrict inputs,
+                               global const int* restrict links, global const float* restrict limits,
+                               global float* restrict records, global float* restrict residuals) {
   const int i = get_global_id(0);
   if (i >= LC_POSE_KEYPOINTS + layout.n_dofs + layout.n_soles) return;
-  point_records(i, layout, cam, huber_px, step, targets, bones, limits, ground, sqrt_anatomic, records, residuals);
+  point_records(i, layout, cam, huber_px, step, inputs + at.targets, links + LC_POSE_LINKS_POINTS(layout), limits,
+                inputs + at.ground, sqrt_anatomic, records, residuals);
 }
 #endif

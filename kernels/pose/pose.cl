@@ -1,5 +1,5 @@
 // All kernels of the pose stage as one program, but those that work on slices of vertices (skinned_records.cl) and
-// those for GPUs (normal_equations.cl).
+// those for GPUs (gauss_newton.cl).
 #include "pose/point_records.cl"
 //
 #include "pose/fill_rows.cl"

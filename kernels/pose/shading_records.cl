@@ -32,13 +32,13 @@ static inline void shading_records(int first, PoseLayout layout, int n, float hu
 
 #if LC_CPU
 // Over slices of the shaded vertices.
-kernel void pose_shading_records(PoseLayout layout, int n, float huber, global const float* restrict step,
-                                 global const int* restrict vertices, global const float* restrict targets,
+kernel void pose_shading_records(PoseLayout layout, int n, float huber, PoseInputs at,
+                                 global const float* restrict step, global const float* restrict inputs,
                                  global const float* restrict rest_normals, global const int* restrict bones,
                                  global const float* restrict weights, global float* restrict records,
                                  global float* restrict residuals) {
   if (FIRST_ROW >= n) return;
-  shading_records(FIRST_ROW, layout, n, huber, step, vertices, targets, rest_normals, bones, weights, records,
-                  residuals);
+  shading_records(FIRST_ROW, layout, n, huber, step, (global const int*)(inputs + at.shaded_vertices),
+                  inputs + at.shaded_targets, rest_normals, bones, weights, records, residuals);
 }
 #endif

@@ -9,12 +9,11 @@
 // Vertices further outside than this (px) are not projected: their pixels could not be told apart.
 #define LC_MAX_PIXEL 1e6f
 
-// projected: [4*n] u, v, 1/z, z; 1/z = 0 for a vertex that is too near, behind or not finite. Over the vertices, LANES
-// each.
-kernel void project_vertices(int n, float4 camera, global const float* restrict positions,  // [3*n] mm, camera frame
-                             global float* restrict projected) {
-  const int first = FIRST_ROW;
-  if (first >= n) return;
+// projected: [4*n] u, v, 1/z, z; 1/z = 0 for a vertex that is too near, behind or not finite. The lanes from vertex
+// `first` < n on.
+static inline void project_lanes(int first, int n, float4 camera,
+                                 global const float* restrict positions,  // [3*n] mm, camera frame
+                                 global float* restrict projected) {
   const Vec3 p = gather_vec3(positions, lane_rows(first, n));
   const Pinhole pinhole = {camera.x, camera.y, camera.z, camera.w};
   const Vec2 uv = project_point(p, pinhole).uv;
@@ -25,6 +24,12 @@ kernel void project_vertices(int n, float4 camera, global const float* restrict 
 }
 
 #if LC_CPU
+
+// Over the vertices, LANES each.
+kernel void project_vertices(int n, float4 camera, global const float* restrict positions,
+                             global float* restrict projected) {
+  if (FIRST_ROW < n) project_lanes(FIRST_ROW, n, camera, positions, projected);
+}
 
 // Empties pixels first..last and some of begin..end - 1 beside them, sixteen at a time that share a cache line.
 static inline void clear_pixels(int first, int last, int begin, int end, global float* restrict depth,
@@ -116,12 +121,15 @@ kernel void raster_bands(int n_triangles, int width, int height, int n_bands, in
 
 #else
 
-// Positive floats order like their bits, so a minimum over uint is a minimum over depth.
-kernel void raster_clear(int n_pixels, global uint* restrict depth, global uint* restrict ids) {
-  const int p = get_global_id(0);
-  if (p >= n_pixels) return;
-  depth[p] = as_uint(INFINITY);
-  ids[p] = 0xffffffffu;
+// Projects the vertices and clears the picture, over whichever are more. Positive floats order like their bits, so a
+// minimum over uint is a minimum over depth.
+kernel void raster_begin(int n_vertices, int n_pixels, float4 camera, global const float* restrict positions,
+                         global float* restrict projected, global uint* restrict depth, global uint* restrict ids) {
+  const int i = get_global_id(0);
+  if (i < n_vertices) project_lanes(i, n_vertices, camera, positions, projected);
+  if (i >= n_pixels) return;
+  depth[i] = as_uint(INFINITY);
+  ids[i] = 0xffffffffu;
 }
 
 // LC_RASTER_SHARE work-items per triangle, every so many rows each.

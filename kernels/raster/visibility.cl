@@ -52,24 +52,23 @@ kernel void visible_vertices(int n, int width, int height, float tolerance_mm,
   store_rows(seen, visible, first, n);
 }
 
-#if !LC_CPU
-
-// facing[t]: 1 towards the camera, -1 away, 0 edge-on or not projected. On CPUs the rasteriser says so.
-kernel void triangle_facing(int n_triangles, global const float* restrict projected,
-                            global const int* restrict triangles, global int* restrict facing) {
-  const int t = get_global_id(0);
-  if (t >= n_triangles) return;
-  const int3 index = vload3(t, triangles);
+// 1 towards the camera, -1 away, 0 edge-on or not projected. faces: of the kernel below.
+static inline LaneInt face_side(LaneInt triangle, global const float* restrict projected,
+                                global const int* restrict faces) {
+#if LC_CPU
+  (void)projected;
+  return gather_int(faces, triangle);
+#else
+  const int3 index = vload3(triangle, faces);
   const float4 a = vload4(index.x, projected);
   const float4 b = vload4(index.y, projected);
   const float4 c = vload4(index.z, projected);
   // Counter-clockwise seen from outside is negative in an image whose y points down.
   const float area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
   const int projects = a.z > 0.0f && b.z > 0.0f && c.z > 0.0f;
-  facing[t] = !projects ? 0 : area < 0.0f ? 1 : area > 0.0f ? -1 : 0;
-}
-
+  return !projects ? 0 : area < 0.0f ? 1 : area > 0.0f ? -1 : 0;
 #endif
+}
 
 // The disc of radius_px around pixel (x, y) leaves the rendered mask inside the image, and what is rendered there does
 // not hide the depth z.
@@ -101,8 +100,8 @@ kernel void contour_vertices(int n, int width, int height, int radius_px, float 
                              global const int* restrict fan_offsets,    // [n+1]
                              global const int* restrict fan_triangles,  // [fan_offsets[n]]
                              global const int* restrict on_open_edge,   // [n]
-                             global const int* restrict facing,         // [n_triangles]
-                             global const float* restrict depth,        // [w*h] mm
+                             global const int* restrict faces,    // sides [n_triangles]; GPUs: corners [3*n_triangles]
+                             global const float* restrict depth,  // [w*h] mm
                              global int* restrict contour) {
   const int first = FIRST_ROW;
   if (first >= n) return;
@@ -114,7 +113,7 @@ kernel void contour_vertices(int n, int width, int height, int radius_px, float 
     LaneInt front = 0, back = 0;
     for (LaneInt k = begin; ANY_LANE(k < end); k += 1) {
       const LaneInt is_one = k < end;
-      const LaneInt side = gather_int(facing, gather_int(fan_triangles, is_one ? k : none));
+      const LaneInt side = face_side(gather_int(fan_triangles, is_one ? k : none), projected, faces);
       front |= is_one && side > 0;
       back |= is_one && side < 0;
     }

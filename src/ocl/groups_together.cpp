@@ -18,8 +18,8 @@ void GroupsTogether::read_later() {
   if (work_) state_.read_later(state_read_);
 }
 
-bool GroupsTogether::gave_up(const std::string& what) {
-  if (!work_ || state_read_[1] == 0) return false;
+bool GroupsTogether::gave_up(const std::string& what, bool told) {
+  if (!work_ || !told) return false;
   log_info(what + ": " + device_ +
            " has no fence between work-groups, or was too busy for them to meet; each step is launched by itself");
   work_ = false;

@@ -29,7 +29,9 @@ class GroupsTogether {
   void read_later();
   // True, and a line in the log, once when a wait was given up: what was launched is to be done again. `what` for that
   // line.
-  bool gave_up(const std::string& what);
+  bool gave_up(const std::string& what) { return gave_up(what, state_read_[1] != 0); }
+  // The same for a kernel that tells it in what is read anyway.
+  bool gave_up(const std::string& what, bool told);
 
  private:
   std::string device_;

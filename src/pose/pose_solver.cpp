@@ -52,6 +52,12 @@ bool has_observation(const KeypointTargets& targets) {
 
 }  // namespace
 
+DenseSolution damped_step(const PoseNormalEquations& equations, const PoseOptions& options) {
+  DenseSolution solution = solve_normal_equations(equations.JtJ, equations.JtF, damping_of(equations.JtJ, options));
+  limit_turn(solution.delta, options.max_step_rad);
+  return solution;
+}
+
 PoseSolver::PoseSolver(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const PoseOptions& options)
     : actor_(actor), camera_(camera), options_(options), system_(device, actor, camera, options) {}
 
@@ -70,41 +76,52 @@ PoseResult PoseSolver::solve(const PoseInput& input) {
     return result;
   }
 
-  const auto keypoints = [&](const Pose& pose) {
-    return keypoint_positions(actor_, forward_kinematics(actor_.skeleton, pose));
-  };
   const KeypointPositions initial = keypoints(input.initial);
-  PoseState state{input.initial, best_t_prime(targets, initial)};
-  KeypointPositions current = initial;
+  const PoseState start{input.initial, best_t_prime(targets, initial)};
   const int n_steps = input.n_steps > 0 ? input.n_steps : options_.steps;
-  for (int step = 0; step < n_steps; ++step) {
-    const PoseNormalEquations equations = system_.assemble(state);
-    result.step_energy.push_back(equations.energy);
-    DenseSolution solution = solve_normal_equations(equations.JtJ, equations.JtF, damping_of(equations.JtJ, options_));
-    if (solution.status != SolveStatus::kOk) {
-      result.status = solution.status;
-      return result;
-    }
-    limit_turn(solution.delta, options_.max_step_rad);
-    state.pose = add_increment(state.pose, solution.delta.head(solution.delta.size() - 3));
-    state.t_prime_mm += solution.delta.tail<3>();
-    if (!(input.settled_px > 0)) continue;
-    const KeypointPositions before = std::exchange(current, keypoints(state.pose));
-    if (moved_px(actor_, camera_, before, current) < input.settled_px) break;
-  }
-  measure(state, targets, result);
+  std::optional<PoseSteps> steps = system_.take_steps(start, n_steps, input.settled_px);
+  if (!steps) steps = take_steps(start, n_steps, input.settled_px);
+  result.status = steps->status;
+  result.step_energy = std::move(steps->step_energy);
+  if (result.status != SolveStatus::kOk) return result;
+  measure(steps->state, steps->residuals, targets, result);
   if (!std::isfinite(result.energy.total())) {
     result.status = SolveStatus::kNotFinite;
     return result;
   }
-  result.pose = state.pose;
-  result.t_prime_mm = state.t_prime_mm;
-  result.moved_px = moved_px(actor_, camera_, initial, keypoints(state.pose));
+  result.pose = steps->state.pose;
+  result.t_prime_mm = steps->state.t_prime_mm;
+  result.moved_px = moved_px(actor_, camera_, initial, keypoints(result.pose));
   return result;
 }
 
-void PoseSolver::measure(const PoseState& state, const KeypointTargets& targets, PoseResult& result) {
-  const PoseResiduals residuals = system_.residuals(state);
+PoseSolver::KeypointPositions PoseSolver::keypoints(const Pose& pose) const {
+  return keypoint_positions(actor_, forward_kinematics(actor_.skeleton, pose));
+}
+
+// On the host.
+PoseSteps PoseSolver::take_steps(const PoseState& start, int n_steps, double settled_px) {
+  PoseSteps steps;
+  steps.state = start;
+  KeypointPositions current = keypoints(start.pose);
+  for (int step = 0; step < n_steps; ++step) {
+    const PoseNormalEquations equations = system_.assemble(steps.state);
+    steps.step_energy.push_back(equations.energy);
+    const DenseSolution solution = damped_step(equations, options_);
+    steps.status = solution.status;
+    if (steps.status != SolveStatus::kOk) return steps;
+    steps.state.pose = add_increment(steps.state.pose, solution.delta.head(solution.delta.size() - 3));
+    steps.state.t_prime_mm += solution.delta.tail<3>();
+    if (!(settled_px > 0)) continue;
+    const KeypointPositions before = std::exchange(current, keypoints(steps.state.pose));
+    if (moved_px(actor_, camera_, before, current) < settled_px) break;
+  }
+  steps.residuals = system_.residuals(steps.state);
+  return steps;
+}
+
+void PoseSolver::measure(const PoseState& state, const PoseResiduals& residuals, const KeypointTargets& targets,
+                         PoseResult& result) const {
   const auto energy = [&](int first, int n) {
     double sum = 0;
     for (int i = first; i < first + n; ++i) sum += double(residuals.rows[i]) * residuals.rows[i];
@@ -123,7 +140,7 @@ void PoseSolver::measure(const PoseState& state, const KeypointTargets& targets,
   result.energy.match = energy(system_.n_point_rows() + system_.n_contour(), 2 * system_.n_matches());
   result.energy.shading = energy(system_.n_rows() - system_.n_shaded(), system_.n_shaded());
 
-  const auto positions = keypoint_positions(actor_, forward_kinematics(actor_.skeleton, state.pose));
+  const KeypointPositions positions = keypoints(state.pose);
   double error_px = 0;
   double weight = 0;
   for (int k = 0; k < kKeypointCount; ++k) {

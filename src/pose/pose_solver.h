@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <span>
 #include <vector>
 
@@ -60,6 +61,9 @@ struct PoseResult {
   int n_contour_visible = 0;
 };
 
+// The step of a system as Gauss-Newton takes it: damped and not further than PoseOptions::max_step_rad.
+DenseSolution damped_step(const PoseNormalEquations& equations, const PoseOptions& options);
+
 class PoseSolver {
  public:
   // camera: of undistorted pictures. device and actor must outlive the solver.
@@ -72,7 +76,11 @@ class PoseSolver {
   const PoseOptions& options() const { return options_; }
 
  private:
-  void measure(const PoseState& state, const KeypointTargets& targets, PoseResult& result);
+  using KeypointPositions = std::array<Eigen::Vector3d, kKeypointCount>;
+  KeypointPositions keypoints(const Pose& pose) const;
+  PoseSteps take_steps(const PoseState& start, int n_steps, double settled_px);
+  void measure(const PoseState& state, const PoseResiduals& residuals, const KeypointTargets& targets,
+               PoseResult& result) const;
 
   const Actor& actor_;
   Camera camera_;

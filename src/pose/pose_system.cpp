@@ -1,7 +1,9 @@
 #include "pose/pose_system.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "base/round_up.h"
 #include "base/text.h"
@@ -14,42 +16,22 @@ namespace {
 
 constexpr const char* kProgram = "pose/pose.cl";
 constexpr const char* kSkinnedProgram = "pose/skinned_records.cl";
-constexpr const char* kGpuProgram = "pose/normal_equations.cl";
+constexpr const char* kGpuProgram = "pose/gauss_newton.cl";
 constexpr int kTile = 8;
 // The bones of a contour row are packed into bytes.
 constexpr int kMaxBones = LC_POSE_NO_BONE;
 
 static_assert(LC_POSE_KEYPOINTS == kKeypointCount);
-static_assert(sizeof(PoseLayout) == 20 && sizeof(PoseContour) == 24);
+static_assert(sizeof(PoseLayout) == 20 && sizeof(PoseContour) == 24 && sizeof(PoseInputs) == 28 &&
+              sizeof(PoseStepsArg) == 32);
 
 void require(bool ok, const std::string& message) {
   if (!ok) throw LogicError("pose: " + message);
 }
 
-// The message of a check that is made for every vertex of every round is only written when it fails.
-void require_vertex(int vertex, int n_vertices, const char* what) {
-  if (vertex < 0 || vertex >= n_vertices)
-    throw LogicError(format("pose: %s vertex %d of %d", what, vertex, n_vertices));
-}
-
-// More than fit are thinned to equal shares of their total weight.
-template <typename Weighted>
-std::vector<Weighted> thinned(std::span<const Weighted> all, int most) {
-  if (all.size() <= size_t(most)) return {all.begin(), all.end()};
-  double total = 0;
-  for (const Weighted& one : all) total += one.weight;
-  const double share = total / most;
-  double sum = share / 2;
-  std::vector<Weighted> used;
-  for (const Weighted& one : all) {
-    sum += one.weight;
-    const double n_shares = std::floor(sum / share);
-    if (n_shares < 1) continue;
-    sum -= n_shares * share;
-    used.push_back(one);
-    used.back().weight = float(n_shares * share);
-  }
-  return used;
+// Of a work-group that takes steps by itself, and a few integers.
+size_t local_bytes(const PoseLayout& layout) {
+  return sizeof(float) * LC_POSE_GROUP_ROWS * layout.n_columns + sizeof(double) * LC_POSE_LOCAL(layout) + 64;
 }
 
 void check_actor(const Actor& actor) {
@@ -69,9 +51,7 @@ void check_actor(const Actor& actor) {
 }  // namespace
 
 PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const PoseOptions& options)
-    : skeleton_(actor.skeleton),
-      keypoints_(actor.keypoints),
-      soles_(sole_points(actor)),
+    : points_{actor.skeleton, actor.keypoints, sole_points(actor)},
       options_(options),
       width_(camera.width),
       height_(camera.height),
@@ -81,11 +61,12 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
   camera.validate();
   options.validate();
   require(width_ >= 2 && height_ >= 2, format("camera picture is %d x %d", width_, height_));
-  layout_.n_dofs = skeleton_.n_dofs();
+  const Skeleton& skeleton = actor.skeleton;
+  layout_.n_dofs = skeleton.n_dofs();
   layout_.n_unknowns = layout_.n_dofs + 9;
   layout_.n_columns = int(round_up(layout_.n_unknowns + 1, LC_POSE_SLICE));
-  layout_.n_bones = skeleton_.n_bones();
-  layout_.n_soles = int(soles_.size());
+  layout_.n_bones = skeleton.n_bones();
+  layout_.n_soles = int(points_.soles.size());
   n_point_rows_ = LC_POSE_POINT_ROWS + layout_.n_dofs + layout_.n_soles;
   const int side = layout_.n_columns / kTile;
   n_tiles_ = side * (side + 1) / 2;
@@ -94,57 +75,54 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
 
   // Every column but t' and the residual's moves bones: the root's six all of them, a joint those below it.
   std::vector<float> moves(size_t(layout_.n_bones) * layout_.n_columns, 0.0f);
-  const std::vector<uint64_t> masks = dofs_moving_bones(skeleton_);
+  const std::vector<uint64_t> masks = dofs_moving_bones(skeleton);
   for (int b = 0; b < layout_.n_bones; ++b) {
     float* row = &moves[size_t(b) * layout_.n_columns];
     std::fill(row, row + 6, 1.0f);
     for (int k = 0; k < layout_.n_dofs; ++k) row[6 + k] = masks[b] >> k & 1 ? 1.0f : 0.0f;
   }
   std::vector<float> limits;
-  for (const Dof& dof : skeleton_.dofs) {
+  for (const Dof& dof : skeleton.dofs) {
     limits.push_back(float(dof.min_rad));
     limits.push_back(float(dof.max_rad));
   }
-  std::vector<int32_t> point_bones;
-  for (const KeypointAnchor& anchor : keypoints_) point_bones.push_back(std::max(anchor.bone, 0));
-  for (const SolePoint& sole : soles_) point_bones.push_back(sole.bone);
-
   const size_t n_contour = round_up(options.max_contour_vertices, LC_POSE_SLICE);
   step_host_.resize(LC_POSE_STEP_SIZE(layout_));
   gram_host_.resize(size_t(n_tiles_) * kTile * kTile);
-  step_ = ocl::Buffer<float>(device, step_host_.size());
-  targets_ = ocl::Buffer<float>(device, size_t(LC_POSE_TARGET) * kKeypointCount);
-  point_bones_ = ocl::Buffer<int32_t>(device, point_bones);
-  ground_ = ocl::Buffer<float>(device, LC_POSE_GROUND_STANDS + soles_.size());
-  ground_.fill(0);
+  inputs_ = PoseRowInputs(layout_, options, n_vertices_);
+  inputs_on_device_ = ocl::Buffer<float>(device, inputs_.most_words());
+  links_ = ocl::Buffer<int32_t>(device, chain_links(points_));
   limits_ = ocl::Buffer<float>(device, limits);
   moves_ = ocl::Buffer<float>(device, moves);
   rest_ = ocl::Buffer<float>(device, actor.mesh.positions);
   rest_normals_ = ocl::Buffer<float>(device, vertex_normals(actor.mesh.positions, actor.mesh.triangles));
   bones_ = ocl::Buffer<int32_t>(device, actor.skin.bones);
   weights_ = ocl::Buffer<float>(device, actor.skin.weights);
-  contour_vertices_ = ocl::Buffer<int32_t>(device, n_contour);
   point_records_ = ocl::Buffer<float>(device, size_t(LC_POSE_RECORD) * n_point_rows_);
   contour_records_ = ocl::Buffer<float>(device, size_t(LC_POSE_RECORD) * n_contour);
   const size_t n_matches = round_up(options.max_matches, LC_POSE_SLICE);
-  match_vertices_ = ocl::Buffer<int32_t>(device, n_matches);
-  match_targets_ = ocl::Buffer<float>(device, 5 * n_matches);
   match_records_ = ocl::Buffer<float>(device, 2 * LC_POSE_RECORD * n_matches);
   const size_t n_shaded = round_up(options.max_shaded, LC_POSE_SLICE);
-  shaded_vertices_ = ocl::Buffer<int32_t>(device, n_shaded);
-  shaded_targets_ = ocl::Buffer<float>(device, LC_POSE_SHADED * n_shaded);
   shading_records_ = ocl::Buffer<float>(device, LC_POSE_RECORD * n_shaded);
   J_ = ocl::Buffer<float>(device, (n_point_rows_ + n_contour + 2 * n_matches + n_shaded) * layout_.n_columns);
   gram_ = ocl::Buffer<float>(device, gram_host_.size());
   if (!is_cpu_) {
-    const auto groups = [](size_t n_rows) { return round_up(n_rows, LC_POSE_GROUP_ROWS) / LC_POSE_GROUP_ROWS; };
-    parts_ = ocl::Buffer<float>(
-        device, (groups(n_point_rows_) + groups(n_contour) + groups(2 * n_matches) + groups(n_shaded)) * gram_.size());
-    residuals_ = ocl::Buffer<float>(device, n_point_rows_ + 2 * n_contour + 2 * n_matches + n_shaded);
-    normal_equations_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_normal_equations");
-    sum_parts_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_sum_parts");
+    const auto parts = [](size_t n_rows) { return round_up(n_rows, LC_POSE_GROUP_ROWS) / LC_POSE_GROUP_ROWS; };
+    const size_t most_parts = parts(n_point_rows_) + parts(n_contour) + parts(2 * n_matches) + parts(n_shaded);
+    groups_ = ocl::GroupsTogether(device, most_parts);
+    takes_steps_ = device.info().has_double && local_bytes(layout_) <= device.info().local_memory_bytes;
+    step_ = ocl::Buffer<float>(device, most_parts * step_host_.size());
+    chain_ = ocl::Buffer<double>(device, chain_constants(layout_, points_));
+    parts_ = ocl::Buffer<float>(device, most_parts * gram_.size());
+    results_ = ocl::Buffer<float>(
+        device, LC_POSE_RESULT_RESIDUALS(layout_) + n_point_rows_ + 2 * n_contour + 2 * n_matches + n_shaded);
+    results_.fill(0);
+    const std::string option = takes_steps_ ? "-D LC_POSE_TAKES_STEPS=1" : "-D LC_POSE_TAKES_STEPS=0";
+    gauss_newton_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_gauss_newton", option);
+    sum_parts_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_sum_parts", option);
     return;
   }
+  step_ = ocl::Buffer<float>(device, step_host_.size());
   point_residuals_ = ocl::Buffer<float>(device, n_point_rows_);
   contour_residuals_ = ocl::Buffer<float>(device, n_contour);
   distances_px_ = ocl::Buffer<float>(device, n_contour);
@@ -162,158 +140,65 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
 void PoseSystem::set_frame(const KeypointTargets& targets, const DeviceFrame* frame,
                            std::span<const int32_t> contour_vertices, const ocl::Buffer<float>* displacement_rest,
                            std::span<const VertexMatch> matches, std::span<const ShadedVertex> shaded) {
-  std::vector<float> values;
-  values.reserve(size_t(LC_POSE_TARGET) * kKeypointCount);
-  for (const KeypointTarget& t : targets) {
-    for (double value :
-         {t.position_px.x(), t.position_px.y(), t.detection_mm.x(), t.detection_mm.y(), t.detection_mm.z(),
-          std::sqrt(t.weight_2d), std::sqrt(t.weight_3d), std::sqrt(t.weight_temporal), t.previous_position_mm.x(),
-          t.previous_position_mm.y(), t.previous_position_mm.z(), 0.0})
-      values.push_back(float(value));
-  }
-  targets_.write_later(values);
-
-  set_matches(matches);
-  set_shaded(shaded);
+  inputs_.set_frame(targets, frame ? contour_vertices : std::span<const int32_t>{}, matches, shaded);
+  inputs_changed_ = true;
   frame_ = frame;
   displacement_ = displacement_rest;
-  n_contour_ = 0;
-  contour_weight_ = 0;
-  if (!frame || contour_vertices.empty() || options_.weights.silhouette == 0) return;
+  if (n_contour() == 0) return;
   if (frame->width != width_ || frame->height != height_)
     throw LogicError(
         format("pose: frame is %d x %d, the camera %d x %d", frame->width, frame->height, width_, height_));
   if (displacement_rest && displacement_rest->size() != size_t(3) * n_vertices_)
     throw LogicError(
         format("pose: displacement has %zu values for %d vertices", displacement_rest->size(), n_vertices_));
-  for (int32_t vertex : contour_vertices) require_vertex(vertex, n_vertices_, "contour");
-  // Thinned evenly; the kept vertices stand for all of them.
-  const size_t n = std::min(contour_vertices.size(), size_t(options_.max_contour_vertices));
-  std::vector<int32_t> used(n);
-  for (size_t i = 0; i < n; ++i) used[i] = contour_vertices[i * contour_vertices.size() / n];
-  contour_vertices_.write_later(used);
-  n_contour_ = int(n);
-  contour_weight_ = options_.weights.silhouette * double(contour_vertices.size()) / double(n);
 }
 
 void PoseSystem::set_floor(const Floor* floor, std::span<const double> stands) {
-  std::vector<float> values(ground_.size(), 0.0f);
-  if (floor && options_.weights.floor > 0) {
-    if (stands.size() != soles_.size())
-      throw LogicError(format("pose: %zu points stand, the soles have %zu", stands.size(), soles_.size()));
-    const Eigen::Vector3f up = floor->up.cast<float>();
-    const float head[] = {up.x(),
-                          up.y(),
-                          up.z(),
-                          float(floor->offset_mm),
-                          float(std::sqrt(options_.weights.floor)),
-                          float(options_.floor_huber_mm)};
-    std::copy(std::begin(head), std::end(head), values.begin());
-    std::copy(stands.begin(), stands.end(), values.begin() + LC_POSE_GROUND_STANDS);
-  }
-  ground_.write_later(values);
-}
-
-void PoseSystem::set_matches(std::span<const VertexMatch> matches) {
-  n_matches_ = 0;
-  if (options_.weights.match == 0) return;
-  const std::vector<VertexMatch> used = thinned(matches, options_.max_matches);
-  if (used.empty()) return;
-  std::vector<int32_t> vertices;
-  std::vector<float> targets;
-  for (const VertexMatch& match : used) {
-    require_vertex(match.vertex, n_vertices_, "matched");
-    const float root = float(std::sqrt(options_.weights.match * match.weight));
-    vertices.push_back(match.vertex);
-    targets.insert(targets.end(), {match.u_px, match.v_px, root * match.a, root * match.b, root * match.c});
-  }
-  match_vertices_.write_later(vertices);
-  match_targets_.write_later(targets);
-  n_matches_ = int(used.size());
-}
-
-void PoseSystem::set_shaded(std::span<const ShadedVertex> shaded) {
-  n_shaded_ = 0;
-  if (options_.weights.shading == 0) return;
-  const std::vector<ShadedVertex> used = thinned(shaded, options_.max_shaded);
-  if (used.empty()) return;
-  std::vector<int32_t> vertices;
-  std::vector<float> targets;
-  for (const ShadedVertex& skin : used) {
-    require_vertex(skin.vertex, n_vertices_, "shaded");
-    vertices.push_back(skin.vertex);
-    targets.insert(targets.end(), skin.light.begin(), skin.light.end());
-    targets.insert(targets.end(), {skin.brightness, float(std::sqrt(options_.weights.shading * skin.weight))});
-  }
-  shaded_vertices_.write_later(vertices);
-  shaded_targets_.write_later(targets);
-  n_shaded_ = int(used.size());
+  inputs_.set_floor(floor, stands);
+  inputs_changed_ = true;
 }
 
 void PoseSystem::upload(const PoseState& state) {
-  // Everything relative to the root's origin; see kernels/pose/layout.h.
-  Pose at_root = state.pose;
-  at_root.root_translation_mm.setZero();
-  const PosedSkeleton posed = forward_kinematics(skeleton_, at_root);
-  const int columns = layout_.n_columns;
-  float* out = step_host_.data();
-  std::fill(out, out + 6 * columns, 0.0f);
-  for (int i = 0; i < 3; ++i) {
-    out[i * columns + i] = 1.0f;            // root rotation: axis e_i through the root's origin
-    out[(3 + i) * columns + 3 + i] = 1.0f;  // root translation: a pure moment
+  size_t n_start = 0;
+  if (takes_steps_) {
+    inputs_.set_start(state_values(state));
+    n_start = 2 * LC_POSE_STATE_SIZE(layout_);
+  } else {
+    write_step(layout_, points_, state, step_host_);
+    step_.write_later(step_host_);
   }
-  for (int k = 0; k < layout_.n_dofs; ++k) {
-    const Eigen::Vector3d moment = posed.dof_origin_mm[k].cross(posed.dof_axis[k]);
-    for (int i = 0; i < 3; ++i) {
-      out[i * columns + 6 + k] = float(posed.dof_axis[k][i]);
-      out[(3 + i) * columns + 6 + k] = float(moment[i]);
-    }
-  }
-  for (int k = 0; k < kKeypointCount; ++k) {
-    Eigen::Vector3d p = Eigen::Vector3d::Zero();
-    if (keypoints_[k].bone >= 0) p = posed.camera_from_rest[keypoints_[k].bone] * keypoints_[k].rest_position_mm;
-    for (int i = 0; i < 3; ++i) out[LC_POSE_STEP_KEYPOINTS(layout_) + 3 * k + i] = float(p[i]);
-  }
-  for (int i = 0; i < 3; ++i) {
-    out[LC_POSE_STEP_T_PRIME(layout_) + i] = float(state.t_prime_mm[i]);
-    out[LC_POSE_STEP_ROOT(layout_) + i] = float(state.pose.root_translation_mm[i]);
-  }
-  for (int k = 0; k < layout_.n_dofs; ++k) out[LC_POSE_STEP_ANGLES(layout_) + k] = float(state.pose.angles_rad[k]);
-  const std::vector<float> dual_quats = bone_dual_quats(posed);
-  std::copy(dual_quats.begin(), dual_quats.end(), out + LC_POSE_STEP_DUAL_QUATS(layout_));
-  for (size_t k = 0; k < soles_.size(); ++k) {
-    const Eigen::Vector3d p = posed.camera_from_rest[soles_[k].bone] * soles_[k].rest_mm;
-    for (int i = 0; i < 3; ++i) out[LC_POSE_STEP_SOLES(layout_) + 3 * k + i] = float(p[i]);
-  }
-  step_.write_later(step_host_);
+  inputs_on_device_.write_later(inputs_changed_ ? inputs_.words() : inputs_.words().first(n_start));
+  inputs_changed_ = false;
 }
 
 // On CPUs.
 void PoseSystem::launch_records() {
   const auto lane_items = [this](int n) { return ocl::lane_items(n, lanes_); };
   point_records_kernel_.launch(kKeypointCount + layout_.n_dofs + layout_.n_soles, 0, layout_, pinhole_,
-                               float(options_.keypoint_2d_huber_px), step_, targets_, point_bones_, limits_, ground_,
-                               float(std::sqrt(options_.weights.anatomic)), point_records_, point_residuals_);
-  if (n_matches_ > 0)
-    match_records_kernel_.launch(lane_items(n_matches_), 1, layout_, pinhole_, n_matches_,
-                                 float(options_.match_huber_px), step_, match_vertices_, match_targets_, rest_, bones_,
-                                 weights_, match_records_, match_residuals_);
-  if (n_shaded_ > 0)
-    shading_records_kernel_.launch(lane_items(n_shaded_), 1, layout_, n_shaded_, float(options_.shading_huber), step_,
-                                   shaded_vertices_, shaded_targets_, rest_normals_, bones_, weights_, shading_records_,
-                                   shading_residuals_);
-  if (n_contour_ == 0) return;
-  contour_records_kernel_.launch(lane_items(n_contour_), 1, layout_, pinhole_, contour_arg(), step_, contour_vertices_,
-                                 rest_, rest_normals_, displacement_ ? *displacement_ : rest_, bones_, weights_,
-                                 frame_->signed_distance, contour_records_, contour_residuals_, distances_px_);
+                               float(options_.keypoint_2d_huber_px), float(std::sqrt(options_.weights.anatomic)),
+                               inputs_.places(), step_, inputs_on_device_, links_, limits_, point_records_,
+                               point_residuals_);
+  if (n_matches() > 0)
+    match_records_kernel_.launch(lane_items(n_matches()), 1, layout_, pinhole_, n_matches(),
+                                 float(options_.match_huber_px), inputs_.places(), step_, inputs_on_device_, rest_,
+                                 bones_, weights_, match_records_, match_residuals_);
+  if (n_shaded() > 0)
+    shading_records_kernel_.launch(lane_items(n_shaded()), 1, layout_, n_shaded(), float(options_.shading_huber),
+                                   inputs_.places(), step_, inputs_on_device_, rest_normals_, bones_, weights_,
+                                   shading_records_, shading_residuals_);
+  if (n_contour() == 0) return;
+  contour_records_kernel_.launch(lane_items(n_contour()), 1, layout_, pinhole_, contour_arg(), inputs_.places(), step_,
+                                 inputs_on_device_, rest_, rest_normals_, displacement_ ? *displacement_ : rest_,
+                                 bones_, weights_, frame_->signed_distance, contour_records_, contour_residuals_,
+                                 distances_px_);
 }
 
 PoseContour PoseSystem::contour_arg() const {
-  return {n_contour_,
+  return {n_contour(),
           width_,
           height_,
           displacement_ ? 1 : 0,
-          float(std::sqrt(contour_weight_)),
+          float(std::sqrt(contour_weight())),
           float(options_.silhouette_huber_px)};
 }
 
@@ -323,31 +208,88 @@ void PoseSystem::launch_rows() {
   const auto over = [&](int n_rows) { return ocl::Range{blocks, round_up(n_rows, step) / step, 1, 1}; };
   fill_points_kernel_.launch(over(n_point_rows_), layout_, n_point_rows_, step_, moves_, point_records_,
                              point_residuals_, J_);
-  fill_skinned_kernel_.launch(over(n_contour_), layout_, n_contour_, 1, n_point_rows_, step_, moves_, contour_records_,
-                              contour_residuals_, J_);
-  fill_skinned_kernel_.launch(over(2 * n_matches_), layout_, 2 * n_matches_, 2, n_point_rows_ + n_contour_, step_,
+  fill_skinned_kernel_.launch(over(n_contour()), layout_, n_contour(), 1, n_point_rows_, step_, moves_,
+                              contour_records_, contour_residuals_, J_);
+  fill_skinned_kernel_.launch(over(2 * n_matches()), layout_, 2 * n_matches(), 2, n_point_rows_ + n_contour(), step_,
                               moves_, match_records_, match_residuals_, J_);
-  fill_skinned_kernel_.launch(over(n_shaded_), layout_, n_shaded_, 1, n_point_rows_ + n_contour_ + 2 * n_matches_,
+  fill_skinned_kernel_.launch(over(n_shaded()), layout_, n_shaded(), 1, n_point_rows_ + n_contour() + 2 * n_matches(),
                               step_, moves_, shading_records_, shading_residuals_, J_);
 }
 
-// On GPUs: rows, residuals and the parts of the normal equations, whose number is returned.
-size_t PoseSystem::launch_normal_equations(bool write_rows) {
+// On GPUs.
+void PoseSystem::launch_gauss_newton(size_t n_groups, const PoseStepsArg& steps) {
   struct Counts {
-    int32_t point_rows, matches, shaded, write_rows;
+    int32_t matches, shaded;
   };
-  const auto groups = [](int n_rows) { return round_up(n_rows, LC_POSE_GROUP_ROWS) / LC_POSE_GROUP_ROWS; };
-  const size_t n_groups = groups(n_point_rows_) + groups(n_contour_) + groups(2 * n_matches_) + groups(n_shaded_);
-  normal_equations_kernel_.launch(
-      n_groups * LC_POSE_GROUP, LC_POSE_GROUP, layout_, pinhole_,
-      Counts{n_point_rows_, n_matches_, n_shaded_, write_rows}, contour_arg(), float(options_.keypoint_2d_huber_px),
-      float(options_.match_huber_px), float(options_.shading_huber), float(std::sqrt(options_.weights.anatomic)), step_,
-      moves_, targets_, point_bones_, limits_, ground_, contour_vertices_, match_vertices_, match_targets_,
-      shaded_vertices_, shaded_targets_, rest_, rest_normals_, displacement_ ? *displacement_ : rest_, bones_, weights_,
-      n_contour_ > 0 ? frame_->signed_distance : rest_, point_records_, contour_records_, match_records_,
-      shading_records_, residuals_, J_, parts_,
-      ocl::LocalMemory{sizeof(float) * LC_POSE_GROUP_ROWS * layout_.n_columns});
-  return n_groups;
+  gauss_newton_kernel_.launch(
+      n_groups * LC_POSE_GROUP, LC_POSE_GROUP, layout_, pinhole_, Counts{n_matches(), n_shaded()}, contour_arg(),
+      float(options_.keypoint_2d_huber_px), float(options_.match_huber_px), float(options_.shading_huber),
+      float(std::sqrt(options_.weights.anatomic)), inputs_.places(), steps, inputs_on_device_, chain_, links_, moves_,
+      limits_, rest_, rest_normals_, displacement_ ? *displacement_ : rest_, bones_, weights_,
+      n_contour() > 0 ? frame_->signed_distance : rest_, step_, point_records_, contour_records_, match_records_,
+      shading_records_, J_, parts_, gram_, results_, groups_.state(),
+      ocl::LocalMemory{sizeof(float) * LC_POSE_GROUP_ROWS * layout_.n_columns},
+      ocl::LocalMemory{takes_steps_ ? sizeof(double) * LC_POSE_LOCAL(layout_) : sizeof(double)});
+}
+
+// Of the normal equations, on GPUs.
+size_t PoseSystem::n_parts() const {
+  const auto parts = [](int n_rows) { return round_up(n_rows, LC_POSE_GROUP_ROWS) / LC_POSE_GROUP_ROWS; };
+  return parts(n_point_rows_) + parts(n_contour()) + parts(2 * n_matches()) + parts(n_shaded());
+}
+
+// On GPUs: rows, residuals and parts at the step that was uploaded.
+void PoseSystem::launch_normal_equations(bool write_rows) {
+  PoseStepsArg none{};
+  none.most = -1;
+  none.write_rows = write_rows;
+  launch_gauss_newton(n_parts(), none);
+}
+
+std::optional<PoseSteps> PoseSystem::take_steps(const PoseState& start, int n_steps, double settled_px) {
+  if (!takes_steps_ || !groups_.work() || n_steps > LC_POSE_MOST_STEPS) return std::nullopt;
+  upload(start);
+  launch_gauss_newton(groups_.n(), {.most = n_steps,
+                                    .arrived = groups_.arrived(),
+                                    .write_rows = 0,
+                                    .settled_px = float(settled_px),
+                                    .damping_own = float(options_.damping_own),
+                                    .damping_largest = float(options_.damping_largest),
+                                    .max_step_rad = float(options_.max_step_rad),
+                                    .rank_threshold = float(kRankThreshold)});
+  read_results();
+  const auto told = [this](int place) { return std::bit_cast<int32_t>(results_host_[place]); };
+  if (groups_.gave_up("pose", told(LC_POSE_RESULT_GAVE_UP(layout_)) != 0)) return std::nullopt;
+  const int n_taken = told(LC_POSE_RESULT_TAKEN(layout_));
+  groups_.launched(2 * size_t(n_taken));
+  PoseSteps taken;
+  std::vector<double> state(LC_POSE_STATE_SIZE(layout_));
+  std::memcpy(state.data(), results_host_.data(), state.size() * sizeof(double));
+  taken.state = state_of(state);
+  const auto energy = results_host_.begin() + LC_POSE_RESULT_ENERGY(layout_);
+  taken.step_energy.assign(energy, energy + n_taken);
+  switch (told(LC_POSE_RESULT_STATUS(layout_))) {
+    case LC_POSE_SOLVED:
+      taken.residuals = residuals_read();
+      break;
+    case LC_POSE_RANK_DEFICIENT:
+      taken.status = SolveStatus::kRankDeficient;
+      break;
+    default:
+      taken.status = SolveStatus::kNotFinite;
+  }
+  return taken;
+}
+
+// Blocking.
+void PoseSystem::read_results() {
+  results_host_.resize(LC_POSE_RESULT_RESIDUALS(layout_) + n_rows() + n_contour());
+  results_.read(results_host_);
+}
+
+PoseResiduals PoseSystem::residuals_read() const {
+  const auto rows = results_host_.begin() + LC_POSE_RESULT_RESIDUALS(layout_);
+  return {{rows, rows + n_rows()}, {rows + n_rows(), rows + n_rows() + n_contour()}};
 }
 
 PoseNormalEquations PoseSystem::assemble(const PoseState& state) {
@@ -357,9 +299,9 @@ PoseNormalEquations PoseSystem::assemble(const PoseState& state) {
     launch_rows();
     gram_kernel_.launch(n_tiles_, 1, n_tiles_, n_rows(), layout_.n_columns, J_, gram_);
   } else {
-    const int n_parts = static_cast<int>(launch_normal_equations(false));
+    launch_normal_equations(false);
     const int n_entries = static_cast<int>(gram_.size());
-    sum_parts_kernel_.launch(gram_.size(), 64, n_entries, n_parts, parts_, gram_);
+    sum_parts_kernel_.launch(gram_.size(), 64, n_entries, static_cast<int>(n_parts()), parts_, gram_);
   }
   gram_.read(gram_host_);
 
@@ -381,21 +323,18 @@ PoseNormalEquations PoseSystem::assemble(const PoseState& state) {
 
 PoseResiduals PoseSystem::residuals(const PoseState& state) {
   upload(state);
-  PoseResiduals result;
-  result.rows.resize(n_rows());
-  result.distances_px.resize(n_contour_);
   if (!is_cpu_) {
     launch_normal_equations(false);
-    result.rows.resize(n_rows() + n_contour_);
-    residuals_.read(result.rows);
-    std::copy(result.rows.begin() + n_rows(), result.rows.end(), result.distances_px.begin());
-    result.rows.resize(n_rows());
-    return result;
+    read_results();
+    return residuals_read();
   }
+  PoseResiduals result;
+  result.rows.resize(n_rows());
+  result.distances_px.resize(n_contour());
   launch_records();
-  contour_residuals_.read_later(std::span(result.rows).subspan(n_point_rows_, n_contour_));
-  match_residuals_.read_later(std::span(result.rows).subspan(n_point_rows_ + n_contour_, 2 * n_matches_));
-  shading_residuals_.read_later(std::span(result.rows).last(n_shaded_));
+  contour_residuals_.read_later(std::span(result.rows).subspan(n_point_rows_, n_contour()));
+  match_residuals_.read_later(std::span(result.rows).subspan(n_point_rows_ + n_contour(), 2 * n_matches()));
+  shading_residuals_.read_later(std::span(result.rows).last(n_shaded()));
   distances_px_.read_later(result.distances_px);
   point_residuals_.read(std::span(result.rows).first(n_point_rows_));
   return result;

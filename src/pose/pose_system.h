@@ -1,8 +1,10 @@
 // The pose stage's residuals F and Jacobian J on the device, and their normal equations (paper, "Data Parallel GPU
-// Optimization", "Pose Estimation"): per step one small upload, the row kernels of kernels/pose, one blocking read.
+// Optimization", "Pose Estimation"): per step one small upload, the row kernels of kernels/pose, one blocking read; on
+// GPUs that can all steps of a solve for that much.
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -13,19 +15,17 @@
 #include "image/device_frame.h"
 #include "livecap/camera.h"
 #include "ocl/buffer.h"
+#include "ocl/groups_together.h"
 #include "ocl/kernel.h"
 #include "pose/floor.h"
 #include "pose/layout.h"
 #include "pose/pose_options.h"
+#include "pose/posed_step.h"
+#include "pose/row_inputs.h"
 #include "pose/targets.h"
+#include "solve/dense_solver.h"
 
 namespace livecap {
-
-// Unknowns in this order everywhere: [root rotation vector 3 | t 3 | joint angles n_dofs | t' 3].
-struct PoseState {
-  Pose pose;
-  Eigen::Vector3d t_prime_mm = Eigen::Vector3d::Zero();
-};
 
 struct PoseNormalEquations {
   Eigen::MatrixXd JtJ;  // [n_unknowns, n_unknowns]
@@ -38,6 +38,14 @@ struct PoseNormalEquations {
 struct PoseResiduals {
   std::vector<float> rows;          // [n_rows]
   std::vector<float> distances_px;  // [n_contour] signed; NaN for a vertex that is not inside the image
+};
+
+// Gauss-Newton steps from a state on.
+struct PoseSteps {
+  SolveStatus status = SolveStatus::kOk;
+  PoseState state;                  // where they ended, or the last one failed
+  std::vector<double> step_energy;  // F^T F before each
+  PoseResiduals residuals;          // at `state`; empty unless status is kOk
 };
 
 class PoseSystem {
@@ -57,31 +65,34 @@ class PoseSystem {
 
   PoseNormalEquations assemble(const PoseState& state);
   PoseResiduals residuals(const PoseState& state);
+  // n_steps, fewer where one moves no keypoint by settled_px (0: never), in one launch with one read. Nothing where the
+  // device cannot: then assemble, solve and ask for the residuals.
+  std::optional<PoseSteps> take_steps(const PoseState& start, int n_steps, double settled_px);
   // J as the device filled it, [n_rows, n_unknowns].
   Eigen::MatrixXf jacobian(const PoseState& state);
 
   int n_unknowns() const { return layout_.n_unknowns; }
-  int n_rows() const { return n_point_rows_ + n_contour_ + 2 * n_matches_ + n_shaded_; }
+  int n_rows() const { return n_point_rows_ + n_contour() + 2 * n_matches() + n_shaded(); }
   int n_point_rows() const { return n_point_rows_; }
-  const std::vector<SolePoint>& soles() const { return soles_; }
-  int n_contour() const { return n_contour_; }
-  int n_matches() const { return n_matches_; }
-  int n_shaded() const { return n_shaded_; }
+  const std::vector<SolePoint>& soles() const { return points_.soles; }
+  int n_contour() const { return inputs_.n_contour(); }
+  int n_matches() const { return inputs_.n_matches(); }
+  int n_shaded() const { return inputs_.n_shaded(); }
   // Weight of one contour row: lambda_silhouette times contour vertices per used vertex.
-  double contour_weight() const { return contour_weight_; }
+  double contour_weight() const { return inputs_.contour_weight(); }
 
  private:
-  void set_matches(std::span<const VertexMatch> matches);
-  void set_shaded(std::span<const ShadedVertex> shaded);
   void upload(const PoseState& state);
   void launch_records();
   void launch_rows();
-  size_t launch_normal_equations(bool write_rows);
+  void launch_gauss_newton(size_t n_groups, const PoseStepsArg& steps);
+  size_t n_parts() const;
+  void launch_normal_equations(bool write_rows);
+  void read_results();
+  PoseResiduals residuals_read() const;
   PoseContour contour_arg() const;
 
-  Skeleton skeleton_;
-  std::array<KeypointAnchor, kKeypointCount> keypoints_;
-  std::vector<SolePoint> soles_;
+  PosePoints points_;
   PoseOptions options_;
   int width_ = 0;
   int height_ = 0;
@@ -89,46 +100,42 @@ class PoseSystem {
   PoseLayout layout_{};
   int n_vertices_ = 0;
   int n_point_rows_ = 0;
-  int n_contour_ = 0;
-  double contour_weight_ = 0;
-  int n_matches_ = 0;
-  int n_shaded_ = 0;
   bool is_cpu_ = true;
   int lanes_ = 1;
   int n_tiles_ = 0;
   const DeviceFrame* frame_ = nullptr;
   const ocl::Buffer<float>* displacement_ = nullptr;
+  PoseRowInputs inputs_;
+  bool inputs_changed_ = true;  // since they were uploaded
   std::vector<float> step_host_;
   std::vector<float> gram_host_;
+  std::vector<float> results_host_;
+  bool takes_steps_ = false;  // whether the device has what chain and solve there need
+  ocl::GroupsTogether groups_;
 
-  ocl::Buffer<float> step_;
-  ocl::Buffer<float> targets_;
-  ocl::Buffer<int32_t> point_bones_;  // of keypoints, then of the soles
-  ocl::Buffer<float> ground_;
+  ocl::Buffer<float> step_;  // GPUs: of each work-group
+  ocl::Buffer<float> inputs_on_device_;
+  ocl::Buffer<double> chain_;
+  ocl::Buffer<int32_t> links_;
   ocl::Buffer<float> limits_;
   ocl::Buffer<float> moves_;
   ocl::Buffer<float> rest_;          // [3*n_vertices]
   ocl::Buffer<float> rest_normals_;  // [3*n_vertices]
   ocl::Buffer<int32_t> bones_;       // [4*n_vertices]
   ocl::Buffer<float> weights_;       // [4*n_vertices]
-  ocl::Buffer<int32_t> contour_vertices_;
   ocl::Buffer<float> point_records_;
   ocl::Buffer<float> contour_records_;
   ocl::Buffer<float> point_residuals_;
   ocl::Buffer<float> contour_residuals_;
   ocl::Buffer<float> distances_px_;
-  ocl::Buffer<int32_t> match_vertices_;
-  ocl::Buffer<float> match_targets_;  // [5*max_matches] u, v, root a, b, c of the weight
   ocl::Buffer<float> match_records_;
   ocl::Buffer<float> match_residuals_;
-  ocl::Buffer<int32_t> shaded_vertices_;
-  ocl::Buffer<float> shaded_targets_;  // [LC_POSE_SHADED*max_shaded]
   ocl::Buffer<float> shading_records_;
   ocl::Buffer<float> shading_residuals_;
   ocl::Buffer<float> J_;
   ocl::Buffer<float> gram_;
-  ocl::Buffer<float> parts_;      // of gram_, GPUs
-  ocl::Buffer<float> residuals_;  // of all rows, then distances_px, GPUs
+  ocl::Buffer<float> parts_;    // of gram_, GPUs
+  ocl::Buffer<float> results_;  // GPUs
   ocl::Kernel point_records_kernel_;
   ocl::Kernel contour_records_kernel_;
   ocl::Kernel match_records_kernel_;
@@ -136,7 +143,7 @@ class PoseSystem {
   ocl::Kernel fill_points_kernel_;
   ocl::Kernel fill_skinned_kernel_;
   ocl::Kernel gram_kernel_;
-  ocl::Kernel normal_equations_kernel_;  // GPUs, with sum_parts_kernel_
+  ocl::Kernel gauss_newton_kernel_;  // GPUs, with sum_parts_kernel_
   ocl::Kernel sum_parts_kernel_;
 };
 

@@ -108,6 +108,11 @@ ocl::SelfTestResult compare(const std::string& kernels, const Eigen::MatrixXd& g
   return result;
 }
 
+Eigen::VectorXd values_of(const PoseState& state) {
+  const std::vector<double> values = state_values(state);
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), values.size());
+}
+
 }  // namespace
 
 std::vector<ocl::SelfTestResult> pose_self_test(ocl::DeviceContext& device) {
@@ -154,18 +159,27 @@ std::vector<ocl::SelfTestResult> pose_self_test(ocl::DeviceContext& device) {
          host_rows(actor, camera, options, targets, matches, shaded, floor, stands, moved(state, -step))) /
         2e-5;
   }
+  std::vector<ocl::SelfTestResult> results;
+  const PoseState expected_step = moved(state, damped_step(equations, options).delta);
+  if (const std::optional<PoseSteps> step = system.take_steps(state, 1, 0))
+    results.push_back(
+        compare("pose/gauss_newton.cl pose_gauss_newton", values_of(step->state), values_of(expected_step)));
+
   const int n = system.n_point_rows();
   const int m = system.n_contour();
   const int k = 2 * system.n_matches();
-  return {compare("pose/point_records.cl pose_point_records", F.head(n), expected_F.head(n)),
-          compare("pose/contour_records.cl pose_contour_records", F.segment(n, m), expected_F.segment(n, m)),
-          compare("pose/match_records.cl pose_match_records", F.segment(n + m, k), expected_F.segment(n + m, k)),
-          compare("pose/shading_records.cl pose_shading_records", F.tail(F.size() - n - m - k),
-                  expected_F.tail(F.size() - n - m - k)),
-          compare("pose/fill_rows.cl pose_fill_point_rows", J.topRows(n), expected_J.topRows(n)),
-          compare("pose/fill_rows.cl pose_fill_skinned_rows", J.bottomRows(J.rows() - n),
-                  expected_J.bottomRows(J.rows() - n)),
-          compare("pose/gram.cl pose_gram", equations.JtJ, expected_J.transpose() * expected_J)};
+  for (const ocl::SelfTestResult& result :
+       {compare("pose/point_records.cl pose_point_records", F.head(n), expected_F.head(n)),
+        compare("pose/contour_records.cl pose_contour_records", F.segment(n, m), expected_F.segment(n, m)),
+        compare("pose/match_records.cl pose_match_records", F.segment(n + m, k), expected_F.segment(n + m, k)),
+        compare("pose/shading_records.cl pose_shading_records", F.tail(F.size() - n - m - k),
+                expected_F.tail(F.size() - n - m - k)),
+        compare("pose/fill_rows.cl pose_fill_point_rows", J.topRows(n), expected_J.topRows(n)),
+        compare("pose/fill_rows.cl pose_fill_skinned_rows", J.bottomRows(J.rows() - n),
+                expected_J.bottomRows(J.rows() - n)),
+        compare("pose/gram.cl pose_gram", equations.JtJ, expected_J.transpose() * expected_J)})
+    results.push_back(result);
+  return results;
 }
 
 }  // namespace livecap

@@ -56,16 +56,16 @@ DepthRasterizer::DepthRasterizer(ocl::DeviceContext& device, const Mesh& mesh, i
   depth_ = ocl::Buffer<float>(device, size_t(width) * height);
   ids_ = ocl::Buffer<int32_t>(device, size_t(width) * height);
   overlap_ = ocl::Buffer<int32_t>(device, size_t(2) * height);
-  project_ = ocl::Kernel(device, kFile, "project_vertices");
   overlap_kernel_ = ocl::Kernel(device, kFile, "row_overlaps");
   if (is_cpu_) {
+    project_ = ocl::Kernel(device, kFile, "project_vertices");
     bands_ = ocl::Kernel(device, kFile, "raster_bands");
     std::vector<int32_t> everything;
     for (int strip = 0; strip < n_strips; ++strip) everything.insert(everything.end(), {0, width - 1});
     drawn_ = ocl::Buffer<int32_t>(device, everything);
     facing_ = ocl::Buffer<int32_t>(device, round_up(n_triangles_, LC_RASTER_TRIANGLES));
   } else {
-    clear_ = ocl::Kernel(device, kFile, "raster_clear");
+    begin_ = ocl::Kernel(device, kFile, "raster_begin");
     nearest_ = ocl::Kernel(device, kFile, "raster_nearest");
     id_ = ocl::Kernel(device, kFile, "raster_ids");
   }
@@ -74,14 +74,16 @@ DepthRasterizer::DepthRasterizer(ocl::DeviceContext& device, const Mesh& mesh, i
 void DepthRasterizer::render(const ocl::Buffer<float>& positions_camera, const Camera& camera) {
   if (positions_camera.size() != size_t(3) * n_vertices_)
     throw LogicError(format("rasteriser: %zu coordinates for %d vertices", positions_camera.size(), n_vertices_));
-  const size_t vertices = ocl::lane_items(n_vertices_, lanes_);
-  project_.launch(vertices, is_cpu_ ? 1 : kLocal, n_vertices_, pinhole_arg(camera), positions_camera, projected_);
   if (is_cpu_) {
+    project_.launch(ocl::lane_items(n_vertices_, lanes_), 1, n_vertices_, pinhole_arg(camera), positions_camera,
+                    projected_);
     bands_.launch(n_bands_, 1, n_triangles_, width_, height_, n_bands_, cull_, projected_, triangles_, depth_, ids_,
                   drawn_, facing_);
     return;
   }
-  clear_.launch(depth_.size(), kLocal, static_cast<int>(depth_.size()), depth_, ids_);
+  const size_t either = std::max(depth_.size(), size_t(n_vertices_));
+  begin_.launch(either, kLocal, n_vertices_, static_cast<int>(depth_.size()), pinhole_arg(camera), positions_camera,
+                projected_, depth_, ids_);
   const size_t items = size_t(n_triangles_) * LC_RASTER_SHARE;
   nearest_.launch(items, kLocal, n_triangles_, width_, height_, cull_, projected_, triangles_, depth_);
   id_.launch(items, kLocal, n_triangles_, width_, height_, cull_, projected_, triangles_, depth_, ids_);

@@ -63,9 +63,10 @@ class DepthRasterizer {
   ocl::Buffer<int32_t> drawn_;    // CPU: columns that the last picture covers of each strip of rows
   ocl::Buffer<int32_t> facing_;   // CPU: [n_triangles, rounded up] see depth.cl
   ocl::Buffer<int32_t> overlap_;  // [2*h] per row: pixels in both, in either
-  ocl::Kernel project_, overlap_kernel_;
+  ocl::Kernel project_;           // CPU
+  ocl::Kernel overlap_kernel_;
   ocl::Kernel bands_;    // CPU
-  ocl::Kernel clear_;    // GPU
+  ocl::Kernel begin_;    // GPU
   ocl::Kernel nearest_;  // GPU
   ocl::Kernel id_;       // GPU
 };

@@ -52,21 +52,20 @@ std::vector<ocl::SelfTestResult> raster_self_test(ocl::DeviceContext& device) {
 
   std::vector<ocl::SelfTestResult> results;
   const std::vector<float> projected = raster.projected().read_all();
-  results.push_back(
-      counted("project_vertices", 135, std::lround(10 * projected[0])));  // u of the first corner: 13.5 px
+  results.push_back(counted(device.is_cpu() ? "project_vertices" : "raster_begin", 135,
+                            std::lround(10 * projected[0])));  // u of the first corner: 13.5 px
   const std::vector<float> depth = raster.depth().read_all();
   const long at_front = std::count_if(depth.begin(), depth.end(), [](float z) { return std::lround(z) == 1000; });
   const long empty = std::count_if(depth.begin(), depth.end(), [](float z) { return std::isinf(z); });
   results.push_back(counted(device.is_cpu() ? "raster_bands depth" : "raster_nearest", kFrontPixels, at_front));
   results.push_back(
-      counted(device.is_cpu() ? "raster_bands clear" : "raster_clear", kWidth * kHeight - kFrontPixels, empty));
+      counted(device.is_cpu() ? "raster_bands clear" : "raster_begin", kWidth * kHeight - kFrontPixels, empty));
   const std::vector<int32_t> ids = raster.triangle_ids().read_all();
   const long front_ids = std::count_if(ids.begin(), ids.end(), [](int32_t id) { return id == 0 || id == 1; });
   results.push_back(counted(device.is_cpu() ? "raster_bands ids" : "raster_ids", kFrontPixels, front_ids));
   const std::vector<int32_t> visible = visibility.visible().read_all();
   results.push_back(counted("visible_vertices", 4, std::count(visible.begin(), visible.end(), 1)));
-  results.push_back(
-      counted("triangle_facing, contour_vertices", 4, static_cast<long>(visibility.read_contour().size())));
+  results.push_back(counted("contour_vertices", 4, static_cast<long>(visibility.read_contour().size())));
   const std::vector<uint8_t> part_image = parts.part_image().read_all();
   results.push_back(counted("part_bits, part_grow_rows, part_grow_columns", kGrownPixels,
                             std::count(part_image.begin(), part_image.end(), uint8_t(kHead))));

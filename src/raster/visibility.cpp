@@ -55,10 +55,6 @@ SurfaceVisibility::SurfaceVisibility(ocl::DeviceContext& device, const Mesh& mes
   visible_ = ocl::Buffer<int32_t>(device, n_vertices_);
   contour_ = ocl::Buffer<int32_t>(device, n_vertices_);
   visible_kernel_ = ocl::Kernel(device, kFile, "visible_vertices");
-  if (!is_cpu_) {
-    facing_ = ocl::Buffer<int32_t>(device, n_triangles_);
-    facing_kernel_ = ocl::Kernel(device, kFile, "triangle_facing");
-  }
   contour_kernel_ = ocl::Kernel(device, kFile, "contour_vertices");
 }
 
@@ -79,11 +75,9 @@ void SurfaceVisibility::find_visible(const ocl::Buffer<float>& positions_camera,
 
 void SurfaceVisibility::find_contour(const DepthRasterizer& raster) {
   require(raster);
-  if (!raster.facing())
-    facing_kernel_.launch(n_triangles_, kLocal, n_triangles_, raster.projected(), raster.triangles(), facing_);
   contour_kernel_.launch(over_vertices(), n_vertices_, raster.width(), raster.height(), options_.contour_radius_px,
                          options_.contour_tolerance_mm, raster.projected(), fan_offsets_, fan_triangles_, on_open_edge_,
-                         raster.facing() ? *raster.facing() : facing_, raster.depth(), contour_);
+                         raster.facing() ? *raster.facing() : raster.triangles(), raster.depth(), contour_);
 }
 
 ocl::Range SurfaceVisibility::over_vertices() const {

@@ -47,11 +47,9 @@ class SurfaceVisibility {
   ocl::Buffer<int32_t> fan_offsets_;    // [n+1] triangles around each vertex, compressed rows
   ocl::Buffer<int32_t> fan_triangles_;  // [3*n_triangles]
   ocl::Buffer<int32_t> on_open_edge_;   // [n]
-  ocl::Buffer<int32_t> facing_;         // GPU: [n_triangles]
   ocl::Buffer<int32_t> visible_;
   ocl::Buffer<int32_t> contour_;
   ocl::Kernel visible_kernel_;
-  ocl::Kernel facing_kernel_;  // GPU
   ocl::Kernel contour_kernel_;
 };
 

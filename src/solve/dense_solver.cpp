@@ -3,13 +3,6 @@
 #include <Eigen/Cholesky>
 
 namespace livecap {
-namespace {
-
-// Pivots below this share of the largest count as zero, in the system scaled to unit diagonal.
-constexpr double kRankThreshold = 1e-12;
-
-}  // namespace
-
 std::string_view solve_status_name(SolveStatus status) {
   switch (status) {
     case SolveStatus::kOk:

@@ -19,6 +19,9 @@ enum class SolveStatus {
 // "ok", "no observations", "rank deficient", "not finite".
 std::string_view solve_status_name(SolveStatus status);
 
+// Pivots below this share of the largest count as zero, in the system scaled to unit diagonal.
+inline constexpr double kRankThreshold = 1e-12;
+
 struct DenseSolution {
   SolveStatus status = SolveStatus::kOk;
   Eigen::VectorXd delta;  // [n] zero unless status is kOk

@@ -10,7 +10,6 @@
 #include "support/kernel_bodies.h"
 #include "support/pose_reference.h"
 #include "support/pose_scene.h"
-#include "support/test_device.h"
 #include "support/tolerances.h"
 
 namespace livecap {
@@ -63,22 +62,24 @@ struct Scene {
 // Runs check(system, reference) with and without a displacement.
 template <typename Check>
 void with_system(Check&& check) {
-  test::on_every_device_and_body([&](ocl::DeviceContext& device) {
-    Scene scene;
-    for (bool displaced : {true, false}) {
-      if (!displaced) scene.displacement.clear();
-      PoseSystem system(device, scene.actor, scene.camera, scene.options);
-      DeviceFrame frame(device, scene.camera.width, scene.camera.height);
-      frame.signed_distance.write(scene.distance);
-      const ocl::Buffer<float> displacement(device, scene.displacement);
-      system.set_frame(make_targets(scene.actor, scene.detections, &scene.previous, scene.options), &frame,
-                       scene.contour, displaced ? &displacement : nullptr);
-      system.set_floor(&scene.floor, scene.stands);
-      ASSERT_EQ(system.n_contour(), int(scene.contour.size()));
-      ASSERT_FALSE(system.soles().empty());
-      check(system, scene.reference(system.contour_weight()), scene);
-    }
-  });
+  test::on_every_device_and_body(
+      [&](ocl::DeviceContext& device) {
+        Scene scene;
+        for (bool displaced : {true, false}) {
+          if (!displaced) scene.displacement.clear();
+          PoseSystem system(device, scene.actor, scene.camera, scene.options);
+          DeviceFrame frame(device, scene.camera.width, scene.camera.height);
+          frame.signed_distance.write(scene.distance);
+          const ocl::Buffer<float> displacement(device, scene.displacement);
+          system.set_frame(make_targets(scene.actor, scene.detections, &scene.previous, scene.options), &frame,
+                           scene.contour, displaced ? &displacement : nullptr);
+          system.set_floor(&scene.floor, scene.stands);
+          ASSERT_EQ(system.n_contour(), int(scene.contour.size()));
+          ASSERT_FALSE(system.soles().empty());
+          check(system, scene.reference(system.contour_weight()), scene);
+        }
+      },
+      test::Doubles::kAlsoWithout);
 }
 
 TEST(PoseSystem, ResidualsAreTheReferences) {
@@ -156,76 +157,82 @@ TEST(PoseSystem, RepeatsBitForBit) {
 }
 
 TEST(PoseSystem, ContourCountsAroundTheVectorWidth) {
-  test::on_every_device_and_body([](ocl::DeviceContext& device) {
-    Scene scene;
-    scene.displacement.clear();
-    PoseSystem system(device, scene.actor, scene.camera, scene.options);
-    DeviceFrame frame(device, scene.camera.width, scene.camera.height);
-    frame.signed_distance.write(scene.distance);
-    const KeypointTargets targets = make_targets(scene.actor, scene.detections, &scene.previous, scene.options);
-    const std::vector<int32_t> all = scene.contour;
-    for (int n : {0, 1, 63, 64, 65}) {
-      scene.contour.assign(all.begin(), all.begin() + n);
-      system.set_frame(targets, &frame, scene.contour, nullptr);
-      system.set_floor(&scene.floor, scene.stands);
-      const Eigen::VectorXd expected = scene.reference(system.contour_weight()).residuals(scene.state);
-      const double energy = expected.squaredNorm();
-      EXPECT_NEAR(system.assemble(scene.state).energy, energy, test::kPoseJacobian * energy) << n;
-    }
-  });
+  test::on_every_device_and_body(
+      [](ocl::DeviceContext& device) {
+        Scene scene;
+        scene.displacement.clear();
+        PoseSystem system(device, scene.actor, scene.camera, scene.options);
+        DeviceFrame frame(device, scene.camera.width, scene.camera.height);
+        frame.signed_distance.write(scene.distance);
+        const KeypointTargets targets = make_targets(scene.actor, scene.detections, &scene.previous, scene.options);
+        const std::vector<int32_t> all = scene.contour;
+        for (int n : {0, 1, 63, 64, 65}) {
+          scene.contour.assign(all.begin(), all.begin() + n);
+          system.set_frame(targets, &frame, scene.contour, nullptr);
+          system.set_floor(&scene.floor, scene.stands);
+          const Eigen::VectorXd expected = scene.reference(system.contour_weight()).residuals(scene.state);
+          const double energy = expected.squaredNorm();
+          EXPECT_NEAR(system.assemble(scene.state).energy, energy, test::kPoseJacobian * energy) << n;
+        }
+      },
+      test::Doubles::kAlsoWithout);
 }
 
 // Behind contour and matches, in counts around the vector width: L = 0.5 + n_x + 2 n_y, exact by hand.
 TEST(PoseSystem, ShadedVerticesFollowTheirNormals) {
-  test::on_every_device_and_body([](ocl::DeviceContext& device) {
-    Scene scene;
-    scene.displacement.clear();
-    scene.options.shading_huber = scene.options.match_huber_px = 0;
-    PoseSystem system(device, scene.actor, scene.camera, scene.options);
-    DeviceFrame frame(device, scene.camera.width, scene.camera.height);
-    frame.signed_distance.write(scene.distance);
-    const std::vector<float> normals = vertex_normals(scene.actor.mesh.positions, scene.actor.mesh.triangles);
-    const test::PoseReference reference = scene.reference(1);
-    const auto residual = [&](const ShadedVertex& s, const PoseState& state) {
-      const auto skinned = reference.skin(s.vertex, forward_kinematics(scene.actor.skeleton, state.pose));
-      const Eigen::Vector3d n =
-          skinned.rotation * Eigen::Map<const Eigen::Vector3f>(&normals[3 * s.vertex]).cast<double>();
-      return std::sqrt(scene.options.weights.shading * s.weight) * (0.5 + n.x() + 2 * n.y() - s.brightness);
-    };
-    const std::vector<VertexMatch> matches(37, {.vertex = 3, .u_px = 200, .v_px = 300});
-    for (int n : {0, 1, 63, 64, 65}) {
-      std::vector<ShadedVertex> shaded;
-      for (int i = 0; i < n; ++i)
-        shaded.push_back({(7 * i) % scene.actor.n_vertices(), {0.5f, 1, 2}, 0.1f * float(i % 5), 0.5f + float(i % 3)});
-      system.set_frame(make_targets(scene.actor, scene.detections, &scene.previous, scene.options), &frame,
-                       scene.contour, nullptr, matches, shaded);
-      ASSERT_EQ(system.n_shaded(), n);
-      const std::vector<float> rows = system.residuals(scene.state).rows;
-      const Eigen::MatrixXd J = system.jacobian(scene.state).cast<double>();
-      const int first = system.n_rows() - n;
-      const double scale = std::sqrt(scene.options.weights.shading);
-      for (int i = 0; i < n; ++i) {
-        EXPECT_NEAR(rows[first + i], residual(shaded[i], scene.state), test::kPoseJacobian * scale) << n << " " << i;
-        for (int k = 0; k < system.n_unknowns() - 3; ++k) {
-          const Eigen::VectorXd step = 1e-5 * Eigen::VectorXd::Unit(system.n_unknowns() - 3, k);
-          const double numeric =
-              (residual(shaded[i], {add_increment(scene.state.pose, step), scene.state.t_prime_mm}) -
-               residual(shaded[i], {add_increment(scene.state.pose, -step), scene.state.t_prime_mm})) /
-              2e-5;
-          EXPECT_NEAR(J(first + i, k), numeric, 10 * test::kPoseJacobian * scale) << n << " " << i << " " << k;
+  test::on_every_device_and_body(
+      [](ocl::DeviceContext& device) {
+        Scene scene;
+        scene.displacement.clear();
+        scene.options.shading_huber = scene.options.match_huber_px = 0;
+        PoseSystem system(device, scene.actor, scene.camera, scene.options);
+        DeviceFrame frame(device, scene.camera.width, scene.camera.height);
+        frame.signed_distance.write(scene.distance);
+        const std::vector<float> normals = vertex_normals(scene.actor.mesh.positions, scene.actor.mesh.triangles);
+        const test::PoseReference reference = scene.reference(1);
+        const auto residual = [&](const ShadedVertex& s, const PoseState& state) {
+          const auto skinned = reference.skin(s.vertex, forward_kinematics(scene.actor.skeleton, state.pose));
+          const Eigen::Vector3d n =
+              skinned.rotation * Eigen::Map<const Eigen::Vector3f>(&normals[3 * s.vertex]).cast<double>();
+          return std::sqrt(scene.options.weights.shading * s.weight) * (0.5 + n.x() + 2 * n.y() - s.brightness);
+        };
+        const std::vector<VertexMatch> matches(37, {.vertex = 3, .u_px = 200, .v_px = 300});
+        for (int n : {0, 1, 63, 64, 65}) {
+          std::vector<ShadedVertex> shaded;
+          for (int i = 0; i < n; ++i)
+            shaded.push_back(
+                {(7 * i) % scene.actor.n_vertices(), {0.5f, 1, 2}, 0.1f * float(i % 5), 0.5f + float(i % 3)});
+          system.set_frame(make_targets(scene.actor, scene.detections, &scene.previous, scene.options), &frame,
+                           scene.contour, nullptr, matches, shaded);
+          ASSERT_EQ(system.n_shaded(), n);
+          const std::vector<float> rows = system.residuals(scene.state).rows;
+          const Eigen::MatrixXd J = system.jacobian(scene.state).cast<double>();
+          const int first = system.n_rows() - n;
+          const double scale = std::sqrt(scene.options.weights.shading);
+          for (int i = 0; i < n; ++i) {
+            EXPECT_NEAR(rows[first + i], residual(shaded[i], scene.state), test::kPoseJacobian * scale)
+                << n << " " << i;
+            for (int k = 0; k < system.n_unknowns() - 3; ++k) {
+              const Eigen::VectorXd step = 1e-5 * Eigen::VectorXd::Unit(system.n_unknowns() - 3, k);
+              const double numeric =
+                  (residual(shaded[i], {add_increment(scene.state.pose, step), scene.state.t_prime_mm}) -
+                   residual(shaded[i], {add_increment(scene.state.pose, -step), scene.state.t_prime_mm})) /
+                  2e-5;
+              EXPECT_NEAR(J(first + i, k), numeric, 10 * test::kPoseJacobian * scale) << n << " " << i << " " << k;
+            }
+          }
+          const Eigen::VectorXd F = Eigen::Map<const Eigen::VectorXf>(rows.data(), rows.size()).cast<double>();
+          const PoseNormalEquations got = system.assemble(scene.state);
+          EXPECT_NEAR(got.energy, F.squaredNorm(), test::kGramFloat * F.squaredNorm()) << n;
+          const Eigen::VectorXd diagonal = J.colwise().squaredNorm();
+          for (int k = 0; k < system.n_unknowns(); ++k)
+            EXPECT_NEAR(got.JtJ(k, k), diagonal[k], test::kGramFloat * diagonal[k]) << n << " " << k;
         }
-      }
-      const Eigen::VectorXd F = Eigen::Map<const Eigen::VectorXf>(rows.data(), rows.size()).cast<double>();
-      const PoseNormalEquations got = system.assemble(scene.state);
-      EXPECT_NEAR(got.energy, F.squaredNorm(), test::kGramFloat * F.squaredNorm()) << n;
-      const Eigen::VectorXd diagonal = J.colwise().squaredNorm();
-      for (int k = 0; k < system.n_unknowns(); ++k)
-        EXPECT_NEAR(got.JtJ(k, k), diagonal[k], test::kGramFloat * diagonal[k]) << n << " " << k;
-    }
-    EXPECT_THROW(
-        system.set_frame({}, nullptr, {}, nullptr, {}, std::vector<ShadedVertex>{{.vertex = scene.actor.n_vertices()}}),
-        LogicError);
-  });
+        EXPECT_THROW(system.set_frame({}, nullptr, {}, nullptr, {},
+                                      std::vector<ShadedVertex>{{.vertex = scene.actor.n_vertices()}}),
+                     LogicError);
+      },
+      test::Doubles::kAlsoWithout);
 }
 
 TEST(PoseSystem, ThinnedContourKeepsItsWeight) {
@@ -312,35 +319,37 @@ TEST(PoseSystem, WrongInputsAreRefused) {
 
 // More matches than rows: the heavy ones stay, and the total weight with them.
 TEST(PoseSystem, MatchesAreThinnedToTheirTotalWeight) {
-  test::on_every_device_and_body([](ocl::DeviceContext& device) {
-    Scene scene;
-    scene.options.max_matches = 40;
-    scene.options.match_huber_px = 0;
-    PoseSystem system(device, scene.actor, scene.camera, scene.options);
-    // All 3 px right of where the vertices are.
-    Skinner skinner(device, scene.actor);
-    skinner.set_pose(bone_dual_quats(forward_kinematics(scene.actor.skeleton, scene.state.pose)));
-    ocl::Buffer<float> zero(device, 3 * size_t(scene.actor.n_vertices())), positions(device, zero.size());
-    zero.fill(0);
-    skinner.skin(zero, positions);
-    const std::vector<float> p = positions.read_all();
-    std::vector<VertexMatch> matches;
-    double total = 0;
-    for (int i = 0; i < scene.actor.n_vertices(); ++i) {
-      const Eigen::Vector2d px = project_px(scene.camera, {p[3 * i], p[3 * i + 1], p[3 * i + 2]});
-      const float weight = i % 7 == 0 ? 3.0f : 0.1f;
-      matches.push_back({.vertex = i, .u_px = float(px.x() - 3), .v_px = float(px.y()), .weight = weight});
-      total += weight;
-    }
-    ASSERT_GT(matches.size(), 40u);
-    system.set_frame({}, nullptr, {}, nullptr, matches);
-    EXPECT_LE(system.n_matches(), 40);
-    EXPECT_GE(system.n_matches(), 30);
-    const std::vector<float> rows = system.residuals(scene.state).rows;
-    double energy = 0;
-    for (size_t i = system.n_point_rows(); i < rows.size(); ++i) energy += double(rows[i]) * rows[i];
-    EXPECT_NEAR(energy, scene.options.weights.match * total * 9, 0.05 * scene.options.weights.match * total * 9);
-  });
+  test::on_every_device_and_body(
+      [](ocl::DeviceContext& device) {
+        Scene scene;
+        scene.options.max_matches = 40;
+        scene.options.match_huber_px = 0;
+        PoseSystem system(device, scene.actor, scene.camera, scene.options);
+        // All 3 px right of where the vertices are.
+        Skinner skinner(device, scene.actor);
+        skinner.set_pose(bone_dual_quats(forward_kinematics(scene.actor.skeleton, scene.state.pose)));
+        ocl::Buffer<float> zero(device, 3 * size_t(scene.actor.n_vertices())), positions(device, zero.size());
+        zero.fill(0);
+        skinner.skin(zero, positions);
+        const std::vector<float> p = positions.read_all();
+        std::vector<VertexMatch> matches;
+        double total = 0;
+        for (int i = 0; i < scene.actor.n_vertices(); ++i) {
+          const Eigen::Vector2d px = project_px(scene.camera, {p[3 * i], p[3 * i + 1], p[3 * i + 2]});
+          const float weight = i % 7 == 0 ? 3.0f : 0.1f;
+          matches.push_back({.vertex = i, .u_px = float(px.x() - 3), .v_px = float(px.y()), .weight = weight});
+          total += weight;
+        }
+        ASSERT_GT(matches.size(), 40u);
+        system.set_frame({}, nullptr, {}, nullptr, matches);
+        EXPECT_LE(system.n_matches(), 40);
+        EXPECT_GE(system.n_matches(), 30);
+        const std::vector<float> rows = system.residuals(scene.state).rows;
+        double energy = 0;
+        for (size_t i = system.n_point_rows(); i < rows.size(); ++i) energy += double(rows[i]) * rows[i];
+        EXPECT_NEAR(energy, scene.options.weights.match * total * 9, 0.05 * scene.options.weights.match * total * 9);
+      },
+      test::Doubles::kAlsoWithout);
 }
 
 }  // namespace

@@ -8,10 +8,13 @@
 
 namespace livecap::test {
 
+// GPUs without double precision take some steps on the host.
+enum class Doubles { kAsTheyAre, kAlsoWithout };
+
 // Runs check(device) on every test device with its own kernel bodies, on CPUs once more with those of the other number
-// of lanes and once with those for GPUs.
+// of lanes and with those for GPUs.
 template <typename Check>
-void on_every_device_and_body(Check&& check) {
+void on_every_device_and_body(Check&& check, Doubles doubles = Doubles::kAsTheyAre) {
   for (const std::string& selector : device_selectors()) {
     const ocl::DeviceInfo own = ocl::select_device(selector);
     const auto run = [&](const ocl::DeviceInfo& info) {
@@ -25,6 +28,9 @@ void on_every_device_and_body(Check&& check) {
     other.cpu_lanes = 24 - own.cpu_lanes;
     run(other);
     other.is_cpu = false;
+    run(other);
+    if (doubles == Doubles::kAsTheyAre) continue;
+    other.has_double = false;
     run(other);
   }
 }

@@ -87,6 +87,10 @@ inline constexpr double kTermResidual = 1e-3;
 inline constexpr double kPoseJacobian = 5e-5;
 // J^T J of some 600 float rows against the same sum in double, relative to sqrt(A_ii A_jj).
 inline constexpr double kGramFloat = 3e-6;
+// Six Gauss-Newton steps whose float sums are added in another order: 1e-7 of the normal equations times their
+// condition. Seen 1e-7 and 4e-6.
+inline constexpr double kStepsRad = 1e-6;
+inline constexpr double kStepsMm = 1e-4;
 // A solver that had its model and exact data: mm between its keypoints and the true ones.
 inline constexpr double kRecoveredMm = 1.0;
 // A torso that is turned about its axis alone onto detections of a standing figure, rad.

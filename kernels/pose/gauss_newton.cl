@@ -1,0 +1,196 @@
+// Gauss-Newton steps on GPUs. A work-group makes LC_POSE_GROUP_ROWS rows of J at a time in local memory and their part
+// of [J | F]^T [J | F]; the parts are added in order. All steps of a solve are one launch: groups wait for each other
+// before the parts are added and before the step is solved for, which each does for itself, as it does with the
+// kinematic chain. Where groups do not wait the host launches each step; without double precision
+// (LC_POSE_TAKES_STEPS 0) it does the chain, too.
+//
+// Barriers are in no branch and the loop is left at two places only: PoCL compiles what follows a branch with a barrier
+// once for every way there.
+#if !LC_CPU
+#if !defined(LC_POSE_TAKES_STEPS) && defined(cl_khr_fp64)
+#define LC_POSE_TAKES_STEPS 1
+#endif
+#include "shared/lanes.h"
+//
+#include "pose/chain.h"
+#include "pose/contour_records.cl"
+#include "pose/damped_step.h"
+#include "pose/match_records.cl"
+#include "pose/point_records.cl"
+#include "pose/shading_records.cl"
+#include "shared/all_arrived.h"
+//
+#include "pose/fill_rows.cl"
+#include "pose/gram.cl"
+
+#define ROWS LC_POSE_GROUP_ROWS
+#if LC_POSE_TAKES_STEPS
+typedef double real64;
+#else
+typedef long real64;  // of arguments that are not used
+#endif
+
+// The part of the normal equations of ROWS rows of J, [n_tiles][8][8]: two rows of four entries of a tile at a time.
+static void gram_of_rows(int n_columns, local const float* rows, global float* part) {
+  const int n_tiles = n_columns / 8 * (n_columns / 8 + 1) / 2;
+  for (int i = get_local_id(0); i < n_tiles * 8; i += LC_POSE_GROUP) {
+    const int2 corner = tile_corner(i / 8, n_columns / 8);
+    const int y = i % 8 / 2 * 2, x = i % 2 * 4;
+    float4 upper = 0.0f, lower = 0.0f;
+    for (int row = 0; row < ROWS; ++row) {
+      const float2 left = vload2(0, rows + row * n_columns + corner.x + y);
+      const float4 right = vload4(0, rows + row * n_columns + corner.y + x);
+      upper += left.x * right;
+      lower += left.y * right;
+    }
+    global float* tile = part + i / 8 * 64 + y * 8 + x;
+    vstore4(upper, 0, tile);
+    vstore4(lower, 0, tile + 8);
+  }
+}
+
+// gram [n] of parts [n_parts][n], n a multiple of 16: sixteen entries a group at a time, in sixteen sums each.
+static void add_parts(int n, int n_parts, global const float* parts, global float* gram, local float* sums) {
+  const int id = get_local_id(0);
+  for (int first = 16 * get_group_id(0); first < n; first += 16 * get_num_groups(0)) {
+    float sum = 0.0f;
+    for (int p = id / 16; p < n_parts; p += LC_POSE_GROUP / 16) sum += parts[p * n + first + id % 16];
+    sums[id] = sum;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (id < 16) {
+      for (int k = 1; k < LC_POSE_GROUP / 16; ++k) sum += sums[16 * k + id];
+      gram[first + id] = sum;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+  }
+}
+
+// steps.most steps from the state in the inputs on and the residuals where they end; or, if that is negative, rows,
+// residuals and parts there, by a group for each ROWS rows (without LC_POSE_TAKES_STEPS: at `step`). Rows: point rows,
+// then contour, then matches (two each), then shaded vertices, each kind from a multiple of ROWS on; counts: matches,
+// shaded vertices. Other arguments: layout.h and the functions that are called. step [n_groups][LC_POSE_STEP_SIZE].
+// Out: the records of each kind; results: layout.h; J [n_rows*n_columns]; parts [n_parts][n_tiles][8][8] and their sum
+// gram. state: see all_arrived.h. rows: ROWS * n_columns floats; memory: LC_POSE_LOCAL.
+kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gauss_newton(
+    PoseLayout layout, float4 camera, int2 counts, PoseContour contour, float keypoint_huber_px, float match_huber_px,
+    float shading_huber, float sqrt_anatomic, PoseInputs at, PoseStepsArg steps, global const float* restrict inputs,
+    global const real64* restrict constants, global const int* restrict links, global const float* restrict moves,
+    global const float* restrict limits, global const float* restrict rest, global const float* restrict rest_normals,
+    global const float* restrict displacement, global const int* restrict bones, global const float* restrict weights,
+    global const float* restrict distance, global float* step, global float* point, global float* on_contour,
+    global float* matched, global float* shaded, global float* restrict J, global float* parts, global float* gram,
+    global float* results, volatile global int* state, local float* rows, local real64* memory) {
+  const int id = get_local_id(0), group = get_group_id(0), n_groups = get_num_groups(0);
+  const int n_columns = layout.n_columns, n_point = LC_POSE_POINT_ROWS + layout.n_dofs + layout.n_soles;
+  const int n_of[4] = {n_point, contour.n, 2 * counts.x, counts.y};
+  int n_parts = 0, n_rows = 0;
+  for (int kind = 0; kind < 4; ++kind) {
+    n_parts += (n_of[kind] + ROWS - 1) / ROWS;
+    n_rows += n_of[kind];
+  }
+  global float* residuals = results + LC_POSE_RESULT_RESIDUALS(layout);
+#if LC_POSE_TAKES_STEPS
+  local int given_up, finite;
+  local double* unknowns = memory;
+  local double* chain_memory = unknowns + LC_POSE_STATE_SIZE(layout);
+  const Chain chain = chain_in(layout, chain_memory);
+  int arrived = steps.arrived, together = 1, status = LC_POSE_SOLVED, taken = 0;
+  for (int i = id; i < LC_POSE_STATE_SIZE(layout); i += LC_POSE_GROUP) unknowns[i] = ((global const double*)inputs)[i];
+  step += group * LC_POSE_STEP_SIZE(layout);
+  barrier(CLK_LOCAL_MEM_FENCE);
+  while (true) {
+    pose_chain(layout, constants, links, unknowns, chain);
+    write_step(layout, constants, links, unknowns, chain, step);
+    const double moved_px = keypoints_moved_px(layout, camera, constants, links, unknowns, chain);
+    const int is_last = taken >= steps.most || (taken > 0 && moved_px < steps.settled_px);
+    const int counts_rows = !is_last || steps.most < 0;
+#else
+  (void)constants, (void)gram, (void)state, (void)memory;
+  const int counts_rows = 1;
+  {
+#endif
+    for (int part = group; part < n_parts; part += n_groups) {
+      int kind = 0, before = 0, first = part * ROWS;  // of its kind; rows of the kinds before
+      for (; first >= n_of[kind]; ++kind) {
+        first -= (n_of[kind] + ROWS - 1) / ROWS * ROWS;
+        before += n_of[kind];
+      }
+      const int left = min(ROWS, n_of[kind] - first);
+      global float* of_kind = residuals + before;
+      if (kind == 0) {
+        const int row = first + id, limit = row - LC_POSE_POINT_ROWS;
+        const Pinhole cam = {camera.x, camera.y, camera.z, camera.w};
+        if (id < left && (limit >= 0 || row % LC_POSE_ROWS_PER_KEYPOINT == 0))
+          point_records(limit >= 0 ? LC_POSE_KEYPOINTS + limit : row / LC_POSE_ROWS_PER_KEYPOINT, layout, cam,
+                        keypoint_huber_px, step, inputs + at.targets, links + LC_POSE_LINKS_POINTS(layout), limits,
+                        inputs + at.ground, sqrt_anatomic, point, of_kind);
+      } else if (kind == 1) {
+        if (id < left)
+          contour_records(first + id, layout, camera, contour, step, (global const int*)(inputs + at.contour_vertices),
+                          rest, rest_normals, displacement, bones, weights, distance, on_contour, of_kind,
+                          residuals + n_rows);
+      } else if (kind == 2) {
+        if (2 * id < left)
+          match_records(first / 2 + id, layout, camera, counts.x, match_huber_px, step,
+                        (global const int*)(inputs + at.match_vertices), inputs + at.match_targets, rest, bones,
+                        weights, matched, of_kind);
+      } else if (id < left) {
+        shading_records(first + id, layout, counts.y, shading_huber, step,
+                        (global const int*)(inputs + at.shaded_vertices), inputs + at.shaded_targets, rest_normals,
+                        bones, weights, shaded, of_kind);
+      }
+      barrier(CLK_GLOBAL_MEM_FENCE);
+      const int blocks = n_columns / FILL_COLUMNS;
+      for (int i = id; counts_rows && i < ROWS * blocks; i += LC_POSE_GROUP) {
+        const int row = i / blocks, column = i % blocks * FILL_COLUMNS;
+        columns_t value = 0.0f;
+        if (row < left) {
+          value = kind == 0   ? point_columns(layout, first + row, column, step, moves, point, of_kind)
+                  : kind == 1 ? skinned_columns(layout, first + row, 1, column, step, moves, on_contour, of_kind)
+                  : kind == 2 ? skinned_columns(layout, first + row, 2, column, step, moves, matched, of_kind)
+                              : skinned_columns(layout, first + row, 1, column, step, moves, shaded, of_kind);
+          if (steps.write_rows) vstore8(value, 0, J + (before + first + row) * n_columns + column);
+        }
+        vstore8(value, 0, rows + row * n_columns + column);
+      }
+      barrier(CLK_LOCAL_MEM_FENCE);
+      if (counts_rows) gram_of_rows(n_columns, rows, parts + part * LC_POSE_GRAM_SIZE(layout));
+      barrier(CLK_LOCAL_MEM_FENCE);
+    }
+#if LC_POSE_TAKES_STEPS
+    if (is_last) break;
+    arrived += n_groups;
+    together &= all_arrived(state, arrived, &given_up);
+    add_parts(LC_POSE_GRAM_SIZE(layout), n_parts, parts, gram, rows);
+    arrived += n_groups;
+    together &= all_arrived(state, arrived, &given_up);
+    if (group == 0 && id == 0)
+      results[LC_POSE_RESULT_ENERGY(layout) + taken] = gram_entry(layout, gram, layout.n_unknowns, layout.n_unknowns);
+    status = damped_step(layout, steps, gram, chain_memory + LC_POSE_CHAIN_LOCAL(layout), &finite, unknowns);
+    ++taken;
+    if (!together || status != LC_POSE_SOLVED) break;
+  }
+  global int* told = (global int*)results;
+  if (!together && id == 0) told[LC_POSE_RESULT_GAVE_UP(layout)] = 1;
+  if (group > 0) return;
+  for (int i = id; i < LC_POSE_STATE_SIZE(layout); i += LC_POSE_GROUP) ((global double*)results)[i] = unknowns[i];
+  if (id == 0) {
+    told[LC_POSE_RESULT_TAKEN(layout)] = taken;
+    told[LC_POSE_RESULT_STATUS(layout)] = status;
+  }
+#else
+  }
+#endif
+}
+
+// Over the entries of gram [n_tiles][8][8].
+kernel void pose_sum_parts(int n, int n_parts, global const float* restrict parts, global float* restrict gram) {
+  const int i = get_global_id(0);
+  if (i >= n) return;
+  float sum = 0.0f;
+#pragma unroll 8
+  for (int p = 0; p < n_parts; ++p) sum += parts[p * n + i];
+  gram[i] = sum;
+}
+
+#endif

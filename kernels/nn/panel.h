@@ -26,9 +26,11 @@ static inline void nn_write_half(float8 v, global float* out, int n) {
 }
 
 // v within op.low..op.high, by one instruction each, which clamp() is not.
-#define NN_LIMIT(T, v, op)          \
-  v = v > op.low ? v : (T)(op.low); \
-  v = v < op.high ? v : (T)(op.high)
+#define NN_LIMIT(T, v, op)              \
+  do {                                  \
+    v = v > op.low ? v : (T)(op.low);   \
+    v = v < op.high ? v : (T)(op.high); \
+  } while (0)
 
 // Adds the residual, clamps, and writes the first n (>= 1; all when n >= 16) channels of v at element `at`.
 static inline void nn_store_panel(NnOp op, global float* arena, int at, float16 v, int n) {

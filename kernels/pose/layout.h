@@ -52,9 +52,9 @@ typedef struct {
   int n_soles;  // points of the soles
 } PoseLayout;
 
-// What one Gauss-Newton step uploads, in floats: for every column the axis (3 planes) and the moment origin x axis
-// (3 planes); keypoints xyz, root-relative; t'; t; joint angles; bone dual quaternions, root-relative; points of the
-// soles xyz, root-relative.
+// What the rows of one Gauss-Newton step are filled from, in floats, by the host or by gauss_newton.cl: for every
+// column the axis (3 planes) and the moment origin x axis (3 planes); keypoints xyz, root-relative; t'; t; joint
+// angles; bone dual quaternions, root-relative; points of the soles xyz, root-relative.
 #define LC_POSE_STEP_KEYPOINTS(layout) (6 * (layout).n_columns)
 #define LC_POSE_STEP_T_PRIME(layout) (LC_POSE_STEP_KEYPOINTS(layout) + 3 * LC_POSE_KEYPOINTS)
 #define LC_POSE_STEP_ROOT(layout) (LC_POSE_STEP_T_PRIME(layout) + 3)
@@ -106,7 +106,7 @@ typedef struct {
 #define LC_POSE_GRAM_SIZE(layout) ((layout).n_columns * ((layout).n_columns + 8) / 2)
 
 typedef struct {
-  int most;           // steps; -1: none, the normal equations of the step that was uploaded
+  int most;           // steps; -1: none, the normal equations of the state or step that was uploaded
   int arrived;        // see all_arrived.h
   int write_rows;     // whether J is written as well
   float settled_px;   // no further step after one that moves no keypoint so far

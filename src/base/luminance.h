@@ -1,4 +1,5 @@
-// How much of a colour's brightness its red, green and blue are (ITU-R BT.601). On devices: kernels/shared/luminance.h.
+// How much of a colour's brightness its red, green and blue are (ITU-R BT.601), for brightness; the colour matrices of
+// videos are in image/picture_converter.cpp. On devices: kernels/shared/luminance.h.
 #pragma once
 
 namespace livecap {

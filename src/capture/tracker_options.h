@@ -51,8 +51,8 @@ struct TrackerOptions {
   // So is one with an ankle so far from its detection, as a share of the person's height in the picture
   // (pose/other_starts.h).
   double strayed_share = 0.04;
-  // So is one with an elbow or knee so far past its limit (pose/other_starts.h).
-  double least_past_limit_rad = 0.12;
+  // So is one with an elbow or knee so far past its limit (pose/other_starts.h): E_anatomic lets hardly any go further.
+  double least_past_limit_rad = 0.015;
   // And so is one with a forearm mirrored in depth, if that turns it by so much and the skin's shading then misfits
   // less than this share of before (pose/other_starts.h, match/skin_shading.h).
   double least_mirrored_rad = 0.35;

@@ -17,7 +17,7 @@ struct PoseWeights {
   double shading = 3e4;      // lambda_shading; not in the paper
   double floor = 200;        // lambda_floor; not in the paper
   double temporal = 1.5;     // lambda_temporal
-  double anatomic = 1e6;     // lambda_anatomic
+  double anatomic = 1e7;     // lambda_anatomic; the paper: 1e6
 };
 
 // Sets the weight of a term by its name in solve/term_table.h; false when the pose stage has no such term.

@@ -70,7 +70,8 @@ class PoseSolver {
   // Throws ConfigError for bad options, LogicError for an inconsistent actor, OclError.
   PoseSolver(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const PoseOptions& options);
 
-  // Bit-identical for identical inputs on one device. Throws LogicError for inputs of wrong size.
+  // Bit-identical for identical inputs on one device, unless its work-groups gave up waiting for each other in one of
+  // the runs (ocl/groups_together.h): then within float rounding. Throws LogicError for inputs of wrong size.
   PoseResult solve(const PoseInput& input);
 
   const PoseOptions& options() const { return options_; }

@@ -88,7 +88,7 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
   }
   const size_t n_contour = round_up(options.max_contour_vertices, LC_POSE_SLICE);
   step_host_.resize(LC_POSE_STEP_SIZE(layout_));
-  gram_host_.resize(size_t(n_tiles_) * kTile * kTile);
+  gram_host_.resize(LC_POSE_GRAM_SIZE(layout_));
   inputs_ = PoseRowInputs(layout_, options, n_vertices_);
   inputs_on_device_ = ocl::Buffer<float>(device, inputs_.most_words());
   links_ = ocl::Buffer<int32_t>(device, chain_links(points_));
@@ -238,7 +238,7 @@ size_t PoseSystem::n_parts() const {
   return parts(n_point_rows_) + parts(n_contour()) + parts(2 * n_matches()) + parts(n_shaded());
 }
 
-// On GPUs: rows, residuals and parts at the step that was uploaded.
+// On GPUs: rows, residuals and parts at the state that was uploaded.
 void PoseSystem::launch_normal_equations(bool write_rows) {
   PoseStepsArg none{};
   none.most = -1;

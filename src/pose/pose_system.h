@@ -53,7 +53,7 @@ class PoseSystem {
   // Keeps no reference to its arguments. Throws LogicError when the actor's arrays do not fit together.
   PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const PoseOptions& options);
 
-  // Constants of the next frame. frame, displacement_rest: nullptr, or alive until the last assemble of this frame.
+  // Constants of the next frame. frame, displacement_rest: nullptr, or alive until the next call.
   // Throws LogicError for a contour vertex out of range or a frame of another size than the camera's.
   void set_frame(const KeypointTargets& targets, const DeviceFrame* frame, std::span<const int32_t> contour_vertices,
                  const ocl::Buffer<float>* displacement_rest, std::span<const VertexMatch> matches = {},
@@ -66,7 +66,7 @@ class PoseSystem {
   PoseNormalEquations assemble(const PoseState& state);
   PoseResiduals residuals(const PoseState& state);
   // n_steps, fewer where one moves no keypoint by settled_px (0: never), in one launch with one read. Nothing where the
-  // device cannot: then assemble, solve and ask for the residuals.
+  // device cannot, or for more than LC_POSE_MOST_STEPS: then assemble, solve and ask for the residuals.
   std::optional<PoseSteps> take_steps(const PoseState& start, int n_steps, double settled_px);
   // J as the device filled it, [n_rows, n_unknowns].
   Eigen::MatrixXf jacobian(const PoseState& state);

@@ -11,7 +11,7 @@
 namespace livecap {
 namespace {
 
-// More than fit are thinned to equal shares of their total weight.
+// More than fit are thinned to equal shares of their total weight; what has no weight is left out.
 template <typename Weighted>
 std::vector<Weighted> thinned(std::span<const Weighted> all, int most) {
   if (all.size() <= size_t(most)) return {all.begin(), all.end()};
@@ -23,7 +23,7 @@ std::vector<Weighted> thinned(std::span<const Weighted> all, int most) {
   for (const Weighted& one : all) {
     sum += one.weight;
     const double n_shares = std::floor(sum / share);
-    if (n_shares < 1) continue;
+    if (!(n_shares >= 1) || used.size() == size_t(most)) continue;
     sum -= n_shares * share;
     used.push_back(one);
     used.back().weight = float(n_shares * share);

@@ -11,6 +11,7 @@ namespace livecap {
 namespace {
 
 constexpr double kRelative = 1e-4;  // float rows against double central differences
+constexpr double kStepMm = 100;     // of a Gauss-Newton step, beside a radian
 
 Actor two_bone_actor() {
   Actor actor;
@@ -108,9 +109,14 @@ ocl::SelfTestResult compare(const std::string& kernels, const Eigen::MatrixXd& g
   return result;
 }
 
-Eigen::VectorXd values_of(const PoseState& state) {
-  const std::vector<double> values = state_values(state);
-  return Eigen::Map<const Eigen::VectorXd>(values.data(), values.size());
+// From one state to the other: turns in rad, lengths in kStepMm.
+Eigen::VectorXd step_between(const PoseState& from, const PoseState& to) {
+  Eigen::VectorXd step(from.pose.angles_rad.size() + 9);
+  step << vector_from_rotation(to.pose.root_rotation * from.pose.root_rotation.transpose()),
+      to.pose.angles_rad - from.pose.angles_rad,
+      (to.pose.root_translation_mm - from.pose.root_translation_mm) / kStepMm,
+      (to.t_prime_mm - from.t_prime_mm) / kStepMm;
+  return step;
 }
 
 }  // namespace
@@ -162,8 +168,8 @@ std::vector<ocl::SelfTestResult> pose_self_test(ocl::DeviceContext& device) {
   std::vector<ocl::SelfTestResult> results;
   const PoseState expected_step = moved(state, damped_step(equations, options).delta);
   if (const std::optional<PoseSteps> step = system.take_steps(state, 1, 0))
-    results.push_back(
-        compare("pose/gauss_newton.cl pose_gauss_newton", values_of(step->state), values_of(expected_step)));
+    results.push_back(compare("pose/gauss_newton.cl pose_gauss_newton", step_between(state, step->state),
+                              step_between(state, expected_step)));
 
   const int n = system.n_point_rows();
   const int m = system.n_contour();

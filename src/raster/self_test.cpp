@@ -52,14 +52,14 @@ std::vector<ocl::SelfTestResult> raster_self_test(ocl::DeviceContext& device) {
 
   std::vector<ocl::SelfTestResult> results;
   const std::vector<float> projected = raster.projected().read_all();
-  results.push_back(counted(device.is_cpu() ? "project_vertices" : "raster_begin", 135,
+  results.push_back(counted(device.is_cpu() ? "project_vertices" : "raster_begin projected", 135,
                             std::lround(10 * projected[0])));  // u of the first corner: 13.5 px
   const std::vector<float> depth = raster.depth().read_all();
   const long at_front = std::count_if(depth.begin(), depth.end(), [](float z) { return std::lround(z) == 1000; });
   const long empty = std::count_if(depth.begin(), depth.end(), [](float z) { return std::isinf(z); });
   results.push_back(counted(device.is_cpu() ? "raster_bands depth" : "raster_nearest", kFrontPixels, at_front));
   results.push_back(
-      counted(device.is_cpu() ? "raster_bands clear" : "raster_begin", kWidth * kHeight - kFrontPixels, empty));
+      counted(device.is_cpu() ? "raster_bands clear" : "raster_begin cleared", kWidth * kHeight - kFrontPixels, empty));
   const std::vector<int32_t> ids = raster.triangle_ids().read_all();
   const long front_ids = std::count_if(ids.begin(), ids.end(), [](int32_t id) { return id == 0 || id == 1; });
   results.push_back(counted(device.is_cpu() ? "raster_bands ids" : "raster_ids", kFrontPixels, front_ids));

@@ -380,7 +380,7 @@ TEST(PoseSolver, DefaultWeightsAreTheTermTables) {
   EXPECT_EQ(weights.keypoint_3d, find_term("keypoint_3d")->paper_weight);
   EXPECT_EQ(weights.silhouette, 2 * find_term("pose_silhouette")->paper_weight);  // see docs/accuracy.md
   EXPECT_EQ(weights.temporal, find_term("temporal")->paper_weight);
-  EXPECT_EQ(weights.anatomic, find_term("anatomic")->paper_weight);
+  EXPECT_EQ(weights.anatomic, 10 * find_term("anatomic")->paper_weight);
 }
 
 // --without TERM: weight 0 by name removes exactly that energy.

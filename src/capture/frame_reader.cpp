@@ -5,19 +5,14 @@
 
 #include "base/text.h"
 #include "image/image_io.h"
+#include "image/video_camera.h"
 #include "livecap/error.h"
 
 namespace livecap {
 
 FrameReader::FrameReader(const CaptureOptions& options)
     : options_(options), video_(std::make_unique<VideoReader>(options.video)), info_(video_->info()) {
-  camera_ = options.camera.empty() ? camera_from_fov(info_.width, info_.height, options.fov_deg)
-                                   : load_camera(options.camera);
-  if (camera_.width != info_.width || camera_.height != info_.height) {
-    throw IoError(options.camera + format(": width and height are %dx%d but %s is %dx%d; calibrate at the video's size",
-                                          camera_.width, camera_.height, options.video.c_str(), info_.width,
-                                          info_.height));
-  }
+  camera_ = video_camera(options.camera, options.fov_deg, info_, options.video);
   undistorter_.emplace(camera_);
   undistorted_camera_ = undistorter_->undistorted_camera();
 }

@@ -9,6 +9,7 @@
 #include "image/image_io.h"
 #include "image/undistort.h"
 #include "image/video.h"
+#include "image/video_camera.h"
 #include "livecap/error.h"
 
 namespace livecap {
@@ -40,16 +41,6 @@ bool is_cut_off(const ImageGray& mask, int area_px) {
   return on_border * on_border > 0.01 * area_px;
 }
 
-Camera open_camera(const FitActorOptions& options, const VideoInfo& video) {
-  if (options.camera.empty()) return camera_from_fov(video.width, video.height, options.fov_deg);
-  Camera camera = load_camera(options.camera);
-  if (camera.width != video.width || camera.height != video.height)
-    throw IoError(options.camera + format(": width and height are %dx%d but %s is %dx%d; calibrate at the video's size",
-                                          camera.width, camera.height, options.video.c_str(), video.width,
-                                          video.height));
-  return camera;
-}
-
 BackgroundModel train(const FitActorOptions& options, const VideoInfo& video, const Undistorter& undistorter) {
   BackgroundModel background;
   if (!options.background.empty()) {
@@ -74,7 +65,7 @@ FitFootage read_footage(ocl::DeviceContext& network_device, ocl::DeviceContext& 
   options.validate();
   VideoReader video(options.video);
   const VideoInfo info = video.info();
-  const Undistorter undistorter(open_camera(options, info));
+  const Undistorter undistorter(video_camera(options.camera, options.fov_deg, info, options.video));
   FitFootage footage;
   footage.camera = undistorter.undistorted_camera();
   ForegroundSegmenter foreground(device, train(options, info, undistorter), info.width, info.height);

@@ -7,6 +7,7 @@
 #include "detect/pose_detector.h"
 #include "image/undistort.h"
 #include "image/video.h"
+#include "image/video_camera.h"
 #include "livecap/error.h"
 #include "views/fit_turn.h"
 #include "views/load_views.h"
@@ -26,18 +27,11 @@ constexpr int kLeastFrames = 16;
 constexpr double kBlurred = 0.4;  // of the usual sharpness
 
 Camera open_camera(const TurntableOptions& options, const VideoInfo& video, std::vector<std::string>& notes) {
-  if (options.camera.empty()) {
-    if (options.fov_deg <= 0)
-      notes.push_back(format("no --camera and no --fov: a field of view of %g degrees is assumed for the longer side",
-                             kAssumedFovDeg));
-    return camera_from_fov(video.width, video.height, options.fov_deg > 0 ? options.fov_deg : kAssumedFovDeg);
-  }
-  Camera camera = load_camera(options.camera);
-  if (camera.width != video.width || camera.height != video.height)
-    throw IoError(options.camera + format(": width and height are %dx%d but %s is %dx%d; calibrate at the video's size",
-                                          camera.width, camera.height, options.video.c_str(), video.width,
-                                          video.height));
-  return camera;
+  const bool assumed = options.camera.empty() && options.fov_deg <= 0;
+  if (assumed)
+    notes.push_back(format("no --camera and no --fov: a field of view of %g degrees is assumed for the longer side",
+                           kAssumedFovDeg));
+  return video_camera(options.camera, assumed ? kAssumedFovDeg : options.fov_deg, video, options.video);
 }
 
 // All keypoints are inside the picture, also those the network only guesses.

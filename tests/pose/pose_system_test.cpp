@@ -348,6 +348,13 @@ TEST(PoseSystem, MatchesAreThinnedToTheirTotalWeight) {
         double energy = 0;
         for (size_t i = system.n_point_rows(); i < rows.size(); ++i) energy += double(rows[i]) * rows[i];
         EXPECT_NEAR(energy, scene.options.weights.match * total * 9, 0.05 * scene.options.weights.match * total * 9);
+
+        // Without a total weight there are no shares of it: nothing is used, and nothing beyond the rows there are.
+        for (float weight : {0.0f, std::numeric_limits<float>::quiet_NaN()}) {
+          for (VertexMatch& match : matches) match.weight = weight;
+          system.set_frame({}, nullptr, {}, nullptr, matches);
+          EXPECT_EQ(system.n_matches(), 0);
+        }
       },
       test::Doubles::kAlsoWithout);
 }

@@ -1,0 +1,16 @@
+// The camera of a video: from its file, or assumed.
+#pragma once
+
+#include <string>
+
+#include "image/video.h"
+#include "livecap/camera.h"
+
+namespace livecap {
+
+// camera_file: camera.json; empty: one without distortion whose longer side sees fov_deg. video: its name in messages.
+// Throws IoError when the file is no camera's or one of another size than the video, ConfigError for a fov_deg outside
+// 1..170.
+Camera video_camera(const std::string& camera_file, double fov_deg, const VideoInfo& info, const std::string& video);
+
+}  // namespace livecap

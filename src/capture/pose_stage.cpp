@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/log.h"
+#include "pose/mirrored_arms.h"
 #include "pose/other_starts.h"
 #include "pose/person_height.h"
 #include "surface/hanging_cloth.h"
@@ -29,13 +30,14 @@ PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camer
     : actor_(actor),
       camera_(camera),
       options_(options),
-      skinner_(device, actor),
+      skin_(hanging_weights(actor, options.hanging)),
+      skinner_(device, actor, skin_, actor.skeleton.n_bones()),
       rasterizer_(rasterizer),
       visibility_(visibility),
       matcher_(device, actor, camera, options.match),
       shading_(device, actor, camera, options.shading),
       floor_(actor, options.floor, measured_floor(camera)),
-      solver_(device, actor, camera, options.pose),
+      solver_(device, actor, skin_, camera, options.pose),
       zero_(device, size_t(3) * actor.n_vertices()),
       skinned_(device, size_t(3) * actor.n_vertices()),
       normals_(device, size_t(3) * actor.n_vertices()),
@@ -180,6 +182,7 @@ PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& pre
   try_detected_legs(input, previous, best);
   try_bent_back(input, previous, best);
   try_mirrored_forearms(input, previous, best);
+  try_mirrored_arms(input, previous, best);
   if (best.exchanged) ++exchanged_frames_;
   last_skin_ = std::move(best.skin);
   return best.pose;
@@ -214,23 +217,36 @@ void PoseStage::try_detected_legs(const PoseStageInput& input, const Pose& previ
   if (bent) try_from(input, *bent, previous, best);
 }
 
-// From the last rounds on: the rest of the body stays, so that the costs tell the forearms apart.
 void PoseStage::try_mirrored_forearms(const PoseStageInput& input, const Pose& previous, Solution& best) {
   if (!shading(input) || best.pose.status != SolveStatus::kOk || best.exchanged) return;
-  const int last_rounds =
-      matches(input) ? std::max(0, int(options_.match_levels.size()) - options_.refining_rounds) : 0;
   for (Keypoint elbow : {kLeftElbow, kRightElbow}) {
     const auto other = mirrored_forearm(actor_, best.pose.pose, elbow, options_.least_mirrored_rad);
     if (!other) continue;
     const auto misfit = [&](const Eigen::Matrix3d& turn) {
       return shading_.misfit(best.skin, other->bone, turn, options_.pose.shading_huber);
     };
-    if (!(misfit(other->turn) < options_.mirrored_misfit * misfit(Eigen::Matrix3d::Identity()))) continue;
-    // Unlike other starts without what was not matched: here that is chance.
-    Solution solved = solve_in_rounds(input, input.detections, other->pose, &previous, last_rounds);
-    if (solved.pose.status == SolveStatus::kOk && solved.pose.energy.total() < best.pose.energy.total())
-      best = std::move(solved);
+    if (misfit(other->turn) < options_.mirrored_misfit * misfit(Eigen::Matrix3d::Identity()))
+      try_refined(input, other->pose, previous, best);
   }
+}
+
+void PoseStage::try_mirrored_arms(const PoseStageInput& input, const Pose& previous, Solution& best) {
+  if (!matches(input) || best.pose.status != SolveStatus::kOk || best.exchanged) return;
+  for (Keypoint elbow : {kLeftElbow, kRightElbow}) {
+    for (const Pose& other :
+         mirrored_arms(actor_, best.pose.pose, elbow, input.detections, options_.pose, options_.mirrored_arms))
+      try_refined(input, other, previous, best);
+  }
+}
+
+// From the last rounds on: the rest of the body stays, so that the costs tell the arms apart. Unlike other starts
+// without what was not matched: here that is chance.
+void PoseStage::try_refined(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best) {
+  const int last_rounds =
+      matches(input) ? std::max(0, int(options_.match_levels.size()) - options_.refining_rounds) : 0;
+  Solution solved = solve_in_rounds(input, input.detections, initial, &previous, last_rounds);
+  if (solved.pose.status == SolveStatus::kOk && solved.pose.energy.total() < best.pose.energy.total())
+    best = std::move(solved);
 }
 
 void PoseStage::try_bent_back(const PoseStageInput& input, const Pose& previous, Solution& best) {

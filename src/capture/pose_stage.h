@@ -75,12 +75,15 @@ class PoseStage {
   void try_detected_legs(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_bent_back(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_mirrored_forearms(const PoseStageInput& input, const Pose& previous, Solution& best);
+  void try_mirrored_arms(const PoseStageInput& input, const Pose& previous, Solution& best);
+  void try_refined(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best);
   static void keep_better(Solution other, Solution& best);
   void try_from(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best);
 
   const Actor& actor_;
   Camera camera_;
   TrackerOptions options_;
+  SkinWeights skin_;  // hanging cloth's are not the actor's
   Skinner skinner_;
   DepthRasterizer& rasterizer_;
   SurfaceVisibility& visibility_;

@@ -6,6 +6,7 @@
 #include "match/skin_shading.h"
 #include "match/texture_matcher.h"
 #include "pose/floor.h"
+#include "pose/mirrored_arms.h"
 #include "pose/pose_options.h"
 #include "raster/visibility.h"
 #include "surface/hanging_cloth.h"
@@ -54,9 +55,11 @@ struct TrackerOptions {
   // So is one with an elbow or knee so far past its limit (pose/other_starts.h): E_anatomic lets hardly any go further.
   double least_past_limit_rad = 0.015;
   // And so is one with a forearm mirrored in depth, if that turns it by so much and the skin's shading then misfits
-  // less than this share of before (pose/other_starts.h, match/skin_shading.h).
+  // less than this share of before (pose/mirrored_arms.h, match/skin_shading.h).
   double least_mirrored_rad = 0.35;
   double mirrored_misfit = 0.9;
+  // Likewise one with an arm that the detections rather see mirrored.
+  MirroredArmOptions mirrored_arms;
   bool solve_pose = true;          // false: stage I ends with its initialisation from each frame's detections alone
   bool enable_surface = true;      // false: the result is the skinned template of stage I
   bool warp_displacements = true;  // carry the non-rigid displacement to the next frame
@@ -65,9 +68,9 @@ struct TrackerOptions {
   // three sequences with ground truth and left the others as they were.
   float max_carried_rigidity = 3;
   float carried_share = 0.9f;
-  // Stage II skins hanging cloth differently from stage I. On a simulated skirt with true keypoints its mean error was
-  // 72 mm with the actor's weights, 54 mm so before anything is fitted; skirts whose weights follow the legs little
-  // change little.
+  // Of both stages. On a simulated skirt with true keypoints its mean error was 72 mm with the actor's weights, 54 mm
+  // so before anything is fitted; skirts whose weights follow the legs little change little. And with the actor's
+  // weights in stage I a skirt that swings turns the thighs (docs/accuracy.md).
   HangingClothOptions hanging;
   bool part_mask = true;  // b_i = 0 on another body part's region
   bool snapping = true;

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -19,16 +18,7 @@ struct Leg {
 };
 
 constexpr Leg kLegs[] = {{kLeftAnkle, "left_hip"}, {kRightAnkle, "right_hip"}};
-struct Forearm {
-  Keypoint elbow, wrist, hand;
-  const char *bone, *shoulder;
-};
-
-constexpr Forearm kForearms[] = {{kLeftElbow, kLeftWrist, kLeftHand, "left_elbow", "left_shoulder"},
-                                 {kRightElbow, kRightWrist, kRightHand, "right_elbow", "right_shoulder"}};
-constexpr int kTwists = 48;             // steps over the range of an upper arm's twist
-constexpr double kSpareTwistRad = 0.3;  // an arm twisted to its limit is hardly ever right
-constexpr float kTrusted = 0.5f;        // confidence of detections that may overrule the picture
+constexpr float kTrusted = 0.5f;  // confidence of detections that may overrule the picture
 
 // Whether the bone is one of these or hangs on one.
 bool hangs_on(const Skeleton& skeleton, int bone, const std::vector<int>& these) {
@@ -36,42 +26,6 @@ bool hangs_on(const Skeleton& skeleton, int bone, const std::vector<int>& these)
     if (std::find(these.begin(), these.end(), bone) != these.end()) return true;
   }
   return false;
-}
-
-// The last joint angle of a bone; -1 when it has none.
-int last_dof(const Skeleton& skeleton, int bone) {
-  for (int k = skeleton.n_dofs() - 1; k >= 0; --k) {
-    if (skeleton.dofs[k].bone == bone) return k;
-  }
-  return -1;
-}
-
-// `pose` with the wrist as near to `target` (camera frame, mm) as the upper arm's twist and the elbow's bend bring it.
-std::optional<Pose> with_wrist_at(const Actor& actor, const Pose& pose, const Forearm& arm, int forearm, int shoulder,
-                                  const Eigen::Vector3d& target) {
-  const Skeleton& skeleton = actor.skeleton;
-  const int twist = last_dof(skeleton, shoulder), bend = last_dof(skeleton, forearm);
-  if (twist < 0 || bend < 0) return std::nullopt;
-  const Dof &twists = skeleton.dofs[twist], &bends = skeleton.dofs[bend];
-  const double low = twists.min_rad + kSpareTwistRad, high = twists.max_rad - kSpareTwistRad;
-  Pose best = pose;
-  double best_mm = std::numeric_limits<double>::infinity();
-  for (int i = 0; i <= kTwists; ++i) {
-    Pose bent = pose;
-    bent.angles_rad[twist] = low + (high - low) * i / kTwists;
-    const PosedSkeleton posed = forward_kinematics(skeleton, bent);
-    const Eigen::Vector3d& axis = posed.dof_axis[bend];
-    const Eigen::Vector3d from = keypoint_positions(actor, posed)[arm.wrist] - posed.dof_origin_mm[bend];
-    const Eigen::Vector3d to = target - posed.dof_origin_mm[bend];
-    const double turn = std::atan2(to.dot(axis.cross(from)), to.dot(from - axis * axis.dot(from)));
-    const double angle = std::remainder(bent.angles_rad[bend] + turn, 2 * std::numbers::pi);
-    bent.angles_rad[bend] = std::clamp(angle, bends.min_rad, bends.max_rad);
-    const double mm = (keypoint_positions(actor, forward_kinematics(skeleton, bent))[arm.wrist] - target).norm();
-    if (mm >= best_mm) continue;
-    best_mm = mm;
-    best = bent;
-  }
-  return best;
 }
 
 }  // namespace
@@ -114,23 +68,6 @@ std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera,
     if (hangs_on(actor.skeleton, actor.skeleton.dofs[k].bone, strayed)) bent.angles_rad[k] = found->angles_rad[k];
   }
   return bent;
-}
-
-std::optional<MirroredForearm> mirrored_forearm(const Actor& actor, const Pose& pose, Keypoint elbow_name,
-                                                double least_turn_rad) {
-  const Forearm& arm = kForearms[elbow_name == kLeftElbow ? 0 : 1];
-  const int bone = actor.skeleton.bone_index(arm.bone), shoulder = actor.skeleton.bone_index(arm.shoulder);
-  if (bone < 0 || shoulder < 0 || actor.keypoints[arm.elbow].bone < 0 || actor.keypoints[arm.wrist].bone < 0)
-    return std::nullopt;
-  const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
-  const Eigen::Vector3d &elbow = positions[arm.elbow], &wrist = positions[arm.wrist];
-  const Eigen::Vector3d ray = wrist.normalized();
-  const Eigen::Vector3d mirrored = (2 * elbow.dot(ray) - wrist.norm()) * ray - elbow;
-  const auto turn = Eigen::Quaterniond::FromTwoVectors(wrist - elbow, mirrored);
-  if (!(Eigen::AngleAxisd(turn).angle() >= least_turn_rad)) return std::nullopt;
-  const std::optional<Pose> bent = with_wrist_at(actor, pose, arm, bone, shoulder, elbow + mirrored);
-  if (!bent) return std::nullopt;
-  return MirroredForearm{bone, turn.toRotationMatrix(), *bent};
 }
 
 std::optional<Pose> with_hinges_bent_back(const Skeleton& skeleton, const Pose& pose, double least_rad) {

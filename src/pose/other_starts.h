@@ -1,7 +1,7 @@
 // Poses to start from as well where texture and silhouette may have led astray, as the detections have them: whole
 // bodies that were matched one stripe or check further round, where clothes with a pattern look nearly right, and legs
 // that hold on to the other one's shoe, which the robust E_2D lets them. (The same for arms made two of five sequences
-// worse: the network's elbows are bent too far.) And as the picture cannot have them apart: mirrored forearms.
+// worse: the network's elbows are bent too far.) Mirrored arms: pose/mirrored_arms.h.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,18 +24,6 @@ std::optional<Pose> turned_trunk(const Actor& actor, const Pose& pose, const Det
 // nullopt when there is none or the detections do not tell.
 std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera, const Pose& pose,
                                        const Detections& detections, const PoseOptions& options, double least_px);
-
-// A forearm that points as far from the camera as another one points towards it has the same outline.
-struct MirroredForearm {
-  int bone = 0;          // the forearm's
-  Eigen::Matrix3d turn;  // of the forearm, camera frame
-  Pose pose;             // with the arm's joints as they must be
-};
-
-// `pose` with the wrist below this elbow (kLeftElbow or kRightElbow) in the other place on its ray that is as far from
-// the elbow. nullopt when that turns the forearm by less than least_turn_rad, or the actor has no such arm.
-std::optional<MirroredForearm> mirrored_forearm(const Actor& actor, const Pose& pose, Keypoint elbow,
-                                                double least_turn_rad);
 
 // `pose` with every hinge (elbow, knee: a bone of one angle) that is past its limit by at least least_rad bent as far
 // to the other side of the limit. In a picture a nearly straight limb that bends towards the camera looks as one that

@@ -58,8 +58,9 @@ DenseSolution damped_step(const PoseNormalEquations& equations, const PoseOption
   return solution;
 }
 
-PoseSolver::PoseSolver(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const PoseOptions& options)
-    : actor_(actor), camera_(camera), options_(options), system_(device, actor, camera, options) {}
+PoseSolver::PoseSolver(ocl::DeviceContext& device, const Actor& actor, const SkinWeights& skin, const Camera& camera,
+                       const PoseOptions& options)
+    : actor_(actor), camera_(camera), options_(options), system_(device, actor, skin, camera, options) {}
 
 PoseResult PoseSolver::solve(const PoseInput& input) {
   KeypointTargets targets = make_targets(actor_, input.detections, input.previous, options_);

@@ -68,7 +68,11 @@ class PoseSolver {
  public:
   // camera: of undistorted pictures. device and actor must outlive the solver.
   // Throws ConfigError for bad options, LogicError for an inconsistent actor, OclError.
-  PoseSolver(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const PoseOptions& options);
+  PoseSolver(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const PoseOptions& options)
+      : PoseSolver(device, actor, actor.skin, camera, options) {}
+  // The same mesh and bones with other weights.
+  PoseSolver(ocl::DeviceContext& device, const Actor& actor, const SkinWeights& skin, const Camera& camera,
+             const PoseOptions& options);
 
   // Bit-identical for identical inputs on one device, unless its work-groups gave up waiting for each other in one of
   // the runs (ocl/groups_together.h): then within float rounding. Throws LogicError for inputs of wrong size.

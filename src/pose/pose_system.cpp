@@ -34,15 +34,15 @@ size_t local_bytes(const PoseLayout& layout) {
   return sizeof(float) * LC_POSE_GROUP_ROWS * layout.n_columns + sizeof(double) * LC_POSE_LOCAL(layout) + 64;
 }
 
-void check_actor(const Actor& actor) {
+void check_actor(const Actor& actor, const SkinWeights& skin) {
   actor.skeleton.validate();
   const size_t n = actor.n_vertices();
   require(actor.skeleton.n_bones() <= kMaxBones,
           format("actor has %d bones, at most %d", actor.skeleton.n_bones(), kMaxBones));
-  require(actor.skin.bones.size() == 4 * n && actor.skin.weights.size() == 4 * n,
-          format("skin has %zu bones and %zu weights for %zu vertices, 4 each needed", actor.skin.bones.size(),
-                 actor.skin.weights.size(), n));
-  for (int32_t bone : actor.skin.bones)
+  require(skin.bones.size() == 4 * n && skin.weights.size() == 4 * n,
+          format("skin has %zu bones and %zu weights for %zu vertices, 4 each needed", skin.bones.size(),
+                 skin.weights.size(), n));
+  for (int32_t bone : skin.bones)
     require(bone >= 0 && bone < actor.skeleton.n_bones(), format("skin refers to bone %d", bone));
   for (const KeypointAnchor& anchor : actor.keypoints)
     require(anchor.bone < actor.skeleton.n_bones(), format("keypoint anchor refers to bone %d", anchor.bone));
@@ -50,14 +50,15 @@ void check_actor(const Actor& actor) {
 
 }  // namespace
 
-PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const PoseOptions& options)
+PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const SkinWeights& skin, const Camera& camera,
+                       const PoseOptions& options)
     : points_{actor.skeleton, actor.keypoints, sole_points(actor)},
       options_(options),
       width_(camera.width),
       height_(camera.height),
       pinhole_(pinhole_arg(camera)),
       n_vertices_(actor.n_vertices()) {
-  check_actor(actor);
+  check_actor(actor, skin);
   camera.validate();
   options.validate();
   require(width_ >= 2 && height_ >= 2, format("camera picture is %d x %d", width_, height_));
@@ -96,8 +97,8 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Cam
   moves_ = ocl::Buffer<float>(device, moves);
   rest_ = ocl::Buffer<float>(device, actor.mesh.positions);
   rest_normals_ = ocl::Buffer<float>(device, vertex_normals(actor.mesh.positions, actor.mesh.triangles));
-  bones_ = ocl::Buffer<int32_t>(device, actor.skin.bones);
-  weights_ = ocl::Buffer<float>(device, actor.skin.weights);
+  bones_ = ocl::Buffer<int32_t>(device, skin.bones);
+  weights_ = ocl::Buffer<float>(device, skin.weights);
   point_records_ = ocl::Buffer<float>(device, size_t(LC_POSE_RECORD) * n_point_rows_);
   contour_records_ = ocl::Buffer<float>(device, size_t(LC_POSE_RECORD) * n_contour);
   const size_t n_matches = round_up(options.max_matches, LC_POSE_SLICE);

@@ -51,7 +51,11 @@ struct PoseSteps {
 class PoseSystem {
  public:
   // Keeps no reference to its arguments. Throws LogicError when the actor's arrays do not fit together.
-  PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const PoseOptions& options);
+  PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const PoseOptions& options)
+      : PoseSystem(device, actor, actor.skin, camera, options) {}
+  // The same mesh and bones with other weights.
+  PoseSystem(ocl::DeviceContext& device, const Actor& actor, const SkinWeights& skin, const Camera& camera,
+             const PoseOptions& options);
 
   // Constants of the next frame. frame, displacement_rest: nullptr, or alive until the next call.
   // Throws LogicError for a contour vertex out of range or a frame of another size than the camera's.

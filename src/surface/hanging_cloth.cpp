@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -12,6 +13,13 @@ namespace livecap {
 namespace {
 
 constexpr float kHangingRigidity = 1.0f;
+
+// The bone the legs hang from.
+std::optional<int> bone_of_the_hips(const Skeleton& skeleton) {
+  const int left = skeleton.bone_index("left_hip"), right = skeleton.bone_index("right_hip");
+  if (left < 1 || right < 1) return std::nullopt;
+  return skeleton.bones[left].parent;
+}
 
 // Which bones are part of a leg.
 std::vector<char> leg_bones(const Skeleton& skeleton) {
@@ -23,10 +31,10 @@ std::vector<char> leg_bones(const Skeleton& skeleton) {
   return leg;
 }
 
-SkinWeights hanging_weights(const Actor& actor, float leg_share) {
+// The actor's weights with what hanging cloth has too many on the legs given to hanging_bone.
+SkinWeights give_to_hanging_bone(const Actor& actor, float leg_share, int hanging_bone) {
   SkinWeights out = actor.skin;
   const std::vector<char> leg = leg_bones(actor.skeleton);
-  const int hanging_bone = actor.skeleton.n_bones();
   const std::vector<float> leg_weight = leg_weights(actor);
   std::vector<std::pair<float, int>> influences;
   for (int i = 0; i < actor.n_vertices(); ++i) {
@@ -37,7 +45,11 @@ SkinWeights hanging_weights(const Actor& actor, float leg_share) {
     influences = {{(1 - scale) * legs, hanging_bone}};
     for (int k = 4 * i; k < 4 * i + 4; ++k) {
       const int bone = actor.skin.bones[k];
-      influences.emplace_back((leg[bone] ? scale : 1) * actor.skin.weights[k], bone);
+      const float weight = (leg[bone] ? scale : 1) * actor.skin.weights[k];
+      if (bone == hanging_bone)
+        influences.front().first += weight;
+      else
+        influences.emplace_back(weight, bone);
     }
     std::stable_sort(influences.begin(), influences.end(), [](auto& a, auto& b) { return a.first > b.first; });
     influences.resize(kMaxInfluences);
@@ -53,6 +65,11 @@ SkinWeights hanging_weights(const Actor& actor, float leg_share) {
 }
 
 }  // namespace
+
+SkinWeights hanging_weights(const Actor& actor, const HangingClothOptions& options) {
+  options.validate();
+  return give_to_hanging_bone(actor, options.leg_share, bone_of_the_hips(actor.skeleton).value_or(0));
+}
 
 std::vector<float> leg_weights(const Actor& actor) {
   const std::vector<char> leg = leg_bones(actor.skeleton);
@@ -74,12 +91,13 @@ void HangingClothOptions::validate() const {
 
 HangingCloth::HangingCloth(const Actor& actor, const HangingClothOptions& options) : options_(options) {
   options.validate();
-  weights_ = hanging_weights(actor, options.leg_share);
+  weights_ = give_to_hanging_bone(actor, options.leg_share, actor.skeleton.n_bones());
+  const std::optional<int> base = bone_of_the_hips(actor.skeleton);
+  if (!base) return;
   const int left = actor.skeleton.bone_index("left_hip"), right = actor.skeleton.bone_index("right_hip");
-  if (left < 1 || right < 1) return;
   const PosedSkeleton rest = forward_kinematics(actor.skeleton, rest_pose(actor.skeleton));
   pivot_rest_ = (rest.camera_from_bone[left].translation() + rest.camera_from_bone[right].translation()) / 2;
-  base_ = actor.skeleton.bones[left].parent;
+  base_ = *base;
 }
 
 std::vector<float> HangingCloth::dual_quats(PosedSkeleton posed) const {

@@ -1,6 +1,7 @@
-// How cloth that hangs from the waist follows the body in stage II. Its skinning weights come from the nearest leg, but
-// it is not fastened there: when a thigh moves forward, the back of a skirt stays hanging. E_smooth keeps the surface
-// close to the skinned one wherever the picture says nothing, so V^S must not carry the back along.
+// How cloth that hangs from the waist follows the body. Its skinning weights come from the nearest leg, but it is not
+// fastened there: when a thigh moves forward, the back of a skirt stays hanging. In stage I the outline of a skirt must
+// not turn the legs as if they were what is seen. In stage II E_smooth keeps the surface close to the skinned one
+// wherever the picture says nothing, so V^S must not carry the back along.
 #pragma once
 
 #include <vector>
@@ -23,7 +24,12 @@ struct HangingClothOptions {
 // [n] sum of each vertex's weights on the legs (below and including the hips).
 std::vector<float> leg_weights(const Actor& actor);
 
-// Only hanging cloth changes (dress, coat, jumpsuit, skirt: the softest class of the paper's Table 1, rigidity <= 1).
+// As stage I has it: the hanging bone is the bone the legs hang from itself, since gravity is none of its unknowns.
+// Throws ConfigError.
+SkinWeights hanging_weights(const Actor& actor, const HangingClothOptions& options);
+
+// As stage II has it. Only hanging cloth changes (dress, coat, jumpsuit, skirt: the softest class of the paper's Table
+// 1, rigidity <= 1).
 class HangingCloth {
  public:
   // Keeps no reference to the actor. A skeleton without left_hip and right_hip has nothing to change. Throws

@@ -145,6 +145,32 @@ TEST(PoseSystem, NormalEquationsAreEigensProductOfTheRows) {
   });
 }
 
+// Other weights than the actor's are as an actor with these.
+TEST(PoseSystem, OtherWeightsMoveTheContour) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const Scene scene;
+    SkinWeights other = scene.actor.skin;
+    for (size_t k = 0; k < other.bones.size(); ++k) {
+      other.bones[k] = 0;
+      other.weights[k] = k % kMaxInfluences == 0 ? 1.0f : 0.0f;
+    }
+    Actor changed = scene.actor;
+    changed.skin = other;
+    DeviceFrame frame(device, scene.camera.width, scene.camera.height);
+    frame.signed_distance.write(scene.distance);
+    const auto equations = [&](PoseSystem system) {
+      system.set_frame(make_targets(scene.actor, scene.detections, &scene.previous, scene.options), &frame,
+                       scene.contour, nullptr);
+      return system.assemble(scene.state);
+    };
+    const PoseNormalEquations given = equations({device, scene.actor, other, scene.camera, scene.options});
+    EXPECT_EQ(given.JtJ, equations({device, changed, scene.camera, scene.options}).JtJ);
+    EXPECT_NE(given.JtJ, equations({device, scene.actor, scene.camera, scene.options}).JtJ);
+    other.bones[0] = scene.actor.skeleton.n_bones();
+    EXPECT_THROW(PoseSystem(device, scene.actor, other, scene.camera, scene.options), LogicError);
+  });
+}
+
 TEST(PoseSystem, RepeatsBitForBit) {
   with_system([](PoseSystem& system, const test::PoseReference&, const Scene& scene) {
     const PoseNormalEquations first = system.assemble(scene.state);

@@ -69,6 +69,25 @@ TEST(HangingCloth, LegsGiveTheirShareToTheHangingBone) {
   EXPECT_EQ(waist, (std::map<int, float>{{kNeck, 0.6f}, {kRoot, 0.4f}}));
 }
 
+// Stage I has no bone for what hangs: the pelvis takes it, once.
+TEST(HangingCloth, WithoutTheHangingBoneTheHipsBoneTakesTheShare) {
+  const Actor actor = actor_with({{{{kHip, 0.75f}, {kKnee, 0.25f}, {0, 0}, {0, 0}}},
+                                  {{{kRoot, 0.5f}, {kOtherHip, 0.5f}, {0, 0}, {0, 0}}},
+                                  {{{kHip, 1.0f}, {0, 0}, {0, 0}, {0, 0}}}},
+                                 {1, 1, 2});
+  const SkinWeights skin = hanging_weights(actor, {.leg_share = 0.4f});
+  const auto hem = weights_of(skin, 0), middle = weights_of(skin, 1), trousers = weights_of(skin, 2);
+  ASSERT_EQ(hem.size(), 3u);
+  EXPECT_NEAR(hem.at(kRoot), 0.6f, 1e-6f);
+  EXPECT_NEAR(hem.at(kHip), 0.3f, 1e-6f);
+  ASSERT_EQ(middle.size(), 2u);
+  EXPECT_NEAR(middle.at(kRoot), 5.0f / 7, 1e-6f);
+  EXPECT_NEAR(middle.at(kOtherHip), 2.0f / 7, 1e-6f);
+  EXPECT_EQ(trousers, (std::map<int, float>{{kHip, 1.0f}}));
+  EXPECT_EQ(hanging_weights(actor, {.leg_share = 1.0f}).weights, actor.skin.weights);
+  EXPECT_THROW(hanging_weights(actor, {.leg_share = 0.0f}), ConfigError);
+}
+
 TEST(HangingCloth, FiveInfluencesBecomeTheFourStrongest) {
   const Actor actor = actor_with({{{{kHip, 0.4f}, {kNeck, 0.3f}, {kKnee, 0.2f}, {kOtherHip, 0.1f}}}}, {1});
   const auto kept = weights_of(weights(actor, 0.5f), 0);

@@ -110,18 +110,13 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
   areas_ = {device, vertex_areas(actor.mesh)};
   light_ = {device, pyramid_size(w, h)};
   weight_ = {device, pyramid_size(w, h)};
-  sums_ = {device, 3 * box};
+  if (is_cpu_) sums_ = {device, 3 * box};
   actor_ = {device, box};
   depth_ = {device, box};
   camera_ = {device, pyramid_size(w, h)};
   textured_actor_ = {device, "match/pictures.cl", "textured_actor"};
   camera_picture_ = {device, "match/pictures.cl", "camera_picture"};
-  if (is_cpu_) {
-    normalise_ = {device, "match/normalise.cl", "normalise"};
-  } else {
-    column_sums_ = {device, "match/normalise.cl", "column_sums"};
-    normalise_rows_ = {device, "match/normalise.cl", "normalise_rows"};
-  }
+  normalise_ = {device, "match/normalise.cl", "normalise"};
   halve_picture_ = {device, "match/pictures.cl", "halve_picture"};
   match_patches_ = {device, "match/patch_match.cl", "match_patches"};
 }
@@ -140,14 +135,14 @@ int TextureMatcher::level_offset(int level) const {
 // light_ and weight_ of a level, all from `offset` on.
 void TextureMatcher::normalise(int level, int offset, ocl::Buffer<float>& normal) {
   const MatchBox box = level_box(level);
-  const size_t bands = (box.height + LC_MATCH_BAND(is_cpu_) - 1) / LC_MATCH_BAND(is_cpu_);
+  const size_t height = box.height;
   if (is_cpu_) {
-    normalise_.launch(bands, 1, box, level, offset, options_.variance_floor, light_, weight_, sums_, normal);
+    normalise_.launch((height + LC_MATCH_BAND - 1) / LC_MATCH_BAND, 1, box, level, offset, options_.variance_floor,
+                      light_, weight_, sums_, normal);
   } else {
-    const size_t width = box.width;
-    column_sums_.launch(ocl::Range{width, bands, 16, 1}, box, level, offset, light_, weight_, sums_);
-    normalise_rows_.launch(ocl::Range{width, size_t(box.height), 16, 1}, box, level, offset, options_.variance_floor,
-                           light_, weight_, sums_, normal);
+    normalise_.launch(
+        ocl::Range{size_t(box.width), round_up(height, LC_MATCH_TILE), LC_MATCH_TILE, LC_MATCH_TILE}, box, level,
+        offset, options_.variance_floor, light_, weight_, normal);
   }
 }
 

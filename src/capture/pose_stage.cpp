@@ -124,9 +124,11 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
     }
     if (n_levels > 0) find_matches(level);
     if (shades) shading_.measure(input.frame, rasterizer_, skinned_, normals_, visibility_.visible());
+    if (n_levels > 0) matcher_.read_later();
+    if (shades) shading_.read_later();
     const std::vector<int32_t> contour = read_contour(input);
-    const Matches matches = n_levels > 0 ? matcher_.read() : Matches{};
-    if (shades) solution.skin = shading_.read();
+    const Matches matches = n_levels > 0 ? matcher_.found() : Matches{};
+    if (shades) solution.skin = shading_.samples();
     const std::vector<ShadedVertex> shaded = shades ? shading_.shaded(solution.skin) : std::vector<ShadedVertex>{};
     solution.pose =
         solver_.solve(PoseInput{.detections = detections,

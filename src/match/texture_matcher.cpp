@@ -78,7 +78,8 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
       focal_px_(float((camera.fx + camera.fy) / 2)),
       n_vertices_(actor.n_vertices()),
       is_cpu_(device.is_cpu()),
-      matches_(device, size_t(LC_MATCH) * actor.n_vertices()) {
+      host_(size_t(LC_MATCH) * actor.n_vertices(), 0.0f),
+      matches_(device, host_.size()) {
   options.validate();
   matches_.fill(0);
   const ImageRgb& texture = actor.texture;
@@ -199,10 +200,16 @@ void TextureMatcher::match(const DepthRasterizer& raster, const ocl::Buffer<floa
 }
 
 Matches TextureMatcher::read() {
-  Matches matches;
-  if (!usable()) return matches;
-  host_.resize(size_t(LC_MATCH) * n_vertices_);
   matches_.read(host_);
+  return found();
+}
+
+void TextureMatcher::read_later() {
+  matches_.read_later(host_);
+}
+
+Matches TextureMatcher::found() const {
+  Matches matches;
   double matched = 0, visible = 0;
   for (int i = 0; i < n_vertices_; ++i) {
     const float* m = &host_[size_t(LC_MATCH) * i];

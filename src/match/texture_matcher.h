@@ -60,6 +60,9 @@ class TextureMatcher {
 
   // What the last match found. Blocking.
   Matches read();
+  // In two parts: found() once a blocking read through the same queue has come after read_later().
+  void read_later();
+  Matches found() const;
 
  private:
   MatchBox level_box(int level) const;

@@ -89,35 +89,41 @@ static void damped_system(PoseLayout layout, PoseStepsArg steps, global const fl
 // Gauss-Jordan: the right-hand side becomes the solution. Pivots: every second one times the one before.
 static void eliminate(int n, Solve s, SystemPart* part) {
   const int tx = get_local_id(0) % 16, ty = get_local_id(0) / 16;
+  for (int k = 0; k < n; k += 2) {
+    local double* rows = s.lines + k / 2 % 2 * 4 * SIDE;
+    local double* columns = rows + 2 * SIDE;
 #pragma unroll
-  for (int a = 0; a < SHARE; ++a) {
-    for (int first = 0; first < 16 && 16 * a + first < n; first += 2) {
-      const int k = 16 * a + first;
-      local double* rows = s.lines + first / 2 % 2 * 4 * SIDE;
-      local double* columns = rows + 2 * SIDE;
+    for (int a = 0; a < SHARE; ++a) {
+      if (a != k / 16) continue;
 #pragma unroll
       for (int b = 0; b < SHARE; ++b) {
-        if (ty / 2 == first / 2) rows[ty % 2 * SIDE + 16 * b + tx] = part->of[a][b];
-        if (tx / 2 == first / 2) columns[tx % 2 * SIDE + 16 * b + ty] = part->of[b][a];
+        if (ty / 2 == k % 16 / 2) rows[ty % 2 * SIDE + 16 * b + tx] = part->of[a][b];
+        if (tx / 2 == k % 16 / 2) columns[tx % 2 * SIDE + 16 * b + ty] = part->of[b][a];
       }
-      barrier(CLK_LOCAL_MEM_FENCE);
-      const double xx = rows[k], xy = rows[k + 1], yx = rows[SIDE + k], yy = rows[SIDE + k + 1];
-      const double determinant = xx * yy - xy * yx, inverse = 1.0 / determinant;
-      if (get_local_id(0) < 2) s.pivots[k + get_local_id(0)] = get_local_id(0) == 0 ? xx : determinant;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    const double xx = rows[k], xy = rows[k + 1], yx = rows[SIDE + k], yy = rows[SIDE + k + 1];
+    const double determinant = xx * yy - xy * yx, inverse = 1.0 / determinant;
+    if (get_local_id(0) < 2) s.pivots[k + get_local_id(0)] = get_local_id(0) == 0 ? xx : determinant;
+    double of_first[SHARE], of_second[SHARE];
 #pragma unroll
-      for (int b = 0; b < SHARE; ++b) {
-        const int row = 16 * b + ty;
-        const bool has_pivot = row / 2 == k / 2;
-        // Rows of pivots are what is left when they are taken from nothing, by the inverse.
-        const double x = has_pivot ? (row == k ? -1.0 : 0.0) : columns[row];
-        const double y = has_pivot ? (row == k ? 0.0 : -1.0) : columns[SIDE + row];
-        const double of_first = (x * yy - y * yx) * inverse, of_second = (y * xx - x * xy) * inverse;
+    for (int a = 0; a < SHARE; ++a) {
+      const int row = 16 * a + ty;
+      // Rows of pivots are what is left when they are taken from nothing, by the inverse.
+      const bool has_pivot = row / 2 == k / 2;
+      const double x = has_pivot ? (row == k ? -1.0 : 0.0) : columns[row];
+      const double y = has_pivot ? (row == k ? 0.0 : -1.0) : columns[SIDE + row];
+      of_first[a] = (x * yy - y * yx) * inverse;
+      of_second[a] = (y * xx - x * xy) * inverse;
+    }
 #pragma unroll
-        for (int c = a; c < SHARE; ++c) {
-          const int column = 16 * c + tx;
-          const double from = has_pivot ? 0.0 : part->of[b][c];
-          part->of[b][c] = from - of_first * rows[column] - of_second * rows[SIDE + column];
-        }
+    for (int b = 0; b < SHARE; ++b) {
+      if (b < k / 16) continue;  // done with
+      const double first = rows[16 * b + tx], second = rows[SIDE + 16 * b + tx];
+#pragma unroll
+      for (int a = 0; a < SHARE; ++a) {
+        const double from = (16 * a + ty) / 2 == k / 2 ? 0.0 : part->of[a][b];
+        part->of[a][b] = from - of_first[a] * first - of_second[a] * second;
       }
     }
   }

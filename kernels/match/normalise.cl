@@ -114,9 +114,11 @@ kernel void normalise(MatchBox box, int level, int at, float variance_floor, glo
 #else
 
 // Over (box.width, box.height).
-kernel __attribute__((reqd_work_group_size(TILE, TILE, 1))) void normalise(
-    MatchBox box, int level, int at, float variance_floor, global const float* restrict light,
-    global const float* restrict weight, global float* restrict normal) {
+kernel __attribute__((reqd_work_group_size(TILE, TILE, 1))) void normalise(MatchBox box, int level, int at,
+                                                                           float variance_floor,
+                                                                           global const float* restrict light,
+                                                                           global const float* restrict weight,
+                                                                           global float* restrict normal) {
   local float lights[WITH_SIDES * WITH_SIDES], weights[WITH_SIDES * WITH_SIDES];
   local float sums[3 * TILE * WITH_SIDES];  // over the rows around each of TILE
   const int radius = LC_MATCH_RADIUS >> level, margin = LC_MATCH_MARGIN >> level, reach = TILE + 2 * radius;

@@ -67,6 +67,12 @@ static Chain chain_in(PoseLayout layout, global const double* restrict constants
   return c;
 }
 
+// The first joint of bone b from joint k on; n_dofs if there is none.
+static int next_joint(int b, int k, int n_dofs, local const int* dof_bones) {
+  while (k < n_dofs && dof_bones[k] != b) ++k;
+  return k;
+}
+
 // state: see layout.h.
 static void pose_chain(PoseLayout layout, local const double* state, Chain c) {
   const int id = get_local_id(0);
@@ -77,8 +83,9 @@ static void pose_chain(PoseLayout layout, local const double* state, Chain c) {
   barrier(CLK_LOCAL_MEM_FENCE);
   for (int b = id; b < layout.n_bones; b += LC_POSE_GROUP) {
     double4 q = (double4)(0.0, 0.0, 0.0, 1.0);
-    for (int k = 0; k < layout.n_dofs; ++k) {
-      if (dof_bones[k] != b) continue;
+    // The first joints of all bones at once, then the second ones: work-items wait for each other's branches.
+    for (int k = next_joint(b, 0, layout.n_dofs, dof_bones); k < layout.n_dofs;
+         k = next_joint(b, k + 1, layout.n_dofs, dof_bones)) {
       vstore4(q, k, c.before);
       q = quat_product(q, vload4(k, c.joint));
     }
@@ -154,8 +161,8 @@ static void write_points(PoseLayout layout, float4 camera, local const double* s
   for (int k = first_from(LC_POSE_GROUP / 2); k < LC_POSE_KEYPOINTS + layout.n_soles; k += LC_POSE_GROUP) {
     const double3 point = chain_point(layout, k, c);
     const bool is_keypoint = k < LC_POSE_KEYPOINTS;
-    const int at = is_keypoint ? LC_POSE_STEP_KEYPOINTS(layout) + 3 * k
-                               : LC_POSE_STEP_SOLES(layout) + 3 * (k - LC_POSE_KEYPOINTS);
+    const int at =
+        is_keypoint ? LC_POSE_STEP_KEYPOINTS(layout) + 3 * k : LC_POSE_STEP_SOLES(layout) + 3 * (k - LC_POSE_KEYPOINTS);
     vstore3(convert_float3(point), 0, step + at);
     if (!is_keypoint) continue;
     const double3 from = vload3(k, c.keypoints), to = point + vload3(0, state + LC_POSE_STATE_ROOT);

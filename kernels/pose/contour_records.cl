@@ -27,11 +27,11 @@ LC_FN DistanceSample sample_bilinear(global const float* restrict image, int wid
   return sample;
 }
 
-// The lanes from contour vertex `first` on; records and residuals have them from `place` on. camera: fx, fy, cx, cy. step: layout.h. vertices [contour.n] vertex
-// indices. rest, rest_normals, displacement [3*n_vertices] mm, template frame (displacement is read when
-// contour.has_displacement). bones, weights [4*n_vertices]. distance [width*height] px, positive outside. records,
-// residuals: the first contour row's. Out: distances_px the sampled distance; NaN, and a zero row, for a vertex that is
-// not inside the image. Everything that is written has room for whole slices.
+// The lanes from contour vertex `first` on; records and residuals have them from `place` on. camera: fx, fy, cx, cy.
+// step: layout.h. vertices [contour.n] vertex indices. rest, rest_normals, displacement [3*n_vertices] mm, template
+// frame (displacement is read when contour.has_displacement). bones, weights [4*n_vertices]. distance [width*height]
+// px, positive outside. records, residuals: the first contour row's. Out: distances_px the sampled distance; NaN, and a
+// zero row, for a vertex that is not inside the image. Everything that is written has room for whole slices.
 static inline void contour_records(int first, int place, PoseLayout layout, float4 camera, PoseContour contour,
                                    LC_POSE_SPACE const float* restrict step, global const int* restrict vertices,
                                    global const float* restrict rest, global const float* restrict rest_normals,
@@ -76,7 +76,8 @@ kernel void pose_contour_records(PoseLayout layout, float4 camera, PoseContour c
                                  global float* restrict records, global float* restrict residuals,
                                  global float* restrict distances_px) {
   if (FIRST_ROW >= contour.n) return;
-  contour_records(FIRST_ROW, FIRST_ROW, layout, camera, contour, step, (global const int*)(inputs + at.contour_vertices), rest,
-                  rest_normals, displacement, bones, weights, distance, records, residuals, distances_px);
+  contour_records(FIRST_ROW, FIRST_ROW, layout, camera, contour, step,
+                  (global const int*)(inputs + at.contour_vertices), rest, rest_normals, displacement, bones, weights,
+                  distance, records, residuals, distances_px);
 }
 #endif

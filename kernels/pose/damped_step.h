@@ -163,10 +163,10 @@ static int damped_step(PoseLayout layout, PoseStepsArg steps, global const float
   barrier(CLK_LOCAL_MEM_FENCE);
   for (int k = 1 + 2 * id; k < right; k += 2 * LC_POSE_GROUP) s.pivots[k] /= s.pivots[k - 1];
   barrier(CLK_LOCAL_MEM_FENCE);
-  const int status = !s.finite[0]                                               ? LC_POSE_NOT_FINITE
+  const int status = !s.finite[0]                                            ? LC_POSE_NOT_FINITE
                      : !has_full_rank(right, steps.rank_threshold, s.pivots) ? LC_POSE_RANK_DEFICIENT
-                     : !s.finite[1]                                             ? LC_POSE_NOT_FINITE
-                                                                                : LC_POSE_SOLVED;
+                     : !s.finite[1]                                          ? LC_POSE_NOT_FINITE
+                                                                             : LC_POSE_SOLVED;
   // Shortened so that nothing turns further than the bound.
   double3 turn = vload3(0, s.step);
   double angle = sqrt(dot(turn, turn)), factor = 1.0;

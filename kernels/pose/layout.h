@@ -105,9 +105,9 @@ typedef struct {
 
 // Local memory of gauss_newton.cl. In doubles: state, posed chain, damped system.
 #define LC_POSE_MOVED ((LC_POSE_KEYPOINTS + 3) / 4 * 4)
-#define LC_POSE_CHAIN_LOCAL(layout)                                                                 \
-  (LC_POSE_CHAIN_SIZE(layout) + 11 * (layout).n_bones + 8 * (layout).n_dofs + 3 * LC_POSE_KEYPOINTS + \
-   LC_POSE_MOVED + (LC_POSE_LINKS_SIZE(layout) + 1) / 2)
+#define LC_POSE_CHAIN_LOCAL(layout)                                                                                   \
+  (LC_POSE_CHAIN_SIZE(layout) + 11 * (layout).n_bones + 8 * (layout).n_dofs + 3 * LC_POSE_KEYPOINTS + LC_POSE_MOVED + \
+   (LC_POSE_LINKS_SIZE(layout) + 1) / 2)
 // Rows of the damped system: an even number of unknowns and the right-hand side, rounded up. The kernel has it as
 // LC_POSE_SYSTEM_SIDE.
 #define LC_POSE_SIDE(layout) (((layout).n_unknowns + 1) / 2 * 2 / 16 * 16 + 16)

@@ -6,9 +6,9 @@
 #include "pose/skinned_row.h"
 #include "terms/match.cl"
 
-// The lanes from match `first` on; records and residuals have them from `place` on. camera: fx, fy, cx, cy. step: layout.h. vertices [n]. targets [LC_POSE_MATCH*n].
-// rest [3*n_vertices] mm, bones, weights [4*n_vertices]. records, residuals (pairs):
-// the first match row's, both with room for whole slices.
+// The lanes from match `first` on; records and residuals have them from `place` on. camera: fx, fy, cx, cy. step:
+// layout.h. vertices [n]. targets [LC_POSE_MATCH*n]. rest [3*n_vertices] mm, bones, weights [4*n_vertices]. records,
+// residuals (pairs): the first match row's, both with room for whole slices.
 static inline void match_records(int first, int place, PoseLayout layout, float4 camera, int n, float huber_px,
                                  LC_POSE_SPACE const float* restrict step, global const int* restrict vertices,
                                  global const float* restrict targets, global const float* restrict rest,
@@ -48,7 +48,8 @@ kernel void pose_match_records(PoseLayout layout, float4 camera, int n, float hu
                                global const float* restrict weights, global float* restrict records,
                                global float* restrict residuals) {
   if (FIRST_ROW >= n) return;
-  match_records(FIRST_ROW, FIRST_ROW, layout, camera, n, huber_px, step, (global const int*)(inputs + at.match_vertices),
-                inputs + at.match_targets, rest, bones, weights, records, residuals);
+  match_records(FIRST_ROW, FIRST_ROW, layout, camera, n, huber_px, step,
+                (global const int*)(inputs + at.match_vertices), inputs + at.match_targets, rest, bones, weights,
+                records, residuals);
 }
 #endif

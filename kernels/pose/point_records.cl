@@ -10,8 +10,8 @@
 
 // One row of a point p (root-relative) fixed to `bone`: gradient g by the point, extra coefficients from
 // `extra_column`.
-LC_FN void write_point_row(LC_POSE_SPACE float* restrict record, LC_POSE_SPACE float* restrict residual, float r, Vec3 p, Vec3 g,
-                           int bone, int extra_column, Vec3 extra) {
+LC_FN void write_point_row(LC_POSE_SPACE float* restrict record, LC_POSE_SPACE float* restrict residual, float r,
+                           Vec3 p, Vec3 g, int bone, int extra_column, Vec3 extra) {
   Wrench w = point_wrench(p, g);
   vstore3((float3)(w.torque.x, w.torque.y, w.torque.z), 0, record);
   vstore3((float3)(w.force.x, w.force.y, w.force.z), 1, record);
@@ -26,8 +26,8 @@ LC_FN void write_point_row(LC_POSE_SPACE float* restrict record, LC_POSE_SPACE f
 // i < LC_POSE_KEYPOINTS: the 8 rows of keypoint i; from there on a joint angle each, then a point of the soles each.
 // step, targets, ground: see layout.h. bones [LC_POSE_KEYPOINTS + n_soles], -1 for a keypoint without anchor, which has
 // no rows. limits [2*n_dofs] min, max. Out: records [LC_POSE_RECORD * rows], residuals [rows], from row `first` on.
-static inline void point_records(int i, PoseLayout layout, Pinhole cam, float huber_px,
-                                 int first, LC_POSE_SPACE const float* restrict step, global const float* restrict targets,
+static inline void point_records(int i, PoseLayout layout, Pinhole cam, float huber_px, int first,
+                                 LC_POSE_SPACE const float* restrict step, global const float* restrict targets,
                                  global const int* restrict bones, global const float* restrict limits,
                                  global const float* restrict ground, float sqrt_anatomic,
                                  LC_POSE_SPACE float* restrict records, LC_POSE_SPACE float* restrict residuals) {

@@ -6,14 +6,14 @@
 #include "pose/skinned_row.h"
 #include "terms/shading.cl"
 
-// The lanes from shaded vertex `first` on; records and residuals have them from `place` on. step: layout.h. vertices [n]. targets [LC_POSE_SHADED*n]: light, brightness,
-// root of the weight. rest_normals [3*n_vertices], bones, weights [4*n_vertices]. records, residuals: the first shading
-// row's, both with room for whole slices.
-static inline void shading_records(int first, int place, PoseLayout layout, int n, float huber, LC_POSE_SPACE const float* restrict step,
-                                   global const int* restrict vertices, global const float* restrict targets,
-                                   global const float* restrict rest_normals, global const int* restrict bones,
-                                   global const float* restrict weights, LC_POSE_SPACE float* restrict records,
-                                   LC_POSE_SPACE float* restrict residuals) {
+// The lanes from shaded vertex `first` on; records and residuals have them from `place` on. step: layout.h. vertices
+// [n]. targets [LC_POSE_SHADED*n]: light, brightness, root of the weight. rest_normals [3*n_vertices], bones, weights
+// [4*n_vertices]. records, residuals: the first shading row's, both with room for whole slices.
+static inline void shading_records(int first, int place, PoseLayout layout, int n, float huber,
+                                   LC_POSE_SPACE const float* restrict step, global const int* restrict vertices,
+                                   global const float* restrict targets, global const float* restrict rest_normals,
+                                   global const int* restrict bones, global const float* restrict weights,
+                                   LC_POSE_SPACE float* restrict records, LC_POSE_SPACE float* restrict residuals) {
   const LaneInt vertex = lane_vertices(vertices, first, n);
   const LaneInt target = LC_POSE_SHADED * min(first + LANE_IDS, (LaneInt)(n - 1));
   const Vec3 rest = gather_vec3(rest_normals, vertex);

@@ -21,8 +21,8 @@ static inline VertexPixel vertex_pixel(LaneInt i, int width, int height, global 
   return p;
 }
 
-// The lanes from vertex `first` on: 1 where vertex i projects into the image, its normal faces the camera, and nothing in
-// the 3x3 pixels around it lies in front of it by more than the tolerance everywhere (an empty pixel hides nothing).
+// The lanes from vertex `first` on: 1 where vertex i projects into the image, its normal faces the camera, and nothing
+// in the 3x3 pixels around it lies in front of it by more than the tolerance everywhere (an empty pixel hides nothing).
 // positions [3*n] mm, camera frame; normals [3*n]; projected [4*n] u, v, 1/z, z; depth [w*h] mm.
 static inline LaneInt visible_lanes(int first, int n, int width, int height, float tolerance_mm,
                                     global const float* restrict positions, global const float* restrict normals,
@@ -88,10 +88,10 @@ static inline int is_at_outline(int x, int y, float z, int width, int height, in
   return outside && (farthest == 0.0f || z <= farthest + tolerance_mm) ? 1 : 0;
 }
 
-// The lanes from vertex `first` on: 1 where vertex i lies on an edge between a front and a back face (or on an open edge
-// of the mesh) and is_at_outline. Only such vertices project onto the outline itself; others near it would be pulled
-// outwards by their distance to it. fan_offsets [n+1], fan_triangles [fan_offsets[n]]; on_open_edge [n]; faces: sides
-// [n_triangles], on GPUs corners [3*n_triangles].
+// The lanes from vertex `first` on: 1 where vertex i lies on an edge between a front and a back face (or on an open
+// edge of the mesh) and is_at_outline. Only such vertices project onto the outline itself; others near it would be
+// pulled outwards by their distance to it. fan_offsets [n+1], fan_triangles [fan_offsets[n]]; on_open_edge [n]; faces:
+// sides [n_triangles], on GPUs corners [3*n_triangles].
 static inline LaneInt contour_lanes(int first, int n, int width, int height, int radius_px, float tolerance_mm,
                                     global const float* restrict projected, global const int* restrict fan_offsets,
                                     global const int* restrict fan_triangles, global const int* restrict on_open_edge,

@@ -35,8 +35,8 @@ void steps_in_row(const uint8_t* row, int width, int radius, bool covering, uint
   }
 }
 
-// The disc row by row: within `radius` of a cell's row a row reaches so many cells to both sides. A cell is covered when
-// the nearest one is within reach in any row. At most 254 cells.
+// The disc row by row: within `radius` of a cell's row a row reaches so many cells to both sides. A cell is covered
+// when the nearest one is within reach in any row. At most 254 cells.
 void cover_by_disc(ImageGray& mask, int radius, bool covering) {
   const int width = mask.width, height = mask.height;
   std::vector<uint8_t> steps(mask.pixels.size());

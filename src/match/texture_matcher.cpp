@@ -141,9 +141,8 @@ void TextureMatcher::normalise(int level, int offset, ocl::Buffer<float>& normal
     normalise_.launch((height + LC_MATCH_BAND - 1) / LC_MATCH_BAND, 1, box, level, offset, options_.variance_floor,
                       light_, weight_, sums_, normal);
   } else {
-    normalise_.launch(
-        ocl::Range{size_t(box.width), round_up(height, LC_MATCH_TILE), LC_MATCH_TILE, LC_MATCH_TILE}, box, level,
-        offset, options_.variance_floor, light_, weight_, normal);
+    normalise_.launch(ocl::Range{size_t(box.width), round_up(height, LC_MATCH_TILE), LC_MATCH_TILE, LC_MATCH_TILE}, box,
+                      level, offset, options_.variance_floor, light_, weight_, normal);
   }
 }
 

@@ -15,8 +15,9 @@ typedef struct {
 #define LC_MATCH_MARGIN 16
 // Between rows of column sums, for the windows that are looked at in vain.
 #define LC_MATCH_PAD 32
-// Rows in which a work-item carries a column's sums on.
-#define LC_MATCH_BAND(is_cpu) ((is_cpu) ? 64 : 16)
+// Rows in which a work-item of a CPU carries a column's sums on, and rows and columns of a work-group of a GPU.
+#define LC_MATCH_BAND 64
+#define LC_MATCH_TILE 16
 // Half-resolution levels below the full picture.
 #define LC_MATCH_LEVELS 2
 

@@ -4,15 +4,19 @@
 #include "match/layout.h"
 #include "shared/wide.h"
 
-// Rows of a work-item: windows are summed anew at the first and carried on from there.
-#define BAND LC_MATCH_BAND(LC_CPU)
-
 #if LC_CPU
 typedef float16 pix_t;
 #define LOAD(p) vload16(0, p)
+#define SUMS_SPACE global
+// Rows of a work-item: windows are summed anew at the first and carried on from there.
+#define BAND LC_MATCH_BAND
 #else
 typedef float pix_t;
 #define LOAD(p) (*(p))
+#define SUMS_SPACE local
+// A work-group has TILE x TILE pixels and, at their sides, what their windows reach.
+#define TILE LC_MATCH_TILE
+#define WITH_SIDES (TILE + 2 * LC_MATCH_RADIUS)
 #endif
 
 // Sums over a window: pixels that count, their light, its square.
@@ -25,6 +29,25 @@ static inline void add_row(Sums* sums, pix_t light, pix_t weight) {
   sums->s += light;
   sums->ss += light * light;
 }
+
+// (light - mean) / sqrt(variance + floor) of neighbouring pixels, 0 where there is nobody. sums: three planes of column
+// sums.
+static inline pix_t normalised(SUMS_SPACE const float* restrict sums, int plane, int radius, pix_t light, pix_t weight,
+                               float variance_floor) {
+  pix_t n = 0.0f, s = 0.0f, ss = 0.0f;
+  for (int k = -radius; k <= radius; ++k) {
+    n += LOAD(sums + k);
+    s += LOAD(sums + plane + k);
+    ss += LOAD(sums + 2 * plane + k);
+  }
+  n = fmax(n, 1.0f);
+  const pix_t mean = s / n;
+  const pix_t variance = fmax(ss / n - mean * mean, 0.0f);
+  return (light - mean) / sqrt(variance + variance_floor) * weight;
+}
+
+// light, weight: the box of a level, from `at` on. Out: normal = box, likewise, 0 in the margins.
+#if LC_CPU
 
 static inline void remove_row(Sums* sums, pix_t light, pix_t weight) {
   sums->n -= weight;
@@ -48,25 +71,6 @@ static inline Sums sums_above(int first, MatchBox box, int radius, global const 
     add_row(&sums, LOAD(light + y * box.width), LOAD(weight + y * box.width));
   return sums;
 }
-
-// (light - mean) / sqrt(variance + floor) of neighbouring pixels, 0 where there is nobody. sums: three planes of column
-// sums.
-static inline pix_t normalised(global const float* restrict sums, int plane, int radius, pix_t light, pix_t weight,
-                               float variance_floor) {
-  pix_t n = 0.0f, s = 0.0f, ss = 0.0f;
-  for (int k = -radius; k <= radius; ++k) {
-    n += LOAD(sums + k);
-    s += LOAD(sums + plane + k);
-    ss += LOAD(sums + 2 * plane + k);
-  }
-  n = fmax(n, 1.0f);
-  const pix_t mean = s / n;
-  const pix_t variance = fmax(ss / n - mean * mean, 0.0f);
-  return (light - mean) / sqrt(variance + variance_floor) * weight;
-}
-
-// light, weight: the box of a level, from `at` on. Out: normal = box, likewise, 0 in the margins.
-#if LC_CPU
 
 // Over the bands. sums: scratch, three rows of the box and LC_MATCH_PAD for each band.
 kernel void normalise(MatchBox box, int level, int at, float variance_floor, global const float* restrict light,
@@ -109,38 +113,41 @@ kernel void normalise(MatchBox box, int level, int at, float variance_floor, glo
 
 #else
 
-// Over (box.width, bands). Out: sums over the rows around each pixel, 3 planes of the box.
-kernel void column_sums(MatchBox box, int level, int at, global const float* restrict light,
-                        global const float* restrict weight, global float* restrict sums) {
-  const int x = get_global_id(0);
-  const int first = BAND * (int)get_global_id(1);
-  if (x >= box.width || first >= box.height) return;
-  const int plane = box.width * box.height;
-  const int radius = LC_MATCH_RADIUS >> level;
-  light += at + x;
-  weight += at + x;
-  Sums column = sums_above(first, box, radius, light, weight);
-  for (int y = first; y < min(first + BAND, box.height); ++y) {
-    const int p = y * box.width + x;
-    move_down(&column, y, first, box, radius, light, weight);
-    sums[p] = column.n;
-    sums[plane + p] = column.s;
-    sums[2 * plane + p] = column.ss;
-  }
-}
-
 // Over (box.width, box.height).
-kernel void normalise_rows(MatchBox box, int level, int at, float variance_floor, global const float* restrict light,
-                           global const float* restrict weight, global const float* restrict sums,
-                           global float* restrict normal) {
+kernel __attribute__((reqd_work_group_size(TILE, TILE, 1))) void normalise(MatchBox box, int level, int at,
+                                                                           float variance_floor,
+                                                                           global const float* restrict light,
+                                                                           global const float* restrict weight,
+                                                                           global float* restrict normal) {
+  local float lights[WITH_SIDES * WITH_SIDES], weights[WITH_SIDES * WITH_SIDES];
+  local float sums[3 * TILE * WITH_SIDES];  // over the rows around each of TILE
+  const int radius = LC_MATCH_RADIUS >> level, margin = LC_MATCH_MARGIN >> level, reach = TILE + 2 * radius;
+  const int id = get_local_id(1) * TILE + get_local_id(0);
+  const int x0 = (int)get_group_id(0) * TILE - radius, y0 = (int)get_group_id(1) * TILE - radius;
+  light += at;
+  weight += at;
+  for (int i = id; i < reach * reach; i += TILE * TILE) {
+    const int x = x0 + i % reach, y = y0 + i / reach;
+    const bool inside = x >= 0 && x < box.width && y >= 0 && y < box.height;
+    lights[i] = inside ? light[y * box.width + x] : 0.0f;
+    weights[i] = inside ? weight[y * box.width + x] : 0.0f;
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (int i = id; i < TILE * reach; i += TILE * TILE) {
+    Sums column = {0.0f, 0.0f, 0.0f};
+    for (int k = 0; k <= 2 * radius; ++k) add_row(&column, lights[i + k * reach], weights[i + k * reach]);
+    sums[i] = column.n;
+    sums[TILE * reach + i] = column.s;
+    sums[2 * TILE * reach + i] = column.ss;
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
   const int x = get_global_id(0), y = get_global_id(1);
   if (x >= box.width || y >= box.height) return;
-  const int margin = LC_MATCH_MARGIN >> level;
-  const int p = y * box.width + x;
-  const int counts = x >= margin && x < box.width - margin && weight[at + p] > 0.0f;
-  normal[at + p] = !counts ? 0.0f
-                           : normalised(sums + p, box.width * box.height, LC_MATCH_RADIUS >> level, light[at + p],
-                                        weight[at + p], variance_floor);
+  const int here = get_local_id(1) * reach + get_local_id(0) + radius;
+  const int middle = here + radius * reach;
+  const int counts = x >= margin && x < box.width - margin && weights[middle] > 0.0f;
+  normal[at + y * box.width + x] =
+      counts ? normalised(sums + here, TILE * reach, radius, lights[middle], weights[middle], variance_floor) : 0.0f;
 }
 
 #endif

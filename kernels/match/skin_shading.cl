@@ -3,6 +3,9 @@
 #include "shared/luminance.h"
 
 #define RADIUS LC_SKIN_RADIUS
+#define SIDE (2 * RADIUS + 1)
+// A CPU looks at no pixel after one that does not count; the looks of a GPU wait for none before.
+#define LOOKS_ON(counts) (!LC_CPU || (counts))
 
 // sRGB to linear, roughly: the square.
 static inline float linear_light(global const uchar* restrict rgb, int at) {
@@ -34,16 +37,20 @@ kernel void skin_brightness(int n, int width, int height, float focal_px, float 
   const int x = convert_int_rte(q.x), y = convert_int_rte(q.y);
   if (x < RADIUS || y < RADIUS || x >= width - RADIUS || y >= height - RADIUS) return;
   float sum = 0.0f;
-  for (int dy = -RADIUS; dy <= RADIUS; ++dy) {
-    for (int dx = -RADIUS; dx <= RADIUS; ++dx) {
-      const int at = (y + dy) * width + x + dx;
-      const int id = ids[at];
-      if (id < 0 || !(fabs(depth[at] - q.w) < depth_range_mm) || !(distance[at] < -1.0f)) return;
-      if (!is_skin[triangles[3 * id]] || !is_skin[triangles[3 * id + 1]] || !is_skin[triangles[3 * id + 2]]) return;
-      sum += linear_light(rgb, at);
-    }
+  int counts = 1;
+#if !LC_CPU
+#pragma unroll
+#endif
+  for (int k = 0; k < SIDE * SIDE && LOOKS_ON(counts); ++k) {
+    const int at = (y + k / SIDE - RADIUS) * width + x + k % SIDE - RADIUS;
+    const int id = ids[at];
+    counts &= id >= 0 && fabs(depth[at] - q.w) < depth_range_mm && distance[at] < -1.0f;
+    const int3 corners = vload3(max(id, 0), triangles);
+    counts &= is_skin[corners.x] & is_skin[corners.y] & is_skin[corners.z];
+    sum += linear_light(rgb, at);
   }
-  const float mean = sum / (float)((2 * RADIUS + 1) * (2 * RADIUS + 1));
+  if (!counts) return;
+  const float mean = sum / (float)(SIDE * SIDE);
   vstore4((float4)(normal.x, normal.y, normal.z, mean / albedo[i]), 0, out);
   out[4] = areas[i] * facing * focal_px * focal_px / (p.z * p.z);
 }

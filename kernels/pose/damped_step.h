@@ -1,12 +1,41 @@
 // A Gauss-Newton step on the device, in double: what src/pose/pose_solver.cpp does with src/solve/dense_solver.h. By
-// one work-group of LC_POSE_GROUP. Elimination needs no pivots: the system is positive definite.
+// one work-group of LC_POSE_GROUP, 16 x 16 work-items: each keeps every sixteenth entry of the system, along rows and
+// columns, in registers, and only the rows and columns of the pivots go through local memory. Elimination needs no
+// search for pivots: the system is positive definite. Two at a time, since what takes the time is one step after
+// another.
 #ifndef LC_POSE_DAMPED_STEP_H
 #define LC_POSE_DAMPED_STEP_H
 #include "pose/chain.h"
 #if LC_POSE_TAKES_STEPS
 
+#define SIDE LC_POSE_SYSTEM_SIDE
+#define SHARE (SIDE / 16)  // of a work-item, along rows and columns
+
+// The system with a unit diagonal: row and column 16 * a + get_local_id(0) / 16 and 16 * b + get_local_id(0) % 16. The
+// right-hand side is column n_eliminated(). Unknowns from n_unknowns on have rows of the unit matrix.
+typedef struct {
+  double of[SHARE][SHARE];
+} SystemPart;
+
+// In local memory, [LC_POSE_SOLVE_LOCAL].
+typedef struct {
+  local double* scale;     // [SIDE] of the unknowns
+  local double* diagonal;  // [SIDE] damped, before scaling
+  local double* pivots;    // [SIDE] of L D L^T
+  local double* step;      // [SIDE]
+  local double* turned;    // [SIDE] by how much joints turn
+  local double* lines;     // [2][4][SIDE] two rows and two columns, of this pivot and the one before
+  local int* finite;       // [2] whether the system and its solution are
+} Solve;
+
+static Solve solve_in(local double* memory, local int* finite) {
+  const Solve s = {memory, memory + SIDE, memory + 2 * SIDE, memory + 3 * SIDE, memory + 4 * SIDE, memory + 5 * SIDE,
+                   finite};
+  return s;
+}
+
 // Entry of gram.cl's tiles.
-static double gram_entry(PoseLayout layout, global const float* gram, int i, int j) {
+static float gram_entry(PoseLayout layout, global const float* gram, int i, int j) {
   const int row = min(i, j), column = max(i, j), side = layout.n_columns / 8, a = row / 8;
   const int tile = a * side - a * (a - 1) / 2 + column / 8 - a;
   return gram[64 * tile + row % 8 * 8 + column % 8];
@@ -16,84 +45,139 @@ static bool is_angle(PoseLayout layout, int i) {
   return i < 3 || (i >= 6 && i < layout.n_unknowns - 3);
 }
 
-// The scaled system with its right-hand side, [n_unknowns][n_unknowns + 1]. scale, diagonal: [n_unknowns]. finite:
-// whether all of it is, set before.
-static void damped_system(PoseLayout layout, PoseStepsArg steps, global const float* gram, local double* system,
-                          local double* scale, local double* diagonal, local int* finite) {
-  const int id = get_local_id(0), n = layout.n_unknowns;
-  for (int i = id; i < n; i += LC_POSE_GROUP) scale[i] = gram_entry(layout, gram, i, i);
-  barrier(CLK_LOCAL_MEM_FENCE);
-  for (int i = id; i < n; i += LC_POSE_GROUP) {
-    double largest = 0.0;
-    for (int j = 0; j < n; ++j)
-      if (is_angle(layout, j) == is_angle(layout, i) && scale[j] > largest) largest = scale[j];
-    diagonal[i] = scale[i] + steps.damping_own * scale[i] + steps.damping_largest * largest;
-  }
-  barrier(CLK_LOCAL_MEM_FENCE);
-  for (int i = id; i < n; i += LC_POSE_GROUP) scale[i] = diagonal[i] > 0.0 ? 1.0 / sqrt(diagonal[i]) : 0.0;
-  barrier(CLK_LOCAL_MEM_FENCE);
-  for (int at = id; at < n * (n + 1); at += LC_POSE_GROUP) {
-    const int i = at / (n + 1), j = at % (n + 1);
-    const double entry = i == j ? diagonal[i] : gram_entry(layout, gram, i, j);
-    if (!isfinite(entry)) *finite = 0;
-    const double scaled = scale[i] * entry * (j < n ? scale[j] : -1.0);
-    system[at] = i == j && scale[i] == 0.0 ? 1.0 : scaled;
-  }
-  barrier(CLK_LOCAL_MEM_FENCE);
+static int n_eliminated(PoseLayout layout) {
+  return (layout.n_unknowns + 1) / 2 * 2;
 }
 
-// Gauss-Jordan: columns to the right of the diagonal, the last of which becomes pivots times solution.
-static void eliminate(int n, local double* system) {
-  const int lane = get_local_id(0) % 32, first = get_local_id(0) / 32, width = n + 1;
-  for (int k = 0; k < n; ++k) {
-    const double inverse = 1.0 / system[k * width + k];
-    for (int i = first; i < n; i += LC_POSE_GROUP / 32) {
-      if (i == k) continue;
-      const double factor = system[i * width + k] * inverse;
-      for (int j = k + 1 + lane; j < width; j += 32) system[i * width + j] -= factor * system[k * width + j];
+// Reads the normal equations, damps and scales them.
+static void damped_system(PoseLayout layout, PoseStepsArg steps, global const float* gram, Solve s, SystemPart* part) {
+  const int id = get_local_id(0), n = layout.n_unknowns, right = n_eliminated(layout);
+  local float* own = (local float*)s.lines;
+  float entries[SHARE][SHARE];
+#pragma unroll
+  for (int a = 0; a < SHARE; ++a) {
+#pragma unroll
+    for (int b = 0; b < SHARE; ++b) {
+      const int i = 16 * a + id / 16, j = 16 * b + id % 16;
+      entries[a][b] = i < n && (j < n || j == right) ? gram_entry(layout, gram, i, min(j, n)) : 0.0f;
+    }
+  }
+  for (int i = id; i < n; i += LC_POSE_GROUP) own[i] = gram_entry(layout, gram, i, i);
+  if (id < 2) s.finite[id] = 1;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (int i = id; i < n; i += LC_POSE_GROUP) {
+    float largest = 0.0f;
+    for (int j = 0; j < n; ++j) largest = is_angle(layout, j) == is_angle(layout, i) ? fmax(largest, own[j]) : largest;
+    const double damped = own[i] + steps.damping_own * (double)own[i] + steps.damping_largest * (double)largest;
+    s.diagonal[i] = damped;
+    s.scale[i] = damped > 0.0 ? 1.0 / sqrt(damped) : 0.0;
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+#pragma unroll
+  for (int a = 0; a < SHARE; ++a) {
+#pragma unroll
+    for (int b = 0; b < SHARE; ++b) {
+      const int i = 16 * a + id / 16, j = 16 * b + id % 16;
+      const double entry = i == j && i < n ? s.diagonal[i] : (double)entries[a][b];
+      if (!isfinite(entry)) s.finite[0] = 0;
+      const double left = i < n ? s.scale[i] : 0.0, above = j < n ? s.scale[j] : -1.0;
+      part->of[a][b] = i == j && left == 0.0 ? 1.0 : left * entry * above;
+    }
+  }
+}
+
+// Gauss-Jordan: the right-hand side becomes the solution. Pivots: every second one times the one before.
+static void eliminate(int n, Solve s, SystemPart* part) {
+  const int tx = get_local_id(0) % 16, ty = get_local_id(0) / 16;
+  for (int k = 0; k < n; k += 2) {
+    local double* rows = s.lines + k / 2 % 2 * 4 * SIDE;
+    local double* columns = rows + 2 * SIDE;
+#pragma unroll
+    for (int a = 0; a < SHARE; ++a) {
+      if (a != k / 16) continue;
+#pragma unroll
+      for (int b = 0; b < SHARE; ++b) {
+        if (ty / 2 == k % 16 / 2) rows[ty % 2 * SIDE + 16 * b + tx] = part->of[a][b];
+        if (tx / 2 == k % 16 / 2) columns[tx % 2 * SIDE + 16 * b + ty] = part->of[b][a];
+      }
     }
     barrier(CLK_LOCAL_MEM_FENCE);
+    const double xx = rows[k], xy = rows[k + 1], yx = rows[SIDE + k], yy = rows[SIDE + k + 1];
+    const double determinant = xx * yy - xy * yx, inverse = 1.0 / determinant;
+    if (get_local_id(0) < 2) s.pivots[k + get_local_id(0)] = get_local_id(0) == 0 ? xx : determinant;
+    double of_first[SHARE], of_second[SHARE];
+#pragma unroll
+    for (int a = 0; a < SHARE; ++a) {
+      const int row = 16 * a + ty;
+      // Rows of pivots are what is left when they are taken from nothing, by the inverse.
+      const bool has_pivot = row / 2 == k / 2;
+      const double x = has_pivot ? (row == k ? -1.0 : 0.0) : columns[row];
+      const double y = has_pivot ? (row == k ? 0.0 : -1.0) : columns[SIDE + row];
+      of_first[a] = (x * yy - y * yx) * inverse;
+      of_second[a] = (y * xx - x * xy) * inverse;
+    }
+#pragma unroll
+    for (int b = 0; b < SHARE; ++b) {
+      if (b < k / 16) continue;  // done with
+      const double first = rows[16 * b + tx], second = rows[SIDE + 16 * b + tx];
+#pragma unroll
+      for (int a = 0; a < SHARE; ++a) {
+        const double from = (16 * a + ty) / 2 == k / 2 ? 0.0 : part->of[a][b];
+        part->of[a][b] = from - of_first[a] * first - of_second[a] * second;
+      }
+    }
   }
 }
 
-// Shortens the step so that nothing turns further than the bound: by which factor.
-static double turn_factor(PoseLayout layout, float max_step_rad, local const double* step) {
-  if (!(max_step_rad > 0.0f)) return 1.0;
-  double largest = length(vload3(0, step));
-  for (int i = 6; i < layout.n_unknowns - 3; ++i) largest = fmax(largest, fabs(step[i]));
-  return largest > max_step_rad ? max_step_rad / largest : 1.0;
+static bool has_full_rank(int n, float threshold, local const double* pivots) {
+  double2 least = INFINITY, most = 0.0;
+  for (int k = 0; k < n; k += 2) {
+    const double2 v = vload2(0, pivots + k);
+    least = v < least ? v : least;
+    most = most < v ? v : most;
+  }
+  return fmin(least.x, least.y) > threshold * fmax(most.x, most.y);
 }
 
-// Adds the step of the normal equations `gram` to the state (layout.h). memory: [LC_POSE_SOLVE_LOCAL]. Returns
-// LC_POSE_SOLVED, or why the state is as it was.
+// Adds the step of the normal equations `gram` to the state (layout.h). finite: [2]. Returns LC_POSE_SOLVED, or why
+// the state is as it was.
 static int damped_step(PoseLayout layout, PoseStepsArg steps, global const float* gram, local double* memory,
                        local int* finite, local double* state) {
-  const int id = get_local_id(0), n = layout.n_unknowns;
-  local double* scale = memory;
-  local double* step = scale + n;
-  local double* system = step + n;
-  if (id == 0) *finite = 1;
-  damped_system(layout, steps, gram, system, scale, step, finite);
-  eliminate(n, system);
-  double least = INFINITY, most = -INFINITY;
-  for (int i = 0; i < n; ++i) {
-    least = fmin(least, system[i * (n + 2)]);
-    most = fmax(most, system[i * (n + 2)]);
-  }
-  const bool full_rank = least > steps.rank_threshold * most;
-  for (int i = id; i < n; i += LC_POSE_GROUP) {
-    step[i] = scale[i] * system[i * (n + 1) + n] / system[i * (n + 2)];
-    if (full_rank && !isfinite(step[i])) *finite = 0;
+  const int id = get_local_id(0), n = layout.n_unknowns, right = n_eliminated(layout);
+  const Solve s = solve_in(memory, finite);
+  SystemPart part;
+  damped_system(layout, steps, gram, s, &part);
+  eliminate(right, s, &part);
+#pragma unroll
+  for (int a = 0; a < SHARE; ++a) {
+#pragma unroll
+    for (int b = 0; b < SHARE; ++b) {
+      const int i = 16 * a + id / 16;
+      if (16 * b + id % 16 != right) continue;
+      const double step = i < n ? s.scale[i] * part.of[a][b] : 0.0;
+      s.step[i] = step;
+      s.turned[i] = i >= 6 && i < n - 3 ? fabs(step) : 0.0;
+      if (!isfinite(step)) s.finite[1] = 0;
+    }
   }
   barrier(CLK_LOCAL_MEM_FENCE);
-  const int status = !*finite ? LC_POSE_NOT_FINITE : full_rank ? LC_POSE_SOLVED : LC_POSE_RANK_DEFICIENT;
-  const double factor = turn_factor(layout, steps.max_step_rad, step);
+  for (int k = 1 + 2 * id; k < right; k += 2 * LC_POSE_GROUP) s.pivots[k] /= s.pivots[k - 1];
+  barrier(CLK_LOCAL_MEM_FENCE);
+  const int status = !s.finite[0]                                            ? LC_POSE_NOT_FINITE
+                     : !has_full_rank(right, steps.rank_threshold, s.pivots) ? LC_POSE_RANK_DEFICIENT
+                     : !s.finite[1]                                          ? LC_POSE_NOT_FINITE
+                                                                             : LC_POSE_SOLVED;
+  // Shortened so that nothing turns further than the bound.
+  double3 turn = vload3(0, s.step);
+  double angle = sqrt(dot(turn, turn)), factor = 1.0;
+  const double largest = fmax(angle, largest_of(SIDE, s.turned));
+  if (steps.max_step_rad > 0.0f && largest > steps.max_step_rad) factor = steps.max_step_rad / largest;
   // Behind the quaternion the state is in the order of the unknowns.
-  for (int i = 3 + id; status == LC_POSE_SOLVED && i < n; i += LC_POSE_GROUP) state[i + 1] += factor * step[i];
-  const double3 turn = factor * vload3(0, step);
-  const double angle = length(turn);
-  if (id == 0 && status == LC_POSE_SOLVED && angle >= 1e-12)
-    vstore4(normalize(quat_product(quat_about(turn / angle, angle), vload4(0, state))), 0, state);
+  for (int i = 3 + id; status == LC_POSE_SOLVED && i < n; i += LC_POSE_GROUP) state[i + 1] += factor * s.step[i];
+  if (id == LC_POSE_GROUP - 1 && status == LC_POSE_SOLVED && factor * angle >= 1e-12) {
+    const double4 q = quat_product(quat_about(turn / angle, factor * angle), vload4(0, state));
+    vstore4(q / sqrt(dot(q, q)), 0, state);
+  }
   barrier(CLK_LOCAL_MEM_FENCE);
   return status;
 }

@@ -17,7 +17,8 @@ typedef int8 column_ids_t;
 #define FILL_COLUMNS LC_POSE_FILL_COLUMNS(LC_CPU)
 
 // Wrench w (6 floats, `stride` apart) turned about the columns. step: layout.h, offset to the first of them.
-inline columns_t turned(global const float* restrict w, int stride, global const float* restrict step, int n_columns) {
+inline columns_t turned(LC_POSE_SPACE const float* restrict w, int stride, LC_POSE_SPACE const float* restrict step,
+                        int n_columns) {
   return LOAD_COLUMNS(0, step) * w[0] + LOAD_COLUMNS(0, step + n_columns) * w[stride] +
          LOAD_COLUMNS(0, step + 2 * n_columns) * w[2 * stride] + LOAD_COLUMNS(0, step + 3 * n_columns) * w[3 * stride] +
          LOAD_COLUMNS(0, step + 4 * n_columns) * w[4 * stride] + LOAD_COLUMNS(0, step + 5 * n_columns) * w[5 * stride];
@@ -25,12 +26,12 @@ inline columns_t turned(global const float* restrict w, int stride, global const
 
 // A row with one bone and extra coefficients, from column `column` on. moves [n_bones*n_columns]: 1 where the column
 // moves the bone, else 0. records [LC_POSE_RECORD*n_rows], residuals [n_rows].
-inline columns_t point_columns(PoseLayout layout, int row, int column, global const float* restrict step,
-                               global const float* restrict moves, global const float* restrict records,
-                               global const float* restrict residuals) {
+inline columns_t point_columns(PoseLayout layout, int row, int column, LC_POSE_SPACE const float* restrict step,
+                               global const float* restrict moves, LC_POSE_SPACE const float* restrict records,
+                               LC_POSE_SPACE const float* restrict residuals) {
   const int n_columns = layout.n_columns;
   const column_ids_t columns = column + FIRST_IDS;
-  global const float* record = records + row * LC_POSE_RECORD;
+  LC_POSE_SPACE const float* record = records + row * LC_POSE_RECORD;
   const int bone = as_int(record[LC_POSE_RECORD_BONES]);
   const column_ids_t extra = columns - as_int(record[LC_POSE_RECORD_EXTRA_COLUMN]);
   columns_t value = LOAD_COLUMNS(0, moves + bone * n_columns + column) * turned(record, 1, step + column, n_columns);
@@ -42,13 +43,14 @@ inline columns_t point_columns(PoseLayout layout, int row, int column, global co
 
 // A row with four bones; `per_vertex` rows of each vertex.
 inline columns_t skinned_columns(PoseLayout layout, int row, int per_vertex, int column,
-                                 global const float* restrict step, global const float* restrict moves,
-                                 global const float* restrict records, global const float* restrict residuals) {
+                                 LC_POSE_SPACE const float* restrict step, global const float* restrict moves,
+                                 LC_POSE_SPACE const float* restrict records,
+                                 LC_POSE_SPACE const float* restrict residuals) {
   const int n_columns = layout.n_columns;
   const column_ids_t columns = column + FIRST_IDS;
   const int vertex = row / per_vertex;
   const int slice = vertex / LC_POSE_SLICE * per_vertex + row % per_vertex;
-  global const float* record = records + slice * LC_POSE_SLICE * LC_POSE_RECORD + vertex % LC_POSE_SLICE;
+  LC_POSE_SPACE const float* record = records + slice * LC_POSE_SLICE * LC_POSE_RECORD + vertex % LC_POSE_SLICE;
   const int bones = as_int(record[LC_POSE_RECORD_BONES * LC_POSE_SLICE]);
   columns_t value = 0.0f;
 #pragma unroll

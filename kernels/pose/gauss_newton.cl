@@ -10,6 +10,7 @@
 #if !defined(LC_POSE_TAKES_STEPS) && defined(cl_khr_fp64)
 #define LC_POSE_TAKES_STEPS 1
 #endif
+#define LC_POSE_SPACE local
 #include "shared/lanes.h"
 //
 #include "pose/chain.h"
@@ -30,35 +31,40 @@ typedef double real64;
 typedef long real64;  // of arguments that are not used
 #endif
 
-// The part of the normal equations of ROWS rows of J, [n_tiles][8][8]: two rows of four entries of a tile at a time.
-static void gram_of_rows(int n_columns, local const float* rows, global float* part) {
+// The part of the normal equations of ROWS rows of J, [n_tiles][8][8]: a quarter of a tile at a time. rows: n_columns
+// / 4 each.
+static void gram_of_rows(int n_columns, local const float4* rows, global float* part) {
   const int n_tiles = n_columns / 8 * (n_columns / 8 + 1) / 2;
-  for (int i = get_local_id(0); i < n_tiles * 8; i += LC_POSE_GROUP) {
-    const int2 corner = tile_corner(i / 8, n_columns / 8);
-    const int y = i % 8 / 2 * 2, x = i % 2 * 4;
-    float4 upper = 0.0f, lower = 0.0f;
+  for (int i = get_local_id(0); i < n_tiles * 4; i += LC_POSE_GROUP) {
+    const int2 corner = tile_corner(i / 4, n_columns / 8);
+    const int y = i % 4 / 2 * 4, x = i % 2 * 4;
+    local const float4* above = rows + (corner.x + y) / 4;
+    local const float4* beside = rows + (corner.y + x) / 4;
+    float4 sums[4] = {0.0f, 0.0f, 0.0f, 0.0f};
+#pragma unroll 8
     for (int row = 0; row < ROWS; ++row) {
-      const float2 left = vload2(0, rows + row * n_columns + corner.x + y);
-      const float4 right = vload4(0, rows + row * n_columns + corner.y + x);
-      upper += left.x * right;
-      lower += left.y * right;
+      const float4 left = above[row * (n_columns / 4)], right = beside[row * (n_columns / 4)];
+      sums[0] += left.x * right;
+      sums[1] += left.y * right;
+      sums[2] += left.z * right;
+      sums[3] += left.w * right;
     }
-    global float* tile = part + i / 8 * 64 + y * 8 + x;
-    vstore4(upper, 0, tile);
-    vstore4(lower, 0, tile + 8);
+    for (int k = 0; k < 4; ++k) vstore4(sums[k], 0, part + i / 4 * 64 + (y + k) * 8 + x);
   }
 }
 
-// gram [n] of parts [n_parts][n], n a multiple of 16: sixteen entries a group at a time, in sixteen sums each.
+// gram [n] of parts [n_parts][n], n a multiple of 32: so many entries a group at a time, in LC_POSE_GROUP / 32 sums
+// each.
 static void add_parts(int n, int n_parts, global const float* parts, global float* gram, local float* sums) {
   const int id = get_local_id(0);
-  for (int first = 16 * get_group_id(0); first < n; first += 16 * get_num_groups(0)) {
+  for (int first = 32 * get_group_id(0); first < n; first += 32 * get_num_groups(0)) {
     float sum = 0.0f;
-    for (int p = id / 16; p < n_parts; p += LC_POSE_GROUP / 16) sum += parts[p * n + first + id % 16];
+#pragma unroll 8
+    for (int p = id / 32; p < n_parts; p += LC_POSE_GROUP / 32) sum += parts[p * n + first + id % 32];
     sums[id] = sum;
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (id < 16) {
-      for (int k = 1; k < LC_POSE_GROUP / 16; ++k) sum += sums[16 * k + id];
+    if (id < 32) {
+      for (int k = 1; k < LC_POSE_GROUP / 32; ++k) sum += sums[32 * k + id];
       gram[first + id] = sum;
     }
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -66,20 +72,20 @@ static void add_parts(int n, int n_parts, global const float* parts, global floa
 }
 
 // steps.most steps from the state in the inputs on and the residuals where they end; or, if that is negative, rows,
-// residuals and parts there, by a group for each ROWS rows (without LC_POSE_TAKES_STEPS: at `step`). Rows: point rows,
+// residuals and parts there, by a group for each ROWS rows (without LC_POSE_TAKES_STEPS: at `from`). Rows: point rows,
 // then contour, then matches (two each), then shaded vertices, each kind from a multiple of ROWS on; counts: matches,
-// shaded vertices. Other arguments: layout.h and the functions that are called. step [n_groups][LC_POSE_STEP_SIZE].
-// Out: the records of each kind; results: layout.h; J [n_rows*n_columns]; parts [n_parts][n_tiles][8][8] and their sum
-// gram. state: see all_arrived.h. rows: ROWS * n_columns floats; memory: LC_POSE_LOCAL.
+// shaded vertices. Other arguments: layout.h and the functions that are called. Out: results: layout.h; J
+// [n_rows*n_columns]; parts [n_parts][n_tiles][8][8] and their sum gram. state: see all_arrived.h. rows: ROWS *
+// n_columns floats; near: LC_POSE_NEAR_SIZE; memory: LC_POSE_LOCAL.
 kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gauss_newton(
     PoseLayout layout, float4 camera, int2 counts, PoseContour contour, float keypoint_huber_px, float match_huber_px,
     float shading_huber, float sqrt_anatomic, PoseInputs at, PoseStepsArg steps, global const float* restrict inputs,
     global const real64* restrict constants, global const int* restrict links, global const float* restrict moves,
     global const float* restrict limits, global const float* restrict rest, global const float* restrict rest_normals,
     global const float* restrict displacement, global const int* restrict bones, global const float* restrict weights,
-    global const float* restrict distance, global float* step, global float* point, global float* on_contour,
-    global float* matched, global float* shaded, global float* restrict J, global float* parts, global float* gram,
-    global float* results, volatile global int* state, local float* rows, local real64* memory) {
+    global const float* restrict distance, global const float* restrict from, global float* restrict J,
+    global float* parts, global float* gram, global float* results, volatile global int* state, local float4* rows,
+    local float* near, local real64* memory) {
   const int id = get_local_id(0), group = get_group_id(0), n_groups = get_num_groups(0);
   const int n_columns = layout.n_columns, n_point = LC_POSE_POINT_ROWS + layout.n_dofs + layout.n_soles;
   const int n_of[4] = {n_point, contour.n, 2 * counts.x, counts.y};
@@ -89,23 +95,27 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
     n_rows += n_of[kind];
   }
   global float* residuals = results + LC_POSE_RESULT_RESIDUALS(layout);
+  local float* step = near;
+  local float* records = step + LC_POSE_STEP_SIZE(layout);
+  local float* of_rows = records + ROWS * LC_POSE_RECORD;
 #if LC_POSE_TAKES_STEPS
-  local int given_up, finite;
+  (void)from;
+  local int given_up, finite[2];
   local double* unknowns = memory;
   local double* chain_memory = unknowns + LC_POSE_STATE_SIZE(layout);
-  const Chain chain = chain_in(layout, chain_memory);
+  const Chain chain = chain_in(layout, constants, links, chain_memory);
   int arrived = steps.arrived, together = 1, status = LC_POSE_SOLVED, taken = 0;
   for (int i = id; i < LC_POSE_STATE_SIZE(layout); i += LC_POSE_GROUP) unknowns[i] = ((global const double*)inputs)[i];
-  step += group * LC_POSE_STEP_SIZE(layout);
   barrier(CLK_LOCAL_MEM_FENCE);
   while (true) {
-    pose_chain(layout, constants, links, unknowns, chain);
-    write_step(layout, constants, links, unknowns, chain, step);
-    const double moved_px = keypoints_moved_px(layout, camera, constants, links, unknowns, chain);
+    pose_chain(layout, unknowns, chain);
+    const double moved_px = write_step(layout, camera, unknowns, chain, step);
     const int is_last = taken >= steps.most || (taken > 0 && moved_px < steps.settled_px);
     const int counts_rows = !is_last || steps.most < 0;
 #else
   (void)constants, (void)gram, (void)state, (void)memory;
+  for (int i = id; i < LC_POSE_STEP_SIZE(layout); i += LC_POSE_GROUP) step[i] = from[i];
+  barrier(CLK_LOCAL_MEM_FENCE);
   const int counts_rows = 1;
   {
 #endif
@@ -116,42 +126,41 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
         before += n_of[kind];
       }
       const int left = min(ROWS, n_of[kind] - first);
-      global float* of_kind = residuals + before;
       if (kind == 0) {
         const int row = first + id, limit = row - LC_POSE_POINT_ROWS;
         const Pinhole cam = {camera.x, camera.y, camera.z, camera.w};
         if (id < left && (limit >= 0 || row % LC_POSE_ROWS_PER_KEYPOINT == 0))
           point_records(limit >= 0 ? LC_POSE_KEYPOINTS + limit : row / LC_POSE_ROWS_PER_KEYPOINT, layout, cam,
-                        keypoint_huber_px, step, inputs + at.targets, links + LC_POSE_LINKS_POINTS(layout), limits,
-                        inputs + at.ground, sqrt_anatomic, point, of_kind);
+                        keypoint_huber_px, first, step, inputs + at.targets, links + LC_POSE_LINKS_POINTS(layout),
+                        limits, inputs + at.ground, sqrt_anatomic, records, of_rows);
       } else if (kind == 1) {
         if (id < left)
-          contour_records(first + id, layout, camera, contour, step, (global const int*)(inputs + at.contour_vertices),
-                          rest, rest_normals, displacement, bones, weights, distance, on_contour, of_kind,
-                          residuals + n_rows);
+          contour_records(first + id, id, layout, camera, contour, step,
+                          (global const int*)(inputs + at.contour_vertices), rest, rest_normals, displacement, bones,
+                          weights, distance, records, of_rows, residuals + n_rows);
       } else if (kind == 2) {
         if (2 * id < left)
-          match_records(first / 2 + id, layout, camera, counts.x, match_huber_px, step,
+          match_records(first / 2 + id, id, layout, camera, counts.x, match_huber_px, step,
                         (global const int*)(inputs + at.match_vertices), inputs + at.match_targets, rest, bones,
-                        weights, matched, of_kind);
+                        weights, records, of_rows);
       } else if (id < left) {
-        shading_records(first + id, layout, counts.y, shading_huber, step,
+        shading_records(first + id, id, layout, counts.y, shading_huber, step,
                         (global const int*)(inputs + at.shaded_vertices), inputs + at.shaded_targets, rest_normals,
-                        bones, weights, shaded, of_kind);
+                        bones, weights, records, of_rows);
       }
-      barrier(CLK_GLOBAL_MEM_FENCE);
+      barrier(CLK_LOCAL_MEM_FENCE);
+      if (id < left) residuals[before + first + id] = of_rows[id];
       const int blocks = n_columns / FILL_COLUMNS;
       for (int i = id; counts_rows && i < ROWS * blocks; i += LC_POSE_GROUP) {
         const int row = i / blocks, column = i % blocks * FILL_COLUMNS;
         columns_t value = 0.0f;
         if (row < left) {
-          value = kind == 0   ? point_columns(layout, first + row, column, step, moves, point, of_kind)
-                  : kind == 1 ? skinned_columns(layout, first + row, 1, column, step, moves, on_contour, of_kind)
-                  : kind == 2 ? skinned_columns(layout, first + row, 2, column, step, moves, matched, of_kind)
-                              : skinned_columns(layout, first + row, 1, column, step, moves, shaded, of_kind);
+          value = kind == 0 ? point_columns(layout, row, column, step, moves, records, of_rows)
+                            : skinned_columns(layout, row, kind == 2 ? 2 : 1, column, step, moves, records, of_rows);
           if (steps.write_rows) vstore8(value, 0, J + (before + first + row) * n_columns + column);
         }
-        vstore8(value, 0, rows + row * n_columns + column);
+        rows[i * 2] = value.lo;
+        rows[i * 2 + 1] = value.hi;
       }
       barrier(CLK_LOCAL_MEM_FENCE);
       if (counts_rows) gram_of_rows(n_columns, rows, parts + part * LC_POSE_GRAM_SIZE(layout));
@@ -161,12 +170,12 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
     if (is_last) break;
     arrived += n_groups;
     together &= all_arrived(state, arrived, &given_up);
-    add_parts(LC_POSE_GRAM_SIZE(layout), n_parts, parts, gram, rows);
+    add_parts(LC_POSE_GRAM_SIZE(layout), n_parts, parts, gram, (local float*)rows);
     arrived += n_groups;
     together &= all_arrived(state, arrived, &given_up);
     if (group == 0 && id == 0)
       results[LC_POSE_RESULT_ENERGY(layout) + taken] = gram_entry(layout, gram, layout.n_unknowns, layout.n_unknowns);
-    status = damped_step(layout, steps, gram, chain_memory + LC_POSE_CHAIN_LOCAL(layout), &finite, unknowns);
+    status = damped_step(layout, steps, gram, chain_memory + LC_POSE_CHAIN_LOCAL(layout), finite, unknowns);
     ++taken;
     if (!together || status != LC_POSE_SOLVED) break;
   }

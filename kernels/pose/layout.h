@@ -40,6 +40,11 @@
 #define LC_POSE_GROUP_ROWS 32
 #define LC_POSE_GROUP 256
 
+// Where a step and the records of its rows lie: gauss_newton.cl keeps them in local memory.
+#ifndef LC_POSE_SPACE
+#define LC_POSE_SPACE global
+#endif
+
 // One keypoint of the frame, in 12 floats: target u, v (px); target x, y, z (mm); square roots of the 2D, 3D and
 // temporal weights, 0 = no such row; position in the previous frame (mm); unused.
 #define LC_POSE_TARGET 12
@@ -96,11 +101,23 @@ typedef struct {
 // and sole point's.
 #define LC_POSE_LINKS_DOFS(layout) ((layout).n_bones)
 #define LC_POSE_LINKS_POINTS(layout) (LC_POSE_LINKS_DOFS(layout) + (layout).n_dofs)
+#define LC_POSE_LINKS_SIZE(layout) (LC_POSE_LINKS_POINTS(layout) + LC_POSE_KEYPOINTS + (layout).n_soles)
 
-// Local memory of gauss_newton.cl, in doubles: state, posed chain, damped system.
-#define LC_POSE_CHAIN_LOCAL(layout) (11 * (layout).n_bones + 4 * (layout).n_dofs + 4 * LC_POSE_KEYPOINTS)
-#define LC_POSE_SOLVE_LOCAL(layout) (((layout).n_unknowns + 3) * (layout).n_unknowns)
+// Local memory of gauss_newton.cl. In doubles: state, posed chain, damped system.
+#define LC_POSE_MOVED ((LC_POSE_KEYPOINTS + 3) / 4 * 4)
+#define LC_POSE_CHAIN_LOCAL(layout)                                                                                   \
+  (LC_POSE_CHAIN_SIZE(layout) + 11 * (layout).n_bones + 8 * (layout).n_dofs + 3 * LC_POSE_KEYPOINTS + LC_POSE_MOVED + \
+   (LC_POSE_LINKS_SIZE(layout) + 1) / 2)
+// Rows of the damped system: an even number of unknowns and the right-hand side, rounded up. The kernel has it as
+// LC_POSE_SYSTEM_SIDE.
+#define LC_POSE_SIDE(layout) (((layout).n_unknowns + 1) / 2 * 2 / 16 * 16 + 16)
+#ifndef LC_POSE_SYSTEM_SIDE
+#define LC_POSE_SYSTEM_SIDE 48
+#endif
+#define LC_POSE_SOLVE_LOCAL(layout) (13 * LC_POSE_SIDE(layout))
 #define LC_POSE_LOCAL(layout) (LC_POSE_STATE_SIZE(layout) + LC_POSE_CHAIN_LOCAL(layout) + LC_POSE_SOLVE_LOCAL(layout))
+// In floats: the step, records and residuals of a group's rows.
+#define LC_POSE_NEAR_SIZE(layout) (LC_POSE_STEP_SIZE(layout) + LC_POSE_GROUP_ROWS * (LC_POSE_RECORD + 1))
 
 // Entries of [J | F]^T [J | F] in gram.cl's tiles.
 #define LC_POSE_GRAM_SIZE(layout) ((layout).n_columns * ((layout).n_columns + 8) / 2)

@@ -19,7 +19,7 @@ LC_FN LaneInt lane_vertices(global const int* restrict vertices, int first, int 
 }
 
 // dual_quats [8*n_bones] root-relative, bones and weights [4*n_vertices].
-LC_FN SkinnedVertex skinned_vertex(LaneInt vertex, Vec3 rest, global const float* restrict dual_quats,
+LC_FN SkinnedVertex skinned_vertex(LaneInt vertex, Vec3 rest, LC_POSE_SPACE const float* restrict dual_quats,
                                    global const int* restrict bones, global const float* restrict weights) {
   SkinnedVertex s;
   s.rest = rest;
@@ -61,7 +61,7 @@ LC_FN DualQuat direction_gradient(DualQuat blend, Vec3 rest, Vec3 turned, Vec3 g
 
 // c: one of the gradients above. counts: where false, the row is zero. record: the slice's, see pose/layout.h;
 // first: of the lanes.
-LC_FN void write_skinned_row(global float* restrict record, int first, const SkinnedVertex* s, DualQuat c,
+LC_FN void write_skinned_row(LC_POSE_SPACE float* restrict record, int first, const SkinnedVertex* s, DualQuat c,
                              LaneInt counts) {
   record += first % SLICE;
 #pragma unroll

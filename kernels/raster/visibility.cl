@@ -21,16 +21,12 @@ static inline VertexPixel vertex_pixel(LaneInt i, int width, int height, global 
   return p;
 }
 
-// visible[i] = 1 when vertex i projects into the image, its normal faces the camera, and nothing in the 3x3 pixels
-// around it lies in front of it by more than the tolerance everywhere (an empty pixel hides nothing).
-kernel void visible_vertices(int n, int width, int height, float tolerance_mm,
-                             global const float* restrict positions,  // [3*n] mm, camera frame
-                             global const float* restrict normals,    // [3*n]
-                             global const float* restrict projected,  // [4*n] u, v, 1/z, z
-                             global const float* restrict depth,      // [w*h] mm
-                             global int* restrict visible) {
-  const int first = FIRST_ROW;
-  if (first >= n) return;
+// The lanes from vertex `first` on: 1 where vertex i projects into the image, its normal faces the camera, and nothing
+// in the 3x3 pixels around it lies in front of it by more than the tolerance everywhere (an empty pixel hides nothing).
+// positions [3*n] mm, camera frame; normals [3*n]; projected [4*n] u, v, 1/z, z; depth [w*h] mm.
+static inline LaneInt visible_lanes(int first, int n, int width, int height, float tolerance_mm,
+                                    global const float* restrict positions, global const float* restrict normals,
+                                    global const float* restrict projected, global const float* restrict depth) {
   const LaneInt i = lane_rows(first, n);
   const VertexPixel q = vertex_pixel(i, width, height, projected);
   const Vec3 p = gather_vec3(positions, i), normal = gather_vec3(normals, i);
@@ -49,7 +45,7 @@ kernel void visible_vertices(int n, int width, int height, float tolerance_mm,
     const LaneInt one = 1, none = 0;
     seen = looks && q.z <= farthest + tolerance_mm ? one : none;
   }
-  store_rows(seen, visible, first, n);
+  return seen;
 }
 
 // 1 towards the camera, -1 away, 0 edge-on or not projected. faces: of the kernel below.
@@ -92,19 +88,14 @@ static inline int is_at_outline(int x, int y, float z, int width, int height, in
   return outside && (farthest == 0.0f || z <= farthest + tolerance_mm) ? 1 : 0;
 }
 
-// contour[i] = 1 when vertex i lies on an edge between a front and a back face (or on an open edge of the mesh) and
-// is_at_outline. Only such vertices project onto the outline itself; others near it would be pulled outwards by their
-// distance to it.
-kernel void contour_vertices(int n, int width, int height, int radius_px, float tolerance_mm,
-                             global const float* restrict projected,    // [4*n]
-                             global const int* restrict fan_offsets,    // [n+1]
-                             global const int* restrict fan_triangles,  // [fan_offsets[n]]
-                             global const int* restrict on_open_edge,   // [n]
-                             global const int* restrict faces,    // sides [n_triangles]; GPUs: corners [3*n_triangles]
-                             global const float* restrict depth,  // [w*h] mm
-                             global int* restrict contour) {
-  const int first = FIRST_ROW;
-  if (first >= n) return;
+// The lanes from vertex `first` on: 1 where vertex i lies on an edge between a front and a back face (or on an open
+// edge of the mesh) and is_at_outline. Only such vertices project onto the outline itself; others near it would be
+// pulled outwards by their distance to it. fan_offsets [n+1], fan_triangles [fan_offsets[n]]; on_open_edge [n]; faces:
+// sides [n_triangles], on GPUs corners [3*n_triangles].
+static inline LaneInt contour_lanes(int first, int n, int width, int height, int radius_px, float tolerance_mm,
+                                    global const float* restrict projected, global const int* restrict fan_offsets,
+                                    global const int* restrict fan_triangles, global const int* restrict on_open_edge,
+                                    global const int* restrict faces, global const float* restrict depth) {
   const LaneInt i = lane_rows(first, n);
   const VertexPixel q = vertex_pixel(i, width, height, projected);
   LaneInt result = 0;
@@ -135,7 +126,46 @@ kernel void contour_vertices(int n, int width, int height, int radius_px, float 
     if (bends) result = is_at_outline(q.x, q.y, q.z, width, height, radius_px, tolerance_mm, depth);
 #endif
   }
-  store_rows(result, contour, first, n);
+  return result;
+}
+
+// Over the vertices, LANES each, as are the next. Out: visible [n].
+kernel void visible_vertices(int n, int width, int height, float tolerance_mm, global const float* restrict positions,
+                             global const float* restrict normals, global const float* restrict projected,
+                             global const float* restrict depth, global int* restrict visible) {
+  const int first = FIRST_ROW;
+  if (first >= n) return;
+  store_rows(visible_lanes(first, n, width, height, tolerance_mm, positions, normals, projected, depth), visible, first,
+             n);
+}
+
+// Out: contour [n].
+kernel void contour_vertices(int n, int width, int height, int radius_px, float tolerance_mm,
+                             global const float* restrict projected, global const int* restrict fan_offsets,
+                             global const int* restrict fan_triangles, global const int* restrict on_open_edge,
+                             global const int* restrict faces, global const float* restrict depth,
+                             global int* restrict contour) {
+  const int first = FIRST_ROW;
+  if (first >= n) return;
+  store_rows(contour_lanes(first, n, width, height, radius_px, tolerance_mm, projected, fan_offsets, fan_triangles,
+                           on_open_edge, faces, depth),
+             contour, first, n);
+}
+
+// Both in one launch, for GPUs. tolerances_mm: of visible, then of contour vertices.
+kernel void visible_and_contour(int n, int width, int height, int radius_px, float2 tolerances_mm,
+                                global const float* restrict positions, global const float* restrict normals,
+                                global const float* restrict projected, global const int* restrict fan_offsets,
+                                global const int* restrict fan_triangles, global const int* restrict on_open_edge,
+                                global const int* restrict faces, global const float* restrict depth,
+                                global int* restrict visible, global int* restrict contour) {
+  const int first = FIRST_ROW;
+  if (first >= n) return;
+  store_rows(visible_lanes(first, n, width, height, tolerances_mm.x, positions, normals, projected, depth), visible,
+             first, n);
+  store_rows(contour_lanes(first, n, width, height, radius_px, tolerances_mm.y, projected, fan_offsets, fan_triangles,
+                           on_open_edge, faces, depth),
+             contour, first, n);
 }
 
 #endif

@@ -57,12 +57,8 @@ typedef int LaneInt;
 #define STORE(value, p, at) ((p)[at] = (value))
 #define ANY_LANE(condition) (condition)
 #define LANE_IDS 0
-static inline float gather(global const float* restrict p, int i) {
-  return p[i];
-}
-static inline int gather_int(global const int* restrict p, int i) {
-  return p[i];
-}
+#define gather(p, i) ((p)[i])
+#define gather_int(p, i) ((p)[i])
 static inline uint lane_bits(int condition) {
   return condition != 0;
 }

@@ -92,10 +92,11 @@ std::vector<int32_t> PoseStage::read_contour(const PoseStageInput& input) const 
   return input.silhouette.empty() ? std::vector<int32_t>{} : visibility_.read_contour();
 }
 
-// What the picture can show of the skinned template; find_contour has rendered it.
-void PoseStage::find_visible() {
+// And which vertices the camera sees; there is a silhouette.
+void PoseStage::find_contour_and_visible(const Pose& pose) {
+  render(pose);
   skinner_.normals(skinned_, normals_);
-  visibility_.find_visible(skinned_, normals_, rasterizer_);
+  visibility_.find_visible_and_contour(skinned_, normals_, rasterizer_);
 }
 
 void PoseStage::find_matches(int level) {
@@ -117,14 +118,19 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
     was_refining = refining;
     if (again && solution.pose.moved_px < options_.settled_round_px * (1 << level)) continue;
     const Pose from = solution.pose.pose;
-    find_contour(input, from);
     const bool shades = level == 0 && shading(input);
-    if (n_levels > 0 || shades) find_visible();
+    if (n_levels > 0 || shades) {
+      find_contour_and_visible(from);
+    } else {
+      find_contour(input, from);
+    }
     if (n_levels > 0) find_matches(level);
     if (shades) shading_.measure(input.frame, rasterizer_, skinned_, normals_, visibility_.visible());
+    if (n_levels > 0) matcher_.read_later();
+    if (shades) shading_.read_later();
     const std::vector<int32_t> contour = read_contour(input);
-    const Matches matches = n_levels > 0 ? matcher_.read() : Matches{};
-    if (shades) solution.skin = shading_.read();
+    const Matches matches = n_levels > 0 ? matcher_.found() : Matches{};
+    if (shades) solution.skin = shading_.samples();
     const std::vector<ShadedVertex> shaded = shades ? shading_.shaded(solution.skin) : std::vector<ShadedVertex>{};
     solution.pose =
         solver_.solve(PoseInput{.detections = detections,

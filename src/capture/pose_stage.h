@@ -67,7 +67,7 @@ class PoseStage {
   std::vector<int32_t> read_contour(const PoseStageInput& input) const;
   bool matches(const PoseStageInput& input) const;
   bool shading(const PoseStageInput& input) const;
-  void find_visible();
+  void find_contour_and_visible(const Pose& pose);
   void find_matches(int level);
   void try_exchanged_legs(const PoseStageInput& input, const Pose& predicted, const Pose& previous,
                           const std::vector<KeypointDetections>& alternatives, Solution& best);

@@ -51,8 +51,7 @@ double SurfaceStage::solve(const Pose& pose, const DeviceFrame* picture) {
   if (n_history_ >= 2) skinner_.skin(before_displacement_rest_, before_);
   skinner_.normals(start_, normals_);
   rasterizer_.render(start_, camera_);
-  visibility_.find_visible(start_, normals_, rasterizer_);
-  visibility_.find_contour(rasterizer_);
+  visibility_.find_visible_and_contour(start_, normals_, rasterizer_);
   if (options_.part_mask) part_mask_.update(rasterizer_);
   const ocl::Buffer<uint8_t>* part_image = options_.part_mask ? &part_mask_.part_image() : nullptr;
   const ocl::Buffer<int32_t>* vertex_part = options_.part_mask ? &part_mask_.vertex_part() : nullptr;

@@ -120,7 +120,7 @@ void BlazePose::set_picture(const ImageRgb& image) {
   if (device_.is_cpu()) return;
   if (picture_on_device_.size() != image.pixels.size())
     picture_on_device_ = ocl::Buffer<uint8_t>(device_, image.pixels.size());
-  picture_on_device_.write_from(image.pixels);
+  picture_on_device_.hand_over(image.pixels);
 }
 
 // From the picture to landmarks_, score_, world_ and the heat maps' windows, with one read.
@@ -201,12 +201,7 @@ void BlazePose::estimate(const CropRegion& crop, float refine_threshold, bool mi
     net_.read_output(2, heatmap_);
     net_.read_output(3, world_);
   } else {
-    try {
-      run_on_gpu(crop);
-    } catch (...) {
-      clFinish(device_.queue());  // the picture may still be on its way, and goes with the caller
-      throw;
-    }
+    run_on_gpu(crop);
   }
 
   std::array<Point2, kLandmarkCount> positions;

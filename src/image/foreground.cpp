@@ -134,7 +134,7 @@ void ForegroundSegmenter::lay_on_device(const CropMask& crop_mask) {
   if (box.x0 < 0 || box.y0 < 0 || box.x1 > width_ || box.y1 > height_ || crop_mask.probability.height != size)
     throw LogicError("foreground: the network's mask lies outside the picture");
   prepare_crop_masks(size);
-  crop_mask_.write(crop_mask.probability.pixels);
+  crop_mask_.hand_over(crop_mask.probability.pixels);
   AffineMap from_box = crop_mask.mask_from_image;
   from_box.x0 += from_box.xx * box.x0 + from_box.xy * box.y0;
   from_box.y0 += from_box.yx * box.x0 + from_box.yy * box.y0;
@@ -162,8 +162,8 @@ PersonGate ForegroundSegmenter::find_gate() {
   coarse_.read(coarse_mask_.pixels);
   PersonGate gate = find_person_gate(coarse_mask_, width_, height_, options_);
   if (gate.search.empty()) return gate;
-  gate_.write(gate.gate.pixels);
-  core_.write(gate.core.pixels);
+  gate_.hand_over(gate.gate.pixels);
+  core_.hand_over(gate.core.pixels);
   return gate;
 }
 
@@ -212,13 +212,13 @@ ForegroundResult ForegroundSegmenter::segment(const ImageRgb& image, const Perso
   mask.width = width_;
   mask.height = height_;
   mask.pixels.assign(size_t(width_) * height_, 0);
-  frame.rgb.write(image.pixels);
+  frame.rgb.hand_over(image.pixels);
   PersonGate gate;
   if (has_network) {
     if (crop_mask) {
       lay_on_device(*crop_mask);
     } else {
-      network_.write(network_mask.probability);
+      network_.hand_over(network_mask.probability);
     }
     gate = find_gate();
   } else if (has_background_) {
@@ -231,9 +231,9 @@ ForegroundResult ForegroundSegmenter::segment(const ImageRgb& image, const Perso
   const PixelBox rows{0, gate.search.y0, width_, gate.search.y1};
   const size_t begin = size_t(width_) * rows.y0, size = size_t(width_) * rows.height();
   const std::span<uint8_t> decided(mask.pixels.data() + begin, size);
-  frame.mask.read(decided, begin);
   int32_t n_beyond = 0;
-  if (has_network && has_background_) n_beyond_.read({&n_beyond, 1});
+  if (has_network && has_background_) n_beyond_.read_later({&n_beyond, 1});
+  frame.mask.read(decided, begin);
   if (crop_mask ? few_beyond(coarse_mask_, options_.least_stranger, n_beyond) : n_beyond == 0) n_beyond = 0;
   if (n_beyond > 0) {
     const PersonMask laid = crop_mask ? laid_over(*crop_mask) : PersonMask{};
@@ -245,7 +245,7 @@ ForegroundResult ForegroundSegmenter::segment(const ImageRgb& image, const Perso
     }
   }
   const ForegroundResult result = clean_mask(gate.search, options_.min_part, options_.max_hole, mask);
-  frame.mask.write(decided, begin);
+  frame.mask.hand_over(decided, begin);
   return result;
 }
 

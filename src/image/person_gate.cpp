@@ -17,23 +17,31 @@ ImageGray at_least(const ImageGray& cells, double least) {
   return result;
 }
 
-// The disc row by row: within `radius` of a cell's row a row reaches so many cells to both sides. Each cell first
-// learns how far away the nearest one is in its row; then it is covered when that is within reach in any row.
+// How far away the nearest cell that covers is in its row, for each cell; more than `radius` where that is further. Of
+// cells 1, 2, 4, ... further on at a time, many beside each other: not each from the one before.
+void steps_in_row(const uint8_t* row, int width, int radius, bool covering, uint8_t* steps) {
+  constexpr uint8_t kFar = 255;
+  std::vector<uint8_t> before(width);
+  for (int x = 0; x < width; ++x) steps[x] = (row[x] != 0) == covering ? 0 : kFar;
+  const auto nearer = [](uint8_t here, uint8_t there, uint8_t apart) {
+    const auto further = static_cast<uint8_t>(there > kFar - apart ? kFar : there + apart);
+    return std::min(here, further);
+  };
+  for (int apart = 1; apart <= radius && apart < width; apart *= 2) {
+    std::copy(steps, steps + width, before.begin());
+    for (int x = apart; x < width; ++x) steps[x] = nearer(steps[x], before[x - apart], uint8_t(apart));
+    std::copy(steps, steps + width, before.begin());
+    for (int x = 0; x < width - apart; ++x) steps[x] = nearer(steps[x], before[x + apart], uint8_t(apart));
+  }
+}
+
+// The disc row by row: within `radius` of a cell's row a row reaches so many cells to both sides. A cell is covered
+// when the nearest one is within reach in any row. At most 254 cells.
 void cover_by_disc(ImageGray& mask, int radius, bool covering) {
   const int width = mask.width, height = mask.height;
-  constexpr uint8_t kFar = 255;
   std::vector<uint8_t> steps(mask.pixels.size());
-  for (int y = 0; y < height; ++y) {
-    const uint8_t* row = &mask.pixels[size_t(y) * width];
-    uint8_t* out = &steps[size_t(y) * width];
-    uint8_t away = kFar;
-    for (int x = 0; x < width; ++x) out[x] = away = (row[x] != 0) == covering ? 0 : std::min(away + 1, +kFar);
-    away = kFar;
-    for (int x = width - 1; x >= 0; --x) {
-      away = out[x] == 0 ? 0 : std::min(away + 1, +kFar);
-      out[x] = std::min(out[x], away);
-    }
-  }
+  for (int y = 0; y < height; ++y)
+    steps_in_row(&mask.pixels[size_t(y) * width], width, radius, covering, &steps[size_t(y) * width]);
   const uint8_t paint = covering ? 255 : 0;
   std::vector<uint8_t> reach(radius + 1);  // OpenCV's rounding
   for (int d = 0; d <= radius; ++d)

@@ -72,7 +72,8 @@ SkinShading::SkinShading(ocl::DeviceContext& device, const Actor& actor, const C
   albedo_ = {device, albedo};
   areas_ = {device, areas};
   is_skin_ = {device, is_skin};
-  samples_ = {device, LC_SKIN * skin_.size()};
+  host_.resize(LC_SKIN * skin_.size());
+  samples_ = {device, host_.size()};
   kernel_ = {device, "match/skin_shading.cl", "skin_brightness"};
 }
 
@@ -89,10 +90,17 @@ void SkinShading::measure(const DeviceFrame& frame, const DepthRasterizer& raste
 }
 
 std::vector<SkinSample> SkinShading::read() {
+  samples_.read(host_);
+  return samples();
+}
+
+void SkinShading::read_later() {
+  samples_.read_later(host_);
+}
+
+std::vector<SkinSample> SkinShading::samples() const {
   std::vector<SkinSample> samples;
   if (!usable()) return samples;
-  host_.resize(samples_.size());
-  samples_.read(host_);
   for (int i = 0; i < int(skin_.size()); ++i) {
     const float* s = &host_[size_t(LC_SKIN) * i];
     if (s[4] > 0) samples.push_back({i, {s[0], s[1], s[2]}, s[3], s[4]});

@@ -49,6 +49,9 @@ class SkinShading {
 
   // What was measured last. Blocking.
   std::vector<SkinSample> read();
+  // In two parts: samples() once a blocking read through the same queue has come after read_later().
+  void read_later();
+  std::vector<SkinSample> samples() const;
 
   // What stage I fits to; nothing while the light is not known.
   std::vector<ShadedVertex> shaded(std::span<const SkinSample> samples) const;

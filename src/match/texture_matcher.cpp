@@ -78,7 +78,8 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
       focal_px_(float((camera.fx + camera.fy) / 2)),
       n_vertices_(actor.n_vertices()),
       is_cpu_(device.is_cpu()),
-      matches_(device, size_t(LC_MATCH) * actor.n_vertices()) {
+      host_(size_t(LC_MATCH) * actor.n_vertices(), 0.0f),
+      matches_(device, host_.size()) {
   options.validate();
   matches_.fill(0);
   const ImageRgb& texture = actor.texture;
@@ -110,18 +111,13 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
   areas_ = {device, vertex_areas(actor.mesh)};
   light_ = {device, pyramid_size(w, h)};
   weight_ = {device, pyramid_size(w, h)};
-  sums_ = {device, 3 * box};
+  if (is_cpu_) sums_ = {device, 3 * box};
   actor_ = {device, box};
   depth_ = {device, box};
   camera_ = {device, pyramid_size(w, h)};
   textured_actor_ = {device, "match/pictures.cl", "textured_actor"};
   camera_picture_ = {device, "match/pictures.cl", "camera_picture"};
-  if (is_cpu_) {
-    normalise_ = {device, "match/normalise.cl", "normalise"};
-  } else {
-    column_sums_ = {device, "match/normalise.cl", "column_sums"};
-    normalise_rows_ = {device, "match/normalise.cl", "normalise_rows"};
-  }
+  normalise_ = {device, "match/normalise.cl", "normalise"};
   halve_picture_ = {device, "match/pictures.cl", "halve_picture"};
   match_patches_ = {device, "match/patch_match.cl", "match_patches"};
 }
@@ -140,14 +136,13 @@ int TextureMatcher::level_offset(int level) const {
 // light_ and weight_ of a level, all from `offset` on.
 void TextureMatcher::normalise(int level, int offset, ocl::Buffer<float>& normal) {
   const MatchBox box = level_box(level);
-  const size_t bands = (box.height + LC_MATCH_BAND(is_cpu_) - 1) / LC_MATCH_BAND(is_cpu_);
+  const size_t height = box.height;
   if (is_cpu_) {
-    normalise_.launch(bands, 1, box, level, offset, options_.variance_floor, light_, weight_, sums_, normal);
+    normalise_.launch((height + LC_MATCH_BAND - 1) / LC_MATCH_BAND, 1, box, level, offset, options_.variance_floor,
+                      light_, weight_, sums_, normal);
   } else {
-    const size_t width = box.width;
-    column_sums_.launch(ocl::Range{width, bands, 16, 1}, box, level, offset, light_, weight_, sums_);
-    normalise_rows_.launch(ocl::Range{width, size_t(box.height), 16, 1}, box, level, offset, options_.variance_floor,
-                           light_, weight_, sums_, normal);
+    normalise_.launch(ocl::Range{size_t(box.width), round_up(height, LC_MATCH_TILE), LC_MATCH_TILE, LC_MATCH_TILE}, box,
+                      level, offset, options_.variance_floor, light_, weight_, normal);
   }
 }
 
@@ -204,10 +199,16 @@ void TextureMatcher::match(const DepthRasterizer& raster, const ocl::Buffer<floa
 }
 
 Matches TextureMatcher::read() {
-  Matches matches;
-  if (!usable()) return matches;
-  host_.resize(size_t(LC_MATCH) * n_vertices_);
   matches_.read(host_);
+  return found();
+}
+
+void TextureMatcher::read_later() {
+  matches_.read_later(host_);
+}
+
+Matches TextureMatcher::found() const {
+  Matches matches;
   double matched = 0, visible = 0;
   for (int i = 0; i < n_vertices_; ++i) {
     const float* m = &host_[size_t(LC_MATCH) * i];

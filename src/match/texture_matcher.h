@@ -60,6 +60,9 @@ class TextureMatcher {
 
   // What the last match found. Blocking.
   Matches read();
+  // In two parts: found() once a blocking read through the same queue has come after read_later().
+  void read_later();
+  Matches found() const;
 
  private:
   MatchBox level_box(int level) const;
@@ -84,16 +87,14 @@ class TextureMatcher {
   ocl::Buffer<float> areas_;       // [n_vertices] mm^2
   ocl::Buffer<float> light_;       // of the camera's pyramid, then of the actor
   ocl::Buffer<float> weight_;      // likewise
-  ocl::Buffer<float> sums_;        // 3 boxes
+  ocl::Buffer<float> sums_;        // 3 boxes, on CPUs
   ocl::Buffer<float> actor_;       // box of the level
   ocl::Buffer<float> depth_;       // likewise
   ocl::Buffer<float> camera_;      // pyramid, full resolution first
   ocl::Buffer<float> matches_;     // [LC_MATCH*n_vertices], see match/layout.h
   ocl::Kernel textured_actor_;
   ocl::Kernel camera_picture_;
-  ocl::Kernel normalise_;    // CPUs
-  ocl::Kernel column_sums_;  // GPUs, with normalise_rows_
-  ocl::Kernel normalise_rows_;
+  ocl::Kernel normalise_;
   ocl::Kernel halve_picture_;
   ocl::Kernel match_patches_;
 };

@@ -38,7 +38,7 @@ class Buffer {
   using value_type = T;
 
   Buffer() = default;
-  Buffer(DeviceContext& device, size_t count) : queue_(device.queue()), count_(count) {
+  Buffer(DeviceContext& device, size_t count) : queue_(device.queue()), copies_(device.copies()), count_(count) {
     cl_int status = CL_SUCCESS;
     memory_ =
         clCreateBuffer(device.context(), CL_MEM_READ_WRITE, (count > 0 ? count : 1) * sizeof(T), nullptr, &status);
@@ -54,6 +54,7 @@ class Buffer {
       release();
       memory_ = std::exchange(other.memory_, nullptr);
       queue_ = std::exchange(other.queue_, nullptr);
+      copies_ = std::exchange(other.copies_, nullptr);
       count_ = std::exchange(other.count_, 0);
       staged_ = std::move(other.staged_);
       staged_event_ = std::exchange(other.staged_event_, nullptr);
@@ -72,6 +73,7 @@ class Buffer {
   void write(std::span<const T> values, size_t offset = 0) {
     if (values.empty()) return;
     require(values.size() + offset <= count_);
+    if (copies_) return copies_->write(memory_, offset * sizeof(T), values.data(), values.size_bytes(), true);
     QueueSpan span(queue_, "write");
     check(clEnqueueWriteBuffer(queue_, memory_, CL_TRUE, offset * sizeof(T), values.size_bytes(), values.data(), 0,
                                nullptr, span.event()),
@@ -84,6 +86,7 @@ class Buffer {
   void write_later(std::span<const T> values) {
     if (values.empty()) return;
     require(values.size() <= count_);
+    if (copies_) return copies_->write(memory_, 0, values.data(), values.size_bytes(), false);
     wait_for_staged();
     staged_.assign(values.begin(), values.end());
     QueueSpan span(queue_, "write");
@@ -95,16 +98,11 @@ class Buffer {
     clRetainEvent(*traced);
     staged_event_ = *traced;
   }
-  // Returns at once; the values must stay as they are until a blocking read through the same queue, or until the buffer
-  // is gone.
-  void write_from(std::span<const T> values) {
-    if (values.empty()) return;
-    require(values.size() <= count_);
-    under_way_ = true;
-    QueueSpan span(queue_, "write");
-    check(clEnqueueWriteBuffer(queue_, memory_, CL_FALSE, 0, values.size_bytes(), values.data(), 0, nullptr,
-                               span.event()),
-          "clEnqueueWriteBuffer");
+  // The same for large ones: a CPU takes them without a copy between, and waits.
+  void hand_over(std::span<const T> values, size_t offset = 0) {
+    if (!copies_) return write(values, offset);
+    require(values.size() + offset <= count_);
+    copies_->write(memory_, offset * sizeof(T), values.data(), values.size_bytes(), false);
   }
   // Returns at once; the values are there after the next blocking read through the same queue, and must live until
   // then or until the buffer is gone.
@@ -134,6 +132,8 @@ class Buffer {
     if (values.empty()) return;
     require(values.size() + offset <= count_);
     under_way_ = blocking == CL_FALSE;
+    if (copies_)
+      return copies_->read(memory_, offset * sizeof(T), values.data(), values.size_bytes(), blocking == CL_TRUE);
     QueueSpan span(queue_, "read");
     check(clEnqueueReadBuffer(queue_, memory_, blocking, offset * sizeof(T), values.size_bytes(), values.data(), 0,
                               nullptr, span.event()),
@@ -151,7 +151,8 @@ class Buffer {
   void release() {
     if (!memory_) return;
     wait_for_staged();
-    if (under_way_) clFinish(queue_);
+    if (under_way_ && copies_) copies_->finish();
+    if (under_way_ && !copies_) clFinish(queue_);
     clReleaseMemObject(memory_);
     BufferMemory::now -= count_ * sizeof(T);
     memory_ = nullptr;
@@ -159,6 +160,7 @@ class Buffer {
 
   cl_mem memory_ = nullptr;
   cl_command_queue queue_ = nullptr;
+  PinnedCopies* copies_ = nullptr;  // of a GPU
   size_t count_ = 0;
   std::vector<T> staged_;  // of a write_later that may still be under way
   cl_event staged_event_ = nullptr;

@@ -46,11 +46,13 @@ void DeviceContext::open_queue(const std::string& track) {
     clReleaseContext(context_);
     check(status, "clCreateCommandQueue", info_.label());
   }
+  if (!is_cpu()) copies_ = std::make_unique<PinnedCopies>(context_, queue_);
   if (tracing()) trace_queue(context_, queue_, track);
 }
 
 DeviceContext::~DeviceContext() {
   if (queue_) clFinish(queue_);
+  copies_.reset();
   if (traced_queues > 0) end_queue_trace(queue_);
   for (auto& [key, program] : programs_) clReleaseProgram(program);
   if (queue_) clReleaseCommandQueue(queue_);
@@ -95,6 +97,7 @@ cl_program DeviceContext::program(const std::string& path, const std::string& ex
 }
 
 void DeviceContext::finish() {
+  if (copies_) return copies_->finish();
   check(clFinish(queue_), "clFinish", info_.label());
 }
 

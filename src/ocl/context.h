@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ocl/device.h"
+#include "ocl/pinned_copies.h"
 
 namespace livecap::ocl {
 
@@ -32,6 +33,8 @@ class DeviceContext {
   int lanes() const { return info_.is_cpu ? info_.cpu_lanes : 1; }
   cl_context context() const { return context_; }
   cl_command_queue queue() const { return queue_; }
+  // How host memory comes to a GPU and back; none on CPUs.
+  PinnedCopies* copies() const { return copies_.get(); }
 
   // The program of kernels/<path> with these extra options ("-D NAME=1"), built at the first request (from the binary
   // cache when it has it). LC_DEVICE=1, LC_CPU=0|1, LC_VECTOR=lanes() are defined. Throws OclError with the build log.
@@ -46,6 +49,7 @@ class DeviceContext {
   DeviceInfo info_;
   cl_context context_ = nullptr;
   cl_command_queue queue_ = nullptr;
+  std::unique_ptr<PinnedCopies> copies_;
   std::map<std::string, cl_program> programs_;  // key: path + options
 };
 

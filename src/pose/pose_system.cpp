@@ -31,7 +31,8 @@ void require(bool ok, const std::string& message) {
 
 // Of a work-group that takes steps by itself, and a few integers.
 size_t local_bytes(const PoseLayout& layout) {
-  return sizeof(float) * LC_POSE_GROUP_ROWS * layout.n_columns + sizeof(double) * LC_POSE_LOCAL(layout) + 64;
+  return sizeof(float) * (LC_POSE_GROUP_ROWS * layout.n_columns + LC_POSE_NEAR_SIZE(layout)) +
+         sizeof(double) * LC_POSE_LOCAL(layout) + 64;
 }
 
 void check_actor(const Actor& actor, const SkinWeights& skin) {
@@ -99,31 +100,31 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
   rest_normals_ = ocl::Buffer<float>(device, vertex_normals(actor.mesh.positions, actor.mesh.triangles));
   bones_ = ocl::Buffer<int32_t>(device, skin.bones);
   weights_ = ocl::Buffer<float>(device, skin.weights);
-  point_records_ = ocl::Buffer<float>(device, size_t(LC_POSE_RECORD) * n_point_rows_);
-  contour_records_ = ocl::Buffer<float>(device, size_t(LC_POSE_RECORD) * n_contour);
   const size_t n_matches = round_up(options.max_matches, LC_POSE_SLICE);
-  match_records_ = ocl::Buffer<float>(device, 2 * LC_POSE_RECORD * n_matches);
   const size_t n_shaded = round_up(options.max_shaded, LC_POSE_SLICE);
-  shading_records_ = ocl::Buffer<float>(device, LC_POSE_RECORD * n_shaded);
   J_ = ocl::Buffer<float>(device, (n_point_rows_ + n_contour + 2 * n_matches + n_shaded) * layout_.n_columns);
   gram_ = ocl::Buffer<float>(device, gram_host_.size());
+  step_ = ocl::Buffer<float>(device, step_host_.size());
   if (!is_cpu_) {
     const auto parts = [](size_t n_rows) { return round_up(n_rows, LC_POSE_GROUP_ROWS) / LC_POSE_GROUP_ROWS; };
     const size_t most_parts = parts(n_point_rows_) + parts(n_contour) + parts(2 * n_matches) + parts(n_shaded);
     groups_ = ocl::GroupsTogether(device, most_parts);
     takes_steps_ = device.info().has_double && local_bytes(layout_) <= device.info().local_memory_bytes;
-    step_ = ocl::Buffer<float>(device, most_parts * step_host_.size());
     chain_ = ocl::Buffer<double>(device, chain_constants(layout_, points_));
     parts_ = ocl::Buffer<float>(device, most_parts * gram_.size());
     results_ = ocl::Buffer<float>(
         device, LC_POSE_RESULT_RESIDUALS(layout_) + n_point_rows_ + 2 * n_contour + 2 * n_matches + n_shaded);
     results_.fill(0);
-    const std::string option = takes_steps_ ? "-D LC_POSE_TAKES_STEPS=1" : "-D LC_POSE_TAKES_STEPS=0";
+    const std::string option =
+        format("-D LC_POSE_TAKES_STEPS=%d -D LC_POSE_SYSTEM_SIDE=%d", takes_steps_ ? 1 : 0, LC_POSE_SIDE(layout_));
     gauss_newton_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_gauss_newton", option);
     sum_parts_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_sum_parts", option);
     return;
   }
-  step_ = ocl::Buffer<float>(device, step_host_.size());
+  point_records_ = ocl::Buffer<float>(device, size_t(LC_POSE_RECORD) * n_point_rows_);
+  contour_records_ = ocl::Buffer<float>(device, size_t(LC_POSE_RECORD) * n_contour);
+  match_records_ = ocl::Buffer<float>(device, 2 * LC_POSE_RECORD * n_matches);
+  shading_records_ = ocl::Buffer<float>(device, LC_POSE_RECORD * n_shaded);
   point_residuals_ = ocl::Buffer<float>(device, n_point_rows_);
   contour_residuals_ = ocl::Buffer<float>(device, n_contour);
   distances_px_ = ocl::Buffer<float>(device, n_contour);
@@ -227,9 +228,9 @@ void PoseSystem::launch_gauss_newton(size_t n_groups, const PoseStepsArg& steps)
       float(options_.keypoint_2d_huber_px), float(options_.match_huber_px), float(options_.shading_huber),
       float(std::sqrt(options_.weights.anatomic)), inputs_.places(), steps, inputs_on_device_, chain_, links_, moves_,
       limits_, rest_, rest_normals_, displacement_ ? *displacement_ : rest_, bones_, weights_,
-      n_contour() > 0 ? frame_->signed_distance : rest_, step_, point_records_, contour_records_, match_records_,
-      shading_records_, J_, parts_, gram_, results_, groups_.state(),
+      n_contour() > 0 ? frame_->signed_distance : rest_, step_, J_, parts_, gram_, results_, groups_.state(),
       ocl::LocalMemory{sizeof(float) * LC_POSE_GROUP_ROWS * layout_.n_columns},
+      ocl::LocalMemory{sizeof(float) * LC_POSE_NEAR_SIZE(layout_)},
       ocl::LocalMemory{takes_steps_ ? sizeof(double) * LC_POSE_LOCAL(layout_) : sizeof(double)});
 }
 

@@ -56,6 +56,7 @@ SurfaceVisibility::SurfaceVisibility(ocl::DeviceContext& device, const Mesh& mes
   contour_ = ocl::Buffer<int32_t>(device, n_vertices_);
   visible_kernel_ = ocl::Kernel(device, kFile, "visible_vertices");
   contour_kernel_ = ocl::Kernel(device, kFile, "contour_vertices");
+  if (!is_cpu_) both_kernel_ = ocl::Kernel(device, kFile, "visible_and_contour");
 }
 
 void SurfaceVisibility::require(const DepthRasterizer& raster) const {
@@ -63,12 +64,16 @@ void SurfaceVisibility::require(const DepthRasterizer& raster) const {
     throw LogicError("visibility: the rasteriser draws another mesh");
 }
 
-void SurfaceVisibility::find_visible(const ocl::Buffer<float>& positions_camera, const ocl::Buffer<float>& normals,
-                                     const DepthRasterizer& raster) {
-  require(raster);
+void SurfaceVisibility::require(const ocl::Buffer<float>& positions_camera, const ocl::Buffer<float>& normals) const {
   if (positions_camera.size() != size_t(3) * n_vertices_ || normals.size() != positions_camera.size())
     throw LogicError(format("visibility: %zu coordinates and %zu normals for %d vertices", positions_camera.size(),
                             normals.size(), n_vertices_));
+}
+
+void SurfaceVisibility::find_visible(const ocl::Buffer<float>& positions_camera, const ocl::Buffer<float>& normals,
+                                     const DepthRasterizer& raster) {
+  require(raster);
+  require(positions_camera, normals);
   visible_kernel_.launch(over_vertices(), n_vertices_, raster.width(), raster.height(), options_.depth_tolerance_mm,
                          positions_camera, normals, raster.projected(), raster.depth(), visible_);
 }
@@ -78,6 +83,24 @@ void SurfaceVisibility::find_contour(const DepthRasterizer& raster) {
   contour_kernel_.launch(over_vertices(), n_vertices_, raster.width(), raster.height(), options_.contour_radius_px,
                          options_.contour_tolerance_mm, raster.projected(), fan_offsets_, fan_triangles_, on_open_edge_,
                          raster.facing() ? *raster.facing() : raster.triangles(), raster.depth(), contour_);
+}
+
+void SurfaceVisibility::find_visible_and_contour(const ocl::Buffer<float>& positions_camera,
+                                                 const ocl::Buffer<float>& normals, const DepthRasterizer& raster) {
+  if (is_cpu_) {
+    find_visible(positions_camera, normals, raster);
+    find_contour(raster);
+    return;
+  }
+  require(raster);
+  require(positions_camera, normals);
+  struct Tolerances {
+    float visible, contour;
+  };
+  both_kernel_.launch(over_vertices(), n_vertices_, raster.width(), raster.height(), options_.contour_radius_px,
+                      Tolerances{options_.depth_tolerance_mm, options_.contour_tolerance_mm}, positions_camera, normals,
+                      raster.projected(), fan_offsets_, fan_triangles_, on_open_edge_, raster.triangles(),
+                      raster.depth(), visible_, contour_);
 }
 
 ocl::Range SurfaceVisibility::over_vertices() const {

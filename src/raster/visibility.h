@@ -24,11 +24,14 @@ class SurfaceVisibility {
   // Keeps no reference to the mesh.
   SurfaceVisibility(ocl::DeviceContext& device, const Mesh& mesh, const VisibilityOptions& options = {});
 
-  // Both read what `raster` rendered last, which must be the same positions. Enqueued in order, nothing blocks.
+  // These read what `raster` rendered last, which must be the same positions. Enqueued in order, nothing blocks.
   // positions_camera, normals: [3*n_vertices] mm and unit, camera frame.
   void find_visible(const ocl::Buffer<float>& positions_camera, const ocl::Buffer<float>& normals,
                     const DepthRasterizer& raster);
   void find_contour(const DepthRasterizer& raster);
+  // One after the other, on GPUs in one launch.
+  void find_visible_and_contour(const ocl::Buffer<float>& positions_camera, const ocl::Buffer<float>& normals,
+                                const DepthRasterizer& raster);
 
   const ocl::Buffer<int32_t>& visible() const { return visible_; }  // [n_vertices] 0 or 1
   const ocl::Buffer<int32_t>& contour() const { return contour_; }  // [n_vertices] 0 or 1
@@ -37,6 +40,7 @@ class SurfaceVisibility {
 
  private:
   void require(const DepthRasterizer& raster) const;
+  void require(const ocl::Buffer<float>& positions_camera, const ocl::Buffer<float>& normals) const;
   ocl::Range over_vertices() const;
 
   VisibilityOptions options_;
@@ -51,6 +55,7 @@ class SurfaceVisibility {
   ocl::Buffer<int32_t> contour_;
   ocl::Kernel visible_kernel_;
   ocl::Kernel contour_kernel_;
+  ocl::Kernel both_kernel_;  // GPUs
 };
 
 }  // namespace livecap

@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "livecap/error.h"
 #include "ocl/buffer.h"
 #include "ocl/kernel.h"
 #include "ocl/kernel_source.h"
+#include "support/kernel_bodies.h"
 #include "support/test_device.h"
 
 namespace livecap {
@@ -40,7 +42,7 @@ TEST(Context, TransfersOutsideABufferAreRefused) {
 }
 
 TEST(Context, LaterTransfersKeepTheirOrder) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     constexpr int kCount = 1000;
     ocl::Buffer<int32_t> source(device, kCount), copy(device, kCount);
     std::vector<std::vector<int32_t>> seen(3, std::vector<int32_t>(kCount));
@@ -57,6 +59,30 @@ TEST(Context, LaterTransfersKeepTheirOrder) {
     EXPECT_EQ(moved.read_all()[2], 3);
     for (int round = 0; round < 3; ++round) EXPECT_EQ(seen[round], std::vector<int32_t>(kCount, round + 1));
     EXPECT_THROW(copy.write_later(std::vector<int32_t>(kCount + 1)), LogicError);
+  });
+}
+
+// More of them under way than the page-locked memory of a GPU's queue holds, and one that is larger than it is.
+TEST(Context, LaterTransfersMayBeLarge) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
+    for (int count : {400'000, 1'500'000}) {
+      ocl::Buffer<int32_t> source(device, count), copy(device, count);
+      std::vector<std::vector<int32_t>> seen(4, std::vector<int32_t>(count));
+      for (int round = 0; round < 4; ++round) {
+        std::vector<int32_t> values(count, round + 1);
+        source.hand_over(values);
+        source.hand_over(std::vector<int32_t>(1, -round), count - 1);
+        values.assign(count, -1);
+        copy.copy_from(source);
+        copy.read_later(seen[round]);
+      }
+      device.finish();
+      for (int round = 0; round < 4; ++round) {
+        EXPECT_EQ(std::count(seen[round].begin(), seen[round].end(), round + 1), count - 1);
+        EXPECT_EQ(seen[round].back(), -round);
+      }
+      EXPECT_THROW(copy.hand_over(std::vector<int32_t>(1), count), LogicError);
+    }
   });
 }
 

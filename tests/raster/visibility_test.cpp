@@ -25,7 +25,12 @@ Seen look(ocl::DeviceContext& device, const Mesh& mesh, const Camera& camera, co
   raster.render(positions, camera);
   visibility.find_visible(positions, normals, raster);
   visibility.find_contour(raster);
-  return {visibility.visible().read_all(), visibility.read_contour()};
+  SurfaceVisibility both(device, mesh, options);
+  both.find_visible_and_contour(positions, normals, raster);
+  Seen seen{visibility.visible().read_all(), visibility.read_contour()};
+  EXPECT_EQ(both.visible().read_all(), seen.visible);
+  EXPECT_EQ(both.read_contour(), seen.contour);
+  return seen;
 }
 
 Camera camera_of(int width, int height, double focal) {

@@ -17,7 +17,8 @@ typedef int8 column_ids_t;
 #define FILL_COLUMNS LC_POSE_FILL_COLUMNS(LC_CPU)
 
 // Wrench w (6 floats, `stride` apart) turned about the columns. step: layout.h, offset to the first of them.
-inline columns_t turned(global const float* restrict w, int stride, global const float* restrict step, int n_columns) {
+static inline columns_t turned(global const float* restrict w, int stride, global const float* restrict step,
+                               int n_columns) {
   return LOAD_COLUMNS(0, step) * w[0] + LOAD_COLUMNS(0, step + n_columns) * w[stride] +
          LOAD_COLUMNS(0, step + 2 * n_columns) * w[2 * stride] + LOAD_COLUMNS(0, step + 3 * n_columns) * w[3 * stride] +
          LOAD_COLUMNS(0, step + 4 * n_columns) * w[4 * stride] + LOAD_COLUMNS(0, step + 5 * n_columns) * w[5 * stride];
@@ -25,9 +26,9 @@ inline columns_t turned(global const float* restrict w, int stride, global const
 
 // A row with one bone and extra coefficients, from column `column` on. moves [n_bones*n_columns]: 1 where the column
 // moves the bone, else 0. records [LC_POSE_RECORD*n_rows], residuals [n_rows].
-inline columns_t point_columns(PoseLayout layout, int row, int column, global const float* restrict step,
-                               global const float* restrict moves, global const float* restrict records,
-                               global const float* restrict residuals) {
+static inline columns_t point_columns(PoseLayout layout, int row, int column, global const float* restrict step,
+                                      global const float* restrict moves, global const float* restrict records,
+                                      global const float* restrict residuals) {
   const int n_columns = layout.n_columns;
   const column_ids_t columns = column + FIRST_IDS;
   global const float* record = records + row * LC_POSE_RECORD;
@@ -41,9 +42,9 @@ inline columns_t point_columns(PoseLayout layout, int row, int column, global co
 }
 
 // A row with four bones; `per_vertex` rows of each vertex.
-inline columns_t skinned_columns(PoseLayout layout, int row, int per_vertex, int column,
-                                 global const float* restrict step, global const float* restrict moves,
-                                 global const float* restrict records, global const float* restrict residuals) {
+static inline columns_t skinned_columns(PoseLayout layout, int row, int per_vertex, int column,
+                                        global const float* restrict step, global const float* restrict moves,
+                                        global const float* restrict records, global const float* restrict residuals) {
   const int n_columns = layout.n_columns;
   const column_ids_t columns = column + FIRST_IDS;
   const int vertex = row / per_vertex;

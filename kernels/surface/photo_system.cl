@@ -182,6 +182,7 @@ kernel void photo_system(int n, int n_rows, int stride, int width, int height, i
         ColorSample s = sample_color(rgb, width, height, uv, radius, inv_sigma2);
         Vec3 c = vec3(colors[row], colors[stride + row], colors[2 * stride + row]);
         PhotoRow r = photo_row(p, cam, s.value, s.du, s.dv, c, threshold);
+        LC_UNROLL
         for (int channel = 0; channel < 3; ++channel) {
           sum = add_row(sum, weight, r.r[channel], vec3(r.J[channel][0], r.J[channel][1], r.J[channel][2]));
           e += weight * r.r[channel] * r.r[channel];

@@ -227,7 +227,8 @@ void PoseStage::try_mirrored_forearms(const PoseStageInput& input, const Pose& p
     };
     if (!(misfit(other->turn) < options_.mirrored_misfit * misfit(Eigen::Matrix3d::Identity()))) continue;
     // Unlike other starts without what was not matched: here that is chance.
-    Solution solved = solve_in_rounds(input, input.detections, other->pose, &previous, last_rounds);
+    const Pose bent = with_mirrored_forearm(actor_, best.pose.pose, *other);
+    Solution solved = solve_in_rounds(input, input.detections, bent, &previous, last_rounds);
     if (solved.pose.status == SolveStatus::kOk && solved.pose.energy.total() < best.pose.energy.total())
       best = std::move(solved);
   }

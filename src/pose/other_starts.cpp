@@ -46,12 +46,25 @@ int last_dof(const Skeleton& skeleton, int bone) {
   return -1;
 }
 
-// `pose` with the wrist as near to `target` (camera frame, mm) as the upper arm's twist and the elbow's bend bring it.
-std::optional<Pose> with_wrist_at(const Actor& actor, const Pose& pose, const Forearm& arm, int forearm, int shoulder,
-                                  const Eigen::Vector3d& target) {
+const Forearm& forearm_below(Keypoint elbow) {
+  return kForearms[elbow == kLeftElbow ? 0 : 1];
+}
+
+// The upper arm's twist and the elbow's bend.
+struct ArmDofs {
+  int twist = -1, bend = -1;
+};
+
+ArmDofs arm_dofs(const Skeleton& skeleton, const Forearm& arm) {
+  const int bone = skeleton.bone_index(arm.bone), shoulder = skeleton.bone_index(arm.shoulder);
+  if (bone < 0 || shoulder < 0) return {};
+  return {last_dof(skeleton, shoulder), last_dof(skeleton, bone)};
+}
+
+// `pose` with the wrist as near to `target` (camera frame, mm) as these two bring it.
+Pose with_wrist_at(const Actor& actor, const Pose& pose, Keypoint wrist, ArmDofs dofs, const Eigen::Vector3d& target) {
   const Skeleton& skeleton = actor.skeleton;
-  const int twist = last_dof(skeleton, shoulder), bend = last_dof(skeleton, forearm);
-  if (twist < 0 || bend < 0) return std::nullopt;
+  const auto [twist, bend] = dofs;
   const Dof &twists = skeleton.dofs[twist], &bends = skeleton.dofs[bend];
   const double low = twists.min_rad + kSpareTwistRad, high = twists.max_rad - kSpareTwistRad;
   Pose best = pose;
@@ -61,12 +74,12 @@ std::optional<Pose> with_wrist_at(const Actor& actor, const Pose& pose, const Fo
     bent.angles_rad[twist] = low + (high - low) * i / kTwists;
     const PosedSkeleton posed = forward_kinematics(skeleton, bent);
     const Eigen::Vector3d& axis = posed.dof_axis[bend];
-    const Eigen::Vector3d from = keypoint_positions(actor, posed)[arm.wrist] - posed.dof_origin_mm[bend];
+    const Eigen::Vector3d from = keypoint_positions(actor, posed)[wrist] - posed.dof_origin_mm[bend];
     const Eigen::Vector3d to = target - posed.dof_origin_mm[bend];
     const double turn = std::atan2(to.dot(axis.cross(from)), to.dot(from - axis * axis.dot(from)));
     const double angle = std::remainder(bent.angles_rad[bend] + turn, 2 * std::numbers::pi);
     bent.angles_rad[bend] = std::clamp(angle, bends.min_rad, bends.max_rad);
-    const double mm = (keypoint_positions(actor, forward_kinematics(skeleton, bent))[arm.wrist] - target).norm();
+    const double mm = (keypoint_positions(actor, forward_kinematics(skeleton, bent))[wrist] - target).norm();
     if (mm >= best_mm) continue;
     best_mm = mm;
     best = bent;
@@ -118,9 +131,9 @@ std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera,
 
 std::optional<MirroredForearm> mirrored_forearm(const Actor& actor, const Pose& pose, Keypoint elbow_name,
                                                 double least_turn_rad) {
-  const Forearm& arm = kForearms[elbow_name == kLeftElbow ? 0 : 1];
-  const int bone = actor.skeleton.bone_index(arm.bone), shoulder = actor.skeleton.bone_index(arm.shoulder);
-  if (bone < 0 || shoulder < 0 || actor.keypoints[arm.elbow].bone < 0 || actor.keypoints[arm.wrist].bone < 0)
+  const Forearm& arm = forearm_below(elbow_name);
+  const ArmDofs dofs = arm_dofs(actor.skeleton, arm);
+  if (dofs.twist < 0 || dofs.bend < 0 || actor.keypoints[arm.elbow].bone < 0 || actor.keypoints[arm.wrist].bone < 0)
     return std::nullopt;
   const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
   const Eigen::Vector3d &elbow = positions[arm.elbow], &wrist = positions[arm.wrist];
@@ -128,9 +141,12 @@ std::optional<MirroredForearm> mirrored_forearm(const Actor& actor, const Pose& 
   const Eigen::Vector3d mirrored = (2 * elbow.dot(ray) - wrist.norm()) * ray - elbow;
   const auto turn = Eigen::Quaterniond::FromTwoVectors(wrist - elbow, mirrored);
   if (!(Eigen::AngleAxisd(turn).angle() >= least_turn_rad)) return std::nullopt;
-  const std::optional<Pose> bent = with_wrist_at(actor, pose, arm, bone, shoulder, elbow + mirrored);
-  if (!bent) return std::nullopt;
-  return MirroredForearm{bone, turn.toRotationMatrix(), *bent};
+  return MirroredForearm{elbow_name, actor.skeleton.bone_index(arm.bone), turn.toRotationMatrix(), elbow + mirrored};
+}
+
+Pose with_mirrored_forearm(const Actor& actor, const Pose& pose, const MirroredForearm& mirrored) {
+  const Forearm& arm = forearm_below(mirrored.elbow);
+  return with_wrist_at(actor, pose, arm.wrist, arm_dofs(actor.skeleton, arm), mirrored.wrist_mm);
 }
 
 std::optional<Pose> with_hinges_bent_back(const Skeleton& skeleton, const Pose& pose, double least_rad) {

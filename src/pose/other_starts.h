@@ -27,15 +27,18 @@ std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera,
 
 // A forearm that points as far from the camera as another one points towards it has the same outline.
 struct MirroredForearm {
-  int bone = 0;          // the forearm's
-  Eigen::Matrix3d turn;  // of the forearm, camera frame
-  Pose pose;             // with the arm's joints as they must be
+  Keypoint elbow = kLeftElbow;  // or kRightElbow
+  int bone = 0;                 // the forearm's
+  Eigen::Matrix3d turn;         // of the forearm, camera frame
+  Eigen::Vector3d wrist_mm;     // camera frame: the other place on its ray that is as far from the elbow
 };
 
-// `pose` with the wrist below this elbow (kLeftElbow or kRightElbow) in the other place on its ray that is as far from
-// the elbow. nullopt when that turns the forearm by less than least_turn_rad, or the actor has no such arm.
+// nullopt when the forearm would turn by less than least_turn_rad, or the actor has no such arm.
 std::optional<MirroredForearm> mirrored_forearm(const Actor& actor, const Pose& pose, Keypoint elbow,
                                                 double least_turn_rad);
+
+// `pose` with the arm's joints as they must be (searched for: some hundred poses).
+Pose with_mirrored_forearm(const Actor& actor, const Pose& pose, const MirroredForearm& mirrored);
 
 // `pose` with every hinge (elbow, knee: a bone of one angle) that is past its limit by at least least_rad bent as far
 // to the other side of the limit. In a picture a nearly straight limb that bends towards the camera looks as one that

@@ -94,9 +94,7 @@ static inline int add_site(global int* sites, int n, int column, int height, int
 // First pixel from `from` on that is not of the kind, or `width`.
 static inline int end_of_run(global const ushort* row, int from, int width, ushort kind) {
   for (int x = from & ~(LC_LANES - 1); x < width; x += LC_LANES) {
-    const short16 other = as_short16(vload16(0, row + x) ^ kind) < (short16)0;
-    if (!any(other)) continue;
-    uint bits = bits_of_16(convert_int16(other));
+    uint bits = bits_of_16(convert_int16(as_short16(vload16(0, row + x) ^ kind)) < (int16)0);
     if (x < from) bits &= ~0u << (from - x);
     if (bits) return min(x + lowest_bit(bits), width);
   }
@@ -120,7 +118,7 @@ static inline uint near_columns(global const ushort* row, int x, int begin, int 
     near &= height < (column - before) * (2 * (end - 1) - before - column);
   }
   *squares = height;
-  return any(near) ? bits_of_16(near) : 0;
+  return bits_of_16(near);
 }
 
 // One work-item per n_band rows. sites: [3 * (n_columns + 2)] ints of scratch per work-item. distance: [w*h] px, half a

@@ -2,6 +2,7 @@
 // half and quarter resolution 13 x 13 and 7 x 7) are taken out, which lighting changes and texture does not. Pixels
 // that are not of the person count in no window.
 #include "match/layout.h"
+#include "shared/bits.h"
 #include "shared/wide.h"
 
 // Rows of a work-item: windows are summed anew at the first and carried on from there.
@@ -99,7 +100,7 @@ kernel void normalise(MatchBox box, int level, int at, float variance_floor, glo
       const int16 inside = x + lane >= margin && x + lane < width - margin;
       const float16 counts = select((float16)0.0f, vload16(0, weight + p), inside);
       float16 value = 0.0f;
-      if (any(counts > 0.0f))
+      if (any_of_16(counts > 0.0f))
         value =
             select(value, normalised(sums + x, plane, radius, vload16(0, light + p), counts, variance_floor), inside);
       store16(value, normal + p);

@@ -2,6 +2,7 @@
 // `radius`, the torso over everything else. Sets of parts are bit masks (bit p = part p), so growing is a bitwise or.
 // Padded planes: row stride `stride`, LC_PAD columns before and `radius` rows above and below the picture, all zero.
 #include "raster/layout.h"
+#include "shared/bits.h"
 #include "shared/gather.h"
 #include "shared/wide.h"
 
@@ -30,7 +31,7 @@ kernel void part_bits(int width, int height, int stride, int radius, global cons
   if (x0 + 16 <= width) {
     const int16 id = vload16(0, ids + x0), drawn = id >= 0;
     int16 bit = 0;
-    if (any(drawn)) bit = drawn & ((int16)1 << gather_int16(triangle_part, max(id, 0)));
+    if (any_of_16(drawn)) bit = drawn & ((int16)1 << gather_int16(triangle_part, max(id, 0)));
     store_uchar16(convert_uchar16(bit), bits + x0);
     return;
   }

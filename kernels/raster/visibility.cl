@@ -88,7 +88,7 @@ static inline int is_at_outline(int x, int y, float z, int width, int height, in
       empty |= in_disc & ~drawn;
       far = (in_disc & drawn) && d > far ? d : far;
     }
-    if (!any(empty)) return 0;
+    if (!any_of_8(empty)) return 0;
     const float4 four = LC_GREATER(far.lo, far.hi);
     const float2 two = LC_GREATER(four.lo, four.hi);
     const float most = LC_GREATER(two.x, two.y);

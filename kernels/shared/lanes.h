@@ -23,7 +23,7 @@ typedef int16 LaneInt;
 #define STORE(value, p, at) vstore16((value), 0, (p) + (at))
 #define STORE_LANES(value, p) vstore16((value), 0, (p))
 #define LOAD_LANES(p) vload16(0, (p))
-#define ANY_LANE(condition) any(condition)
+#define ANY_LANE(condition) any_of_16(condition)
 #define LANE_IDS (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
 #define gather gather16
 #define gather_int gather_int16
@@ -41,7 +41,7 @@ typedef int8 LaneInt;
 #define STORE(value, p, at) vstore8((value), 0, (p) + (at))
 #define STORE_LANES(value, p) vstore8((value), 0, (p))
 #define LOAD_LANES(p) vload8(0, (p))
-#define ANY_LANE(condition) any(condition)
+#define ANY_LANE(condition) any_of_8(condition)
 #define LANE_IDS (int8)(0, 1, 2, 3, 4, 5, 6, 7)
 #define gather gather8
 #define gather_int gather_int8

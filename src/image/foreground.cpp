@@ -142,7 +142,8 @@ void ForegroundSegmenter::lay_on_device(const CropMask& crop_mask) {
   struct MaskArg {  // of the kernel
     int32_t width, height, x0, y0, x1, y1, size;
   };
-  const auto columns = (static_cast<size_t>(width_) + kLocal - 1) / kLocal * kLocal;
+  const size_t items = device_.is_cpu() ? groups_of(width_) : width_;
+  const size_t columns = (items + kLocal - 1) / kLocal * kLocal;
   lay_mask_.launch(ocl::Range{columns, static_cast<size_t>(height_), kLocal, 1},
                    MaskArg{width_, height_, box.x0, box.y0, box.x1, box.y1, size}, crop_mask_, crop_steps_, network_);
 }

@@ -3,6 +3,7 @@
 // that are not of the person count in no window.
 #include "match/layout.h"
 #include "shared/bits.h"
+#include "shared/plain_math.h"
 #include "shared/wide.h"
 
 // Rows of a work-item: windows are summed anew at the first and carried on from there.
@@ -60,9 +61,10 @@ static inline pix_t normalised(global const float* restrict sums, int plane, int
     s += LOAD(sums + plane + k);
     ss += LOAD(sums + 2 * plane + k);
   }
-  n = fmax(n, 1.0f);
+  n = LC_GREATER(n, (pix_t)1.0f);
   const pix_t mean = s / n;
-  const pix_t variance = fmax(ss / n - mean * mean, 0.0f);
+  const pix_t unbounded = ss / n - mean * mean;
+  const pix_t variance = LC_GREATER(unbounded, (pix_t)0.0f);
   return (light - mean) / sqrt(variance + variance_floor) * weight;
 }
 

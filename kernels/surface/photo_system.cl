@@ -21,7 +21,7 @@ typedef struct {
   static inline void NAME(TAPS d, float radius, float inv_sigma2, TAPS* weight, TAPS* slope) { \
     /* The floor avoids denormals, which are slow; t is 0 there. */                            \
     TAPS g = exp(LC_GREATER(-0.5f * inv_sigma2 * d * d, (TAPS)-40.0f));                        \
-    TAPS e = clamp(fabs(d) - radius, 0.0f, 1.0f);                                              \
+    TAPS beyond = fabs(d) - radius, e = LC_LESSER(LC_GREATER(beyond, (TAPS)0.0f), (TAPS)1.0f); \
     TAPS t = 1.0f - e * e * (3.0f - 2.0f * e);                                                 \
     *weight = g * t;                                                                           \
     *slope = g * (inv_sigma2 * d * t + copysign(6.0f * e * (1.0f - e), d));                    \

@@ -68,7 +68,7 @@ struct Detections {
   float score = 0;      // probability that the crop holds a person
   std::array<KeypointDetection, kKeypointCount> keypoints{};
   PersonMask mask;
-  // Instead of `mask`, between threads of a capture whose solvers run on a GPU: src/image/crop_mask.h.
+  // Instead of `mask`, between threads of a capture: src/image/crop_mask.h.
   std::shared_ptr<const CropMask> crop_mask;
 };
 

@@ -51,7 +51,7 @@ kernel void column_steps(DistanceArg a, int n_strip, global const uchar* restric
         const ushort16 above = vload16(0, to - a.stride);
         distance = further(above & LC_STEPS, inside ^ as_ushort16(as_short16(above) >> (short)15));
       }
-      vstore16(distance | (inside & LC_INSIDE), 0, to);
+      store_ushort16(distance | (inside & LC_INSIDE), to);
     }
   }
   for (int y = a.n_rows - 2; y >= 0; --y) {
@@ -59,7 +59,7 @@ kernel void column_steps(DistanceArg a, int n_strip, global const uchar* restric
       global ushort* to = steps + y * a.stride + x;
       const ushort16 down = vload16(0, to), below = vload16(0, to + a.stride);
       const ushort16 up = further(below & LC_STEPS, as_ushort16(as_short16(down ^ below) >> (short)15));
-      vstore16(min(down & LC_STEPS, up) | (down & LC_INSIDE), 0, to);
+      store_ushort16(min(down & LC_STEPS, up) | (down & LC_INSIDE), to);
     }
   }
 }
@@ -94,9 +94,7 @@ static inline int add_site(global int* sites, int n, int column, int height, int
 // First pixel from `from` on that is not of the kind, or `width`.
 static inline int end_of_run(global const ushort* row, int from, int width, ushort kind) {
   for (int x = from & ~(LC_LANES - 1); x < width; x += LC_LANES) {
-    const short16 other = as_short16(vload16(0, row + x) ^ kind) < (short16)0;
-    if (!any(other)) continue;
-    uint bits = bits_of_16(convert_int16(other));
+    uint bits = bits_of_16(convert_int16(as_short16(vload16(0, row + x) ^ kind)) < (int16)0);
     if (x < from) bits &= ~0u << (from - x);
     if (bits) return min(x + lowest_bit(bits), width);
   }
@@ -120,7 +118,7 @@ static inline uint near_columns(global const ushort* row, int x, int begin, int 
     near &= height < (column - before) * (2 * (end - 1) - before - column);
   }
   *squares = height;
-  return any(near) ? bits_of_16(near) : 0;
+  return bits_of_16(near);
 }
 
 // One work-item per n_band rows. sites: [3 * (n_columns + 2)] ints of scratch per work-item. distance: [w*h] px, half a
@@ -159,7 +157,7 @@ kernel void row_distances(DistanceArg a, int n_band, global const ushort* restri
       const int n = min(LC_LANES, width - x);
       if (n == LC_LANES) {
         const float16 away = sqrt(vload16(0, to + x)) - 0.5f;
-        vstore16(select(away, -away, convert_int16(inside)), 0, to + x);
+        store16(select(away, -away, convert_int16(inside)), to + x);
       } else {
         for (int k = x; k < width; ++k) {
           const float away = sqrt(to[k]) - 0.5f;
@@ -257,12 +255,12 @@ kernel void extend_distances(DistanceArg a, int n_groups, global float* restrict
   const int n_inside = clamp(a.box_x1, first, end) - clamp(a.box_x0, first, end);
   if (end - first == LC_LANES && (n_inside == 0 || n_inside == LC_LANES)) {
     if (n_inside) {
-      vstore16(vload16(0, from + first) + fabs(dy), 0, to);
+      store16(vload16(0, from + first) + fabs(dy), to);
     } else {
       const int from_x = first < a.box_x0 ? a.box_x0 : a.box_x1 - 1;
       const float16 lane = (float16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
       const float16 dx = lane + (float)(first - from_x);
-      vstore16(from[from_x] + sqrt(dx * dx + dy * dy), 0, to);
+      store16(from[from_x] + sqrt(dx * dx + dy * dy), to);
     }
     return;
   }

@@ -2,6 +2,7 @@
 // network's mask as gate and second opinion, smoothing, decision, trimmed border. One work-item handles 16 pixels of a
 // row, so that a CPU's byte lanes are full and rows are read in whole vectors; work-items past the end do nothing.
 #include "shared/plain_math.h"
+#include "shared/wide.h"
 
 #ifdef LC_DEVICE
 // The tests compare with the same formulas in C++, rounded after every operation.
@@ -27,7 +28,7 @@ static inline float16 load_floats(global const float* from, int n) {
 
 static inline void store_bytes(uchar16 value, global uchar* to, int n) {
   if (n >= LC_LANES) {
-    vstore16(value, 0, to);
+    store_uchar16(value, to);
     return;
   }
   uchar lanes[LC_LANES];
@@ -141,9 +142,9 @@ kernel void foreground_score(ForegroundArg a, global const uchar* restrict rgb, 
   }
   const uchar16 without = quantized(shadow, a.at_threshold);
   const int at = (y + a.pad) * a.stride + a.pad + x;
-  vstore16(quantized(sqrt(difference), 0.5f), 0, contrast + at);
+  store_uchar16(quantized(sqrt(difference), 0.5f), contrast + at);
   if (!a.has_network) {
-    vstore16(without, 0, score + at);
+    store_uchar16(without, score + at);
     return;
   }
   // What the network calls person is no shadow and needs less of a difference; nobody is outside the gate, and the core
@@ -155,9 +156,9 @@ kernel void foreground_score(ForegroundArg a, global const uchar* restrict rgb, 
   const int16 weight = 256 + convert_int16_rtz(convert_float16((convert_int16(m) - 128) * 2) * a.trust);  // in 1/256
   const int16 trusted = min(255, (convert_int16(quantized(plain, a.at_threshold)) * weight) >> 8);
   const uchar16 s = select(without, convert_uchar16(trusted), m >= (uchar)128);
-  vstore16((s & may_be) | is, 0, score + at);
+  store_uchar16((s & may_be) | is, score + at);
   const uchar16 differs = select((uchar16)0, ~may_be, without >= (uchar)128);
-  vstore16(differs, 0, beyond + at);
+  store_uchar16(differs, beyond + at);
   if (is_any(differs)) {
     uchar lanes[LC_LANES];
     vstore16(differs, 0, lanes);
@@ -172,7 +173,7 @@ kernel void network_score(ForegroundArg a, global const uchar* restrict network,
   const int group = get_global_id(0), row = get_global_id(1);
   if (group >= a.n_groups || row >= a.n_rows) return;
   const int x = a.x0 + group * LC_LANES, y = a.y0 + row;
-  vstore16(load_bytes(network + y * a.width + x, a.width - x), 0, score + (y + a.pad) * a.stride + a.pad + x);
+  store_uchar16(load_bytes(network + y * a.width + x, a.width - x), score + (y + a.pad) * a.stride + a.pad + x);
 }
 
 static inline int mirrored(int i, int n) {
@@ -212,7 +213,7 @@ kernel void smooth_rows(ForegroundArg a, int reach, global const ushort* restric
   ushort16 sum = weights[0] * convert_ushort16(vload16(0, score + at));
   for (int k = 1; k <= reach; ++k)
     sum += weights[k] * (convert_ushort16(vload16(0, score + at - k)) + convert_ushort16(vload16(0, score + at + k)));
-  vstore16(sum, 0, smoothed + at);
+  store_ushort16(sum, smoothed + at);
 }
 
 // Along columns, and the decision: 255 where more than half. decided: padded; 0 beyond the picture's right border.
@@ -228,7 +229,7 @@ kernel void decide(ForegroundArg a, int reach, global const ushort* restrict wei
                          convert_uint16(vload16(0, smoothed + at + k * a.stride)));
   const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   const int16 person = ((sum >> 16) > 128u) & (x + lane < a.width);
-  vstore16(convert_uchar16(person & 255), 0, decided + at);
+  store_uchar16(convert_uchar16(person & 255), decided + at);
 }
 
 // A pixel that the person covers by less than half still differs from the background. Takes off border pixels whose

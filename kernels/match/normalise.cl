@@ -2,6 +2,8 @@
 // half and quarter resolution 13 x 13 and 7 x 7) are taken out, which lighting changes and texture does not. Pixels
 // that are not of the person count in no window.
 #include "match/layout.h"
+#include "shared/bits.h"
+#include "shared/plain_math.h"
 #include "shared/wide.h"
 
 #if LC_CPU
@@ -40,9 +42,10 @@ static inline pix_t normalised(SUMS_SPACE const float* restrict sums, int plane,
     s += LOAD(sums + plane + k);
     ss += LOAD(sums + 2 * plane + k);
   }
-  n = fmax(n, 1.0f);
+  n = LC_GREATER(n, (pix_t)1.0f);
   const pix_t mean = s / n;
-  const pix_t variance = fmax(ss / n - mean * mean, 0.0f);
+  const pix_t unbounded = ss / n - mean * mean;
+  const pix_t variance = LC_GREATER(unbounded, (pix_t)0.0f);
   return (light - mean) / sqrt(variance + variance_floor) * weight;
 }
 
@@ -103,7 +106,7 @@ kernel void normalise(MatchBox box, int level, int at, float variance_floor, glo
       const int16 inside = x + lane >= margin && x + lane < width - margin;
       const float16 counts = select((float16)0.0f, vload16(0, weight + p), inside);
       float16 value = 0.0f;
-      if (any(counts > 0.0f))
+      if (any_of_16(counts > 0.0f))
         value =
             select(value, normalised(sums + x, plane, radius, vload16(0, light + p), counts, variance_floor), inside);
       store16(value, normal + p);

@@ -94,6 +94,11 @@ static inline row_t larger(row_t a, row_t b) {
   return a > b ? a : b;
 }
 
+static inline each_t at_most_2(each_t step) {
+  const each_t least = -2.0f, most = 2.0f, limited = LC_GREATER(step, least);
+  return LC_LESSER(limited, most);
+}
+
 // Moves (dx, dy), px of this level, of the patches around the pixels (x, y), which it has. Returns their structure;
 // n = 0 where there is too little to see. correlation: of the two patches at the end.
 static Structure align(const Level* level, each_int_t x, each_int_t y, each_t depth, PatchOptions options, each_t* dx,
@@ -162,8 +167,8 @@ static Structure align(const Level* level, each_int_t x, each_int_t y, each_t de
       ey += gy[r] * e;
     }
     const each_t bx = sum_of_rows(ex), by = sum_of_rows(ey);
-    *dx -= clamp((hyy * bx - s.xy * by) * inv, -2.0f, 2.0f);
-    *dy -= clamp((hxx * by - s.xy * bx) * inv, -2.0f, 2.0f);
+    *dx -= at_most_2((hyy * bx - s.xy * by) * inv);
+    *dy -= at_most_2((hxx * by - s.xy * bx) * inv);
   }
   s.n = sees ? s.n : zero;
   return s;

@@ -1,6 +1,7 @@
 // The two pictures that are matched: the actor as its texture would look, and the camera's; both as luminance in [0,1]
 // with a weight of 1 where the person is, 0 elsewhere.
 #include "match/layout.h"
+#include "shared/bits.h"
 #include "shared/gather.h"
 #include "shared/luminance.h"
 #include "shared/plain_math.h"
@@ -101,7 +102,7 @@ static inline float16 box_depths(global const float* restrict depth, int level, 
   if (level == 0 && x >= first && x + 16 <= end) return vload16(0, depth + x);
   const int16 column = x + (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   const int16 inside = column >= first && column < end;
-  if (!any(inside)) return INFINITY;
+  if (!any_of_16(inside)) return INFINITY;
   return select((float16)INFINITY, gather16(depth, clamp(column, first, end - 1) << level), inside);
 }
 
@@ -132,7 +133,7 @@ kernel void textured_actor(MatchBox box, int level, int width, int height, int t
     store16(z, box_depth + x);
     store16((float16)0.0f, light + x);
     store16((float16)0.0f, weight + x);
-    if (!any(z < INFINITY)) continue;
+    if (!any_of_16(z < INFINITY)) continue;
     drawn_first = min(drawn_first, x);
     drawn_end = x + 16;
   }
@@ -218,7 +219,7 @@ kernel void camera_picture(MatchBox box, int width, int height, global const uch
     const int p = y * width + x;
     const int16 person = vload16(0, signed_distance + p) < 0.0f;
     float16 bright = 0.0f;
-    if (any(person)) {
+    if (any_of_16(person)) {
       const uchar16 a = vload16(0, rgb + 3 * p), b = vload16(1, rgb + 3 * p), c = vload16(2, rgb + 3 * p);
       const uchar16 red = (uchar16)(a.s0369, a.scf, b.s258b, b.se, c.s147a, c.sd);
       const uchar16 green = (uchar16)(a.s147a, a.sd, b.s0369, b.scf, c.s258b, c.se);

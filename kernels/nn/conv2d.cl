@@ -157,44 +157,87 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_window(NnOp op, 
 #undef TILES
 }
 
-// A window convolution to a few channels (a mask): a panel would be nearly empty, so the input channels are the vector.
-// in_channels is a multiple of 8; weights are [cout][kh][kw][cin]. One work-item = one row. count = rows.
+// A window convolution to a few channels (a mask): a panel would be nearly empty, so the input channels are the vector,
+// in_channels, a multiple of 8, and weights are [cout][kh][kw][cin]. Four neighbours at a time hide the latency of the
+// additions.
+typedef struct {
+  float16 a, b, c, d;
+} NnNarrowSums;
+
+// Of a pixel whose window begins in column first_x; where that lies `inside` the image, in b, c and d of the windows
+// `apart` floats further each.
+static inline NnNarrowSums narrow_sums(NnOp op, int first_x, int y, int inside, int apart,
+                                       global const float* restrict weights_n, global const float* arena) {
+  const int channels = op.in_channels, segment = op.kernel_w * channels;
+  float16 a = 0.0f, b = 0.0f, c = 0.0f, d = 0.0f;
+  for (int ky = 0; ky < op.kernel_h; ++ky) {
+    const int in_y = y * op.stride_h - op.pad_top + ky * op.dilation_h;
+    if (in_y < 0 || in_y >= op.in_height) continue;
+    global const float* restrict w = weights_n + ky * segment;
+    const int row = op.in_offset + in_y * op.in_width * channels;
+    if (inside) {  // the kernel's columns are contiguous
+      global const float* p = arena + row + first_x * channels;
+      int k = 0;
+      for (; k + 16 <= segment; k += 16) {
+        const float16 v = vload16(0, w + k);
+        a = vload16(0, p + k) * v + a;
+        b = vload16(0, p + apart + k) * v + b;
+        c = vload16(0, p + 2 * apart + k) * v + c;
+        d = vload16(0, p + 3 * apart + k) * v + d;
+      }
+      if (k < segment) {
+        const float8 v = vload8(0, w + k);
+        a.lo = vload8(0, p + k) * v + a.lo;
+        b.lo = vload8(0, p + apart + k) * v + b.lo;
+        c.lo = vload8(0, p + 2 * apart + k) * v + c.lo;
+        d.lo = vload8(0, p + 3 * apart + k) * v + d.lo;
+      }
+      continue;
+    }
+    for (int kx = 0; kx < op.kernel_w; ++kx, w += channels) {
+      const int in_x = first_x + kx * op.dilation_w;
+      if (in_x < 0 || in_x >= op.in_width) continue;
+      global const float* p = arena + row + in_x * channels;
+      for (int k = 0; k < channels; k += 8) a.lo = vload8(0, p + k) * vload8(0, w + k) + a.lo;
+    }
+  }
+  const NnNarrowSums sums = {a, b, c, d};
+  return sums;
+}
+
+static inline float4 folded(float16 sum) {
+  const float8 eight = sum.lo + sum.hi;
+  return eight.lo + eight.hi;
+}
+
+// One work-item = one row. count = rows.
 kernel __attribute__((reqd_work_group_size(1, 1, 1))) void conv_narrow(NnOp op, global const float* restrict weights,
                                                                        global float* arena) {
   const int y = get_global_id(0);
   if (y >= op.count) return;
-  const int channels = op.in_channels;
-  const int segment = op.kernel_w * channels;
   for (int n = 0; n < op.out_channels; ++n) {
-    global const float* restrict weights_n = weights + op.weight_offset + n * op.kernel_h * segment;
+    global const float* restrict weights_n =
+        weights + op.weight_offset + n * op.kernel_h * op.kernel_w * op.in_channels;
     const float bias = weights[op.bias_offset + n];
-    for (int x = 0; x < op.out_width; ++x) {
+    for (int x = 0; x < op.out_width;) {
       const int first_x = x * op.stride_w - op.pad_left;
       const int inside = op.dilation_w == 1 && first_x >= 0 && first_x + op.kernel_w <= op.in_width;
-      float16 sum = (float16)(0.0f);
-      for (int ky = 0; ky < op.kernel_h; ++ky) {
-        const int in_y = y * op.stride_h - op.pad_top + ky * op.dilation_h;
-        if (in_y < 0 || in_y >= op.in_height) continue;
-        global const float* restrict w = weights_n + ky * segment;
-        const int row = op.in_offset + in_y * op.in_width * channels;
-        if (inside) {  // the kernel's columns are contiguous
-          global const float* p = arena + row + first_x * channels;
-          int k = 0;
-          for (; k + 16 <= segment; k += 16) sum = vload16(0, p + k) * vload16(0, w + k) + sum;
-          if (k < segment) sum.lo = vload8(0, p + k) * vload8(0, w + k) + sum.lo;
-          continue;
-        }
-        for (int kx = 0; kx < op.kernel_w; ++kx, w += channels) {
-          const int in_x = first_x + kx * op.dilation_w;
-          if (in_x < 0 || in_x >= op.in_width) continue;
-          global const float* p = arena + row + in_x * channels;
-          for (int k = 0; k < channels; k += 8) sum.lo = vload8(0, p + k) * vload8(0, w + k) + sum.lo;
-        }
+      const int four =
+          inside && x + 4 <= op.out_width && first_x + 3 * op.stride_w + op.kernel_w <= op.in_width ? 1 : 0;
+      const NnNarrowSums sums =
+          narrow_sums(op, first_x, y, inside, four * op.stride_w * op.in_channels, weights_n, arena);
+      const float4 a = folded(sums.a), b = folded(sums.b), c = folded(sums.c), d = folded(sums.d);
+      const float4 even = (float4)(a.x, b.x, c.x, d.x) + (float4)(a.z, b.z, c.z, d.z);
+      const float4 odd = (float4)(a.y, b.y, c.y, d.y) + (float4)(a.w, b.w, c.w, d.w);
+      const float4 value = bias + even + odd;
+      const int at = (y * op.out_width + x) * op.out_channels + n;
+      nn_store(op, arena, at, value.x);
+      if (four) {
+        nn_store(op, arena, at + op.out_channels, value.y);
+        nn_store(op, arena, at + 2 * op.out_channels, value.z);
+        nn_store(op, arena, at + 3 * op.out_channels, value.w);
       }
-      const float8 eight = sum.lo + sum.hi;
-      const float4 four = eight.lo + eight.hi;
-      const float2 pair = four.lo + four.hi;
-      nn_store(op, arena, (y * op.out_width + x) * op.out_channels + n, bias + pair.x + pair.y);
+      x += four ? 4 : 1;
     }
   }
 }

@@ -13,14 +13,25 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) void resize_bilinear(NnOp 
     const NnSample sx = nn_sample(op, x, op.in_width, op.out_width);
     const int left = sx.i0 * channels;
     const int right = sx.i1 * channels;
-    for (int c = 0; c < channels; c += NN_PANEL) {
+    const int at = (y * op.out_width + x) * channels;
+    int c = 0;
+    for (; c + NN_PANEL / 2 < channels; c += NN_PANEL) {
       const float16 v00 = vload16(0, arena + row0 + left + c);
       const float16 v01 = vload16(0, arena + row0 + right + c);
       const float16 v10 = vload16(0, arena + row1 + left + c);
       const float16 v11 = vload16(0, arena + row1 + right + c);
       const float16 top = sx.t * (v01 - v00) + v00;
       const float16 bottom = sx.t * (v11 - v10) + v10;
-      nn_store_panel(op, arena, (y * op.out_width + x) * channels + c, sy.t * (bottom - top) + top, channels - c);
+      nn_store_panel(op, arena, at + c, sy.t * (bottom - top) + top, channels - c);
+    }
+    if (c < channels) {  // half a panel at most
+      const float8 v00 = vload8(0, arena + row0 + left + c);
+      const float8 v01 = vload8(0, arena + row0 + right + c);
+      const float8 v10 = vload8(0, arena + row1 + left + c);
+      const float8 v11 = vload8(0, arena + row1 + right + c);
+      const float8 top = sx.t * (v01 - v00) + v00;
+      const float8 bottom = sx.t * (v11 - v10) + v10;
+      nn_store_half(op, arena, at + c, sy.t * (bottom - top) + top, channels - c);
     }
   }
 }

@@ -16,9 +16,17 @@ typedef int8 column_ids_t;
 #endif
 #define FILL_COLUMNS LC_POSE_FILL_COLUMNS(LC_CPU)
 
+// What is not static PoCL 3.1 calls, arguments in memory; within gauss_newton.cl, where the tests run the bodies for
+// GPUs, it makes wrong code of these when they are.
+#if LC_CPU
+#define COLUMNS_FN static inline
+#else
+#define COLUMNS_FN inline
+#endif
+
 // Wrench w (6 floats, `stride` apart) turned about the columns. step: layout.h, offset to the first of them.
-inline columns_t turned(LC_POSE_SPACE const float* restrict w, int stride, LC_POSE_SPACE const float* restrict step,
-                        int n_columns) {
+COLUMNS_FN columns_t turned(LC_POSE_SPACE const float* restrict w, int stride, LC_POSE_SPACE const float* restrict step,
+                            int n_columns) {
   return LOAD_COLUMNS(0, step) * w[0] + LOAD_COLUMNS(0, step + n_columns) * w[stride] +
          LOAD_COLUMNS(0, step + 2 * n_columns) * w[2 * stride] + LOAD_COLUMNS(0, step + 3 * n_columns) * w[3 * stride] +
          LOAD_COLUMNS(0, step + 4 * n_columns) * w[4 * stride] + LOAD_COLUMNS(0, step + 5 * n_columns) * w[5 * stride];
@@ -26,9 +34,9 @@ inline columns_t turned(LC_POSE_SPACE const float* restrict w, int stride, LC_PO
 
 // A row with one bone and extra coefficients, from column `column` on. moves [n_bones*n_columns]: 1 where the column
 // moves the bone, else 0. records [LC_POSE_RECORD*n_rows], residuals [n_rows].
-inline columns_t point_columns(PoseLayout layout, int row, int column, LC_POSE_SPACE const float* restrict step,
-                               global const float* restrict moves, LC_POSE_SPACE const float* restrict records,
-                               LC_POSE_SPACE const float* restrict residuals) {
+COLUMNS_FN columns_t point_columns(PoseLayout layout, int row, int column, LC_POSE_SPACE const float* restrict step,
+                                   global const float* restrict moves, LC_POSE_SPACE const float* restrict records,
+                                   LC_POSE_SPACE const float* restrict residuals) {
   const int n_columns = layout.n_columns;
   const column_ids_t columns = column + FIRST_IDS;
   LC_POSE_SPACE const float* record = records + row * LC_POSE_RECORD;
@@ -42,10 +50,10 @@ inline columns_t point_columns(PoseLayout layout, int row, int column, LC_POSE_S
 }
 
 // A row with four bones; `per_vertex` rows of each vertex.
-inline columns_t skinned_columns(PoseLayout layout, int row, int per_vertex, int column,
-                                 LC_POSE_SPACE const float* restrict step, global const float* restrict moves,
-                                 LC_POSE_SPACE const float* restrict records,
-                                 LC_POSE_SPACE const float* restrict residuals) {
+COLUMNS_FN columns_t skinned_columns(PoseLayout layout, int row, int per_vertex, int column,
+                                     LC_POSE_SPACE const float* restrict step, global const float* restrict moves,
+                                     LC_POSE_SPACE const float* restrict records,
+                                     LC_POSE_SPACE const float* restrict residuals) {
   const int n_columns = layout.n_columns;
   const column_ids_t columns = column + FIRST_IDS;
   const int vertex = row / per_vertex;

@@ -26,6 +26,7 @@ static inline void match_records(int first, int place, PoseLayout layout, float4
   const MatchRow row = match_row(v_camera, cam, target_px, gather(targets, target + 2), gather(targets, target + 3),
                                  gather(targets, target + 4));
   const REAL huber = huber_factor(row.distance, huber_px);
+  LC_UNROLL
   for (int j = 0; j < 2; ++j) {
     const REAL residual = before ? huber * row.r[j] : (REAL)0.0f;
 #if LC_CPU

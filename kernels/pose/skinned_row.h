@@ -4,6 +4,7 @@
 #define LC_POSE_SKINNED_ROW_H
 #include "pose/layout.h"
 #include "pose/skinned_gradient.h"
+#include "shared/gather_dual_quat.h"
 
 typedef struct {
   Vec3 rest;             // mm, template frame
@@ -35,9 +36,7 @@ LC_FN SkinnedVertex skinned_vertex(LaneInt vertex, Vec3 rest, LC_POSE_SPACE cons
     s.packed_bones |= (weighs ? bone : none) << (8 * j);
     if (j > 0 && !ANY_LANE(weighs)) continue;
     const LaneInt at = 8 * bone;
-    const DualQuat turn = {gather(dual_quats, at),     gather(dual_quats, at + 1), gather(dual_quats, at + 2),
-                           gather(dual_quats, at + 3), gather(dual_quats, at + 4), gather(dual_quats, at + 5),
-                           gather(dual_quats, at + 6), gather(dual_quats, at + 7)};
+    const DualQuat turn = gather_dual_quat(dual_quats, at);
     if (j == 0) first = turn;
     s.part[j] = dual_quat_add_scaled(dual_quat_zero(), turn, dual_quat_real_dot(first, turn) < 0.0f ? -w : w);
     s.blend = dual_quat_add_scaled(s.blend, s.part[j], 1.0f);

@@ -31,23 +31,20 @@ kernel void project_vertices(int n, float4 camera, global const float* restrict 
   if (FIRST_ROW < n) project_lanes(FIRST_ROW, n, camera, positions, projected);
 }
 
-// Empties pixels first..last and some of begin..end - 1 beside them, sixteen at a time that share a cache line.
-static inline void clear_pixels(int first, int last, int begin, int end, global float* restrict depth,
-                                global int* restrict ids) {
-  for (int p = first & ~15; p <= last; p += 16) {
-    const int at = clamp(p, begin, end - 16);
-    store16((float16)INFINITY, depth + at);
-    store_int16((int16)(-1), ids + at);
+// Sets words first..last and some of begin..end - 1 beside them, sixteen at a time that share a cache line.
+static inline void clear_words(int first, int last, int begin, int end, int word, global int* restrict to) {
+  if (end - begin >= 16) {
+    for (int p = first & ~15; p <= last; p += 16) store_int16((int16)word, to + clamp(p, begin, end - 16));
+  } else {
+    for (int p = first; p <= last; ++p) to[p] = word;
   }
 }
 
-// One work-item per band of strips of LC_STRIP_ROWS rows, which it alone writes. depth: [w*h] mm, INFINITY = empty;
-// ids: [w*h], -1 = empty. drawn: [2*n_strips] first and last column that is not empty before and, at the end, after it.
-// facing: [n_triangles, rounded up to 16] 1 towards the camera, -1 away, 0 edge-on or not projected.
-kernel void raster_bands(int n_triangles, int width, int height, int n_bands, int cull,
-                         global const float* restrict projected, global const int* restrict triangles,
-                         global float* restrict depth, global int* restrict ids, global int* restrict drawn,
-                         global int* restrict facing) {
+// One band of strips of LC_STRIP_ROWS rows, which the work-item alone writes; see the kernels.
+static inline void draw_band(int with_ids, int n_triangles, int width, int height, int n_bands, int cull,
+                             global const float* restrict projected, global const int* restrict triangles,
+                             global float* restrict depth, global int* restrict drawn, global int* restrict facing,
+                             global int* restrict ids, global int* restrict ids_drawn) {
   const int band = get_global_id(0);
   if (band >= n_bands) return;
   const int n_strips = (height + LC_STRIP_ROWS - 1) / LC_STRIP_ROWS;
@@ -56,19 +53,14 @@ kernel void raster_bands(int n_triangles, int width, int height, int n_bands, in
   const int last_row = min(end_strip * LC_STRIP_ROWS, height) - 1;
   const int begin = first_row * width, end = (last_row + 1) * width;
   for (int strip = first_strip; strip < end_strip; ++strip) {
-    const int x0 = drawn[2 * strip], x1 = drawn[2 * strip + 1];
+    for (int y = strip * LC_STRIP_ROWS; y < min((strip + 1) * LC_STRIP_ROWS, height); ++y) {
+      clear_words(y * width + drawn[2 * strip], y * width + drawn[2 * strip + 1], begin, end, as_int(INFINITY),
+                  (global int*)depth);
+      if (with_ids)
+        clear_words(y * width + ids_drawn[2 * strip], y * width + ids_drawn[2 * strip + 1], begin, end, -1, ids);
+    }
     drawn[2 * strip] = width;
     drawn[2 * strip + 1] = -1;
-    for (int y = strip * LC_STRIP_ROWS; y < min((strip + 1) * LC_STRIP_ROWS, height); ++y) {
-      if (end - begin >= 16) {
-        if (x0 <= x1) clear_pixels(y * width + x0, y * width + x1, begin, end, depth, ids);
-      } else {
-        for (int x = x0; x <= x1; ++x) {
-          depth[y * width + x] = INFINITY;
-          ids[y * width + x] = -1;
-        }
-      }
-    }
   }
   const float8 lane = (float8)(0, 1, 2, 3, 4, 5, 6, 7);
   const int last_at = max(width - 8, 0);
@@ -101,7 +93,7 @@ kernel void raster_bands(int n_triangles, int width, int height, int n_bands, in
             const float8 old = vload8(0, depth + at);
             const int8 closer = z < old;  // storing without looking is faster than a branch
             store8(select(old, z, closer), depth + at);
-            store_int8(select(vload8(0, ids + at), (int8)t, closer), ids + at);
+            if (with_ids) store_int8(select(vload8(0, ids + at), (int8)t, closer), ids + at);
           }
         }
       } else {
@@ -111,12 +103,31 @@ kernel void raster_bands(int n_triangles, int width, int height, int n_bands, in
           for (int k = 0; k < width; ++k) {
             if (!(z[k] < depth[y * width + k])) continue;
             depth[y * width + k] = z[k];
-            ids[y * width + k] = t;
+            if (with_ids) ids[y * width + k] = t;
           }
         }
       }
     }
   }
+  if (!with_ids) return;
+  for (int i = 2 * first_strip; i < 2 * end_strip; ++i) ids_drawn[i] = drawn[i];
+}
+
+// Over the bands. depth: [w*h] mm, INFINITY = empty; ids: [w*h], -1 = empty. drawn: [2*n_strips] first and last column
+// whose depth is not empty before and, at the end, after it; ids_drawn: likewise of ids.
+// facing: [n_triangles, rounded up to 16] 1 towards the camera, -1 away, 0 edge-on or not projected.
+kernel void raster_bands(int n_triangles, int width, int height, int n_bands, int cull,
+                         global const float* restrict projected, global const int* restrict triangles,
+                         global float* restrict depth, global int* restrict drawn, global int* restrict facing,
+                         global int* restrict ids, global int* restrict ids_drawn) {
+  draw_band(1, n_triangles, width, height, n_bands, cull, projected, triangles, depth, drawn, facing, ids, ids_drawn);
+}
+
+// The same without the ids.
+kernel void raster_depths(int n_triangles, int width, int height, int n_bands, int cull,
+                          global const float* restrict projected, global const int* restrict triangles,
+                          global float* restrict depth, global int* restrict drawn, global int* restrict facing) {
+  draw_band(0, n_triangles, width, height, n_bands, cull, projected, triangles, depth, drawn, facing, 0, 0);
 }
 
 #else
@@ -171,14 +182,14 @@ kernel void raster_ids(int n_triangles, int width, int height, int cull, global 
 #if LC_CPU
 
 // One work-item per row.
-kernel void row_overlaps(int width, int height, global const int* restrict ids, global const uchar* restrict mask,
+kernel void row_overlaps(int width, int height, global const float* restrict depth, global const uchar* restrict mask,
                          global int* restrict overlap) {
   const int y = get_global_id(0);
   if (y >= height) return;
   int16 both = 0, either = 0;  // -1 per pixel
   int x = 0;
   for (; x + 16 <= width; x += 16) {
-    const int16 drawn = vload16(0, ids + y * width + x) >= 0;
+    const int16 drawn = vload16(0, depth + y * width + x) < INFINITY;
     const int16 set = convert_int16(vload16(0, mask + y * width + x)) > 127;
     both += drawn & set;
     either += drawn | set;
@@ -190,7 +201,7 @@ kernel void row_overlaps(int width, int height, global const int* restrict ids, 
   sum4 = sum8.lo + sum8.hi;
   int n_either = -(sum4.x + sum4.y + sum4.z + sum4.w);
   for (; x < width; ++x) {
-    const int drawn = ids[y * width + x] >= 0, set = mask[y * width + x] > 127;
+    const int drawn = depth[y * width + x]<INFINITY, set = mask[y * width + x]> 127;
     n_both += drawn & set;
     n_either += drawn | set;
   }
@@ -201,7 +212,7 @@ kernel void row_overlaps(int width, int height, global const int* restrict ids, 
 #else
 
 // One work-group per row.
-kernel void row_overlaps(int width, int height, global const int* restrict ids, global const uchar* restrict mask,
+kernel void row_overlaps(int width, int height, global const float* restrict depth, global const uchar* restrict mask,
                          global int* restrict overlap) {
   local int sums[2];
   const int y = get_group_id(0);
@@ -210,7 +221,7 @@ kernel void row_overlaps(int width, int height, global const int* restrict ids, 
   barrier(CLK_LOCAL_MEM_FENCE);
   int n_both = 0, n_either = 0;
   for (int x = get_local_id(0); x < width; x += get_local_size(0)) {
-    const int drawn = ids[y * width + x] >= 0, set = mask[y * width + x] > 127;
+    const int drawn = depth[y * width + x]<INFINITY, set = mask[y * width + x]> 127;
     n_both += drawn & set;
     n_either += drawn | set;
   }

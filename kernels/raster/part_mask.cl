@@ -2,7 +2,9 @@
 // `radius`, the torso over everything else. Sets of parts are bit masks (bit p = part p), so growing is a bitwise or.
 // Padded planes: row stride `stride`, LC_PAD columns before and `radius` rows above and below the picture, all zero.
 #include "raster/layout.h"
+#include "shared/bits.h"
 #include "shared/gather.h"
+#include "shared/wide.h"
 
 #ifdef LC_DEVICE
 
@@ -23,14 +25,14 @@ kernel void part_bits(int width, int height, int stride, int radius, global cons
 #else
   const int strip = y / LC_STRIP_ROWS;
   if (x0 > drawn[2 * strip + 1] || x0 + 16 <= drawn[2 * strip]) {
-    vstore16((uchar16)0, 0, bits + x0);  // the planes have room
+    store_uchar16((uchar16)0, bits + x0);  // the planes have room
     return;
   }
   if (x0 + 16 <= width) {
     const int16 id = vload16(0, ids + x0), drawn = id >= 0;
     int16 bit = 0;
-    if (any(drawn)) bit = drawn & ((int16)1 << gather_int16(triangle_part, max(id, 0)));
-    vstore16(convert_uchar16(bit), 0, bits + x0);
+    if (any_of_16(drawn)) bit = drawn & ((int16)1 << gather_int16(triangle_part, max(id, 0)));
+    store_uchar16(convert_uchar16(bit), bits + x0);
     return;
   }
 #endif
@@ -51,7 +53,7 @@ kernel void part_grow_rows(int n_groups, int height, int stride, int radius, glo
   if (near.x | near.y) {
     for (int d = -radius; d <= radius; ++d) set |= vload16(0, bits + at + d);
   }
-  vstore16(set, 0, grown + at);
+  store_uchar16(set, grown + at);
 }
 
 // The torso (part 1) where it reaches, else the part drawn there, else the lowest part that reaches it.
@@ -59,10 +61,11 @@ static inline uchar16 decide_part(uchar16 reaching, uchar16 own) {
   uchar16 set = select(reaching, own, own != (uchar16)0);
   set = select(set, (uchar16)2, (reaching & (uchar16)2) != (uchar16)0);
   set &= (uchar16)(~set + (uchar16)1);  // lowest bit
-  // Index of a single bit below 128.
-  uchar16 part = 0;
-  for (uchar p = 1; p < 8; ++p) part = select(part, (uchar16)p, set == (uchar16)(1 << p));
-  return part;
+  // Index of a single bit.
+  const uchar16 none = 0;
+  return select((uchar16)1, none, (set & (uchar16)0xaa) == none) |
+         select((uchar16)2, none, (set & (uchar16)0xcc) == none) |
+         select((uchar16)4, none, (set & (uchar16)0xf0) == none);
 }
 
 // Grows along columns and decides. One work-item per 16 pixels of LC_PART_ROWS rows, which share most of the rows that
@@ -88,7 +91,7 @@ kernel void part_grow_columns(int n_groups, int width, int height, int stride, i
     if (any_part.x | any_part.y) part = decide_part(reaching, vload16(0, bits + at + k * stride));
     global uchar* to = part_image + (y0 + k) * width + 16 * group;
     if (16 * group + 16 <= width) {
-      vstore16(part, 0, to);
+      store_uchar16(part, to);
     } else {
       uchar lanes[16];
       vstore16(part, 0, lanes);

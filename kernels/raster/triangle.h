@@ -68,9 +68,10 @@ static inline RasterTriangles raster_triangles(LaneInt t, int width, int height,
 #pragma unroll
   for (int k = 0; k < 3; ++k) {
     index[k] = gather_int(triangles, 3 * t + k);
-    u[k] = gather(projected, 4 * index[k]);
-    v[k] = gather(projected, 4 * index[k] + 1);
-    tri.inv_z[k] = gather(projected, 4 * index[k] + 2);
+    const Vec4 corner = gather_vec4(projected, 4 * index[k]);
+    u[k] = corner.x;
+    v[k] = corner.y;
+    tri.inv_z[k] = corner.z;
   }
   const REAL area = fma(u[1] - u[0], v[2] - v[0], -((v[1] - v[0]) * (u[2] - u[0])));
   const REAL low_inv_z = lower_of(tri.inv_z[0], lower_of(tri.inv_z[1], tri.inv_z[2]));

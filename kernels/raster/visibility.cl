@@ -14,10 +14,11 @@ typedef struct {
 // projected: [4*n] u, v, 1/z (0 = not projected), z.
 static inline VertexPixel vertex_pixel(LaneInt i, int width, int height, global const float* restrict projected) {
   VertexPixel p;
-  p.x = LANE_INT(LC_RINT(gather(projected, 4 * i)));
-  p.y = LANE_INT(LC_RINT(gather(projected, 4 * i + 1)));
-  p.z = gather(projected, 4 * i + 3);
-  p.is_in_image = gather(projected, 4 * i + 2) > 0.0f && p.x >= 0 && p.y >= 0 && p.x < width && p.y < height;
+  const Vec4 vertex = gather_vec4(projected, 4 * i);
+  p.x = LANE_INT(LC_RINT(vertex.x));
+  p.y = LANE_INT(LC_RINT(vertex.y));
+  p.z = vertex.w;
+  p.is_in_image = vertex.z > 0.0f && p.x >= 0 && p.y >= 0 && p.x < width && p.y < height;
   return p;
 }
 
@@ -70,6 +71,26 @@ static inline LaneInt face_side(LaneInt triangle, global const float* restrict p
 // not hide the depth z.
 static inline int is_at_outline(int x, int y, float z, int width, int height, int radius_px, float tolerance_mm,
                                 global const float* restrict depth) {
+#if LC_CPU
+  if (radius_px <= 3 && x >= 3 && x + 5 <= width) {
+    // Eight pixels of a row at a time; reading outside the image would be wrong above and below it as well.
+    const int8 du = (int8)(-3, -2, -1, 0, 1, 2, 3, 4);
+    int8 empty = 0;
+    float8 far = 0.0f;
+    for (int v = max(y - radius_px, 0); v <= min(y + radius_px, height - 1); ++v) {
+      const int8 in_disc = du * du <= radius_px * radius_px - (v - y) * (v - y);
+      const float8 d = vload8(0, depth + v * width + x - 3);
+      const int8 drawn = d < INFINITY;
+      empty |= in_disc & ~drawn;
+      far = (in_disc & drawn) && d > far ? d : far;
+    }
+    if (!any_of_8(empty)) return 0;
+    const float4 four = LC_GREATER(far.lo, far.hi);
+    const float2 two = LC_GREATER(four.lo, four.hi);
+    const float most = LC_GREATER(two.x, two.y);
+    return most == 0.0f || z <= most + tolerance_mm ? 1 : 0;
+  }
+#endif
   int outside = 0;
   float farthest = 0.0f;  // of the rendered pixels
   for (int dv = -radius_px; dv <= radius_px; ++dv) {

@@ -9,5 +9,7 @@
 #define LC_LIT(x) x##f
 #define LC_SQRT(x) sqrt(x)
 #define LC_FABS(x) fabs(x)
+// Before a loop of few rounds: PoCL's compiler else keeps what it indexes in memory.
+#define LC_UNROLL _Pragma("unroll")
 #endif
 #endif

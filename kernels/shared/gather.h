@@ -15,6 +15,38 @@ static inline int8 gather_int8(global const int* restrict p, int8 i) {
   return (int8)LC_EIGHT_OF(p, i);
 }
 
+// Eight rows of four values turned around: value k of every row.
+typedef struct {
+  float8 x, y, z, w;
+} EightRows;
+
+#define LC_LOWER(a, b) (float8)(a.s0, b.s0, a.s1, b.s1, a.s4, b.s4, a.s5, b.s5)
+#define LC_UPPER(a, b) (float8)(a.s2, b.s2, a.s3, b.s3, a.s6, b.s6, a.s7, b.s7)
+
+// Each vector holds one of the first four rows and the one four further.
+static inline EightRows turned_rows(float8 a, float8 b, float8 c, float8 d) {
+  const float8 ab = LC_LOWER(a, b), cd = LC_LOWER(c, d), ab2 = LC_UPPER(a, b), cd2 = LC_UPPER(c, d);
+  const EightRows rows = {(float8)(ab.s01, cd.s01, ab.s45, cd.s45), (float8)(ab.s23, cd.s23, ab.s67, cd.s67),
+                          (float8)(ab2.s01, cd2.s01, ab2.s45, cd2.s45), (float8)(ab2.s23, cd2.s23, ab2.s67, cd2.s67)};
+  return rows;
+}
+
+static inline EightRows gather_rows8(global const float* restrict p, int8 i) {
+  return turned_rows(
+      (float8)(vload4(0, p + i.s0), vload4(0, p + i.s4)), (float8)(vload4(0, p + i.s1), vload4(0, p + i.s5)),
+      (float8)(vload4(0, p + i.s2), vload4(0, p + i.s6)), (float8)(vload4(0, p + i.s3), vload4(0, p + i.s7)));
+}
+
+static inline float4 three_at(global const float* restrict p, int i) {
+  return (float4)(vload2(0, p + i), p[i + 2], 0.0f);
+}
+
+// Without the fourth.
+static inline EightRows gather_short_rows8(global const float* restrict p, int8 i) {
+  return turned_rows((float8)(three_at(p, i.s0), three_at(p, i.s4)), (float8)(three_at(p, i.s1), three_at(p, i.s5)),
+                     (float8)(three_at(p, i.s2), three_at(p, i.s6)), (float8)(three_at(p, i.s3), three_at(p, i.s7)));
+}
+
 // The first `lanes` values; places differ.
 static inline void scatter8(float8 value, global float* restrict p, int8 i, int lanes) {
   float values[8];

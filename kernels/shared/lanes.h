@@ -23,7 +23,7 @@ typedef int16 LaneInt;
 #define STORE(value, p, at) vstore16((value), 0, (p) + (at))
 #define STORE_LANES(value, p) vstore16((value), 0, (p))
 #define LOAD_LANES(p) vload16(0, (p))
-#define ANY_LANE(condition) any(condition)
+#define ANY_LANE(condition) any_of_16(condition)
 #define LANE_IDS (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
 #define gather gather16
 #define gather_int gather_int16
@@ -41,7 +41,7 @@ typedef int8 LaneInt;
 #define STORE(value, p, at) vstore8((value), 0, (p) + (at))
 #define STORE_LANES(value, p) vstore8((value), 0, (p))
 #define LOAD_LANES(p) vload8(0, (p))
-#define ANY_LANE(condition) any(condition)
+#define ANY_LANE(condition) any_of_8(condition)
 #define LANE_IDS (int8)(0, 1, 2, 3, 4, 5, 6, 7)
 #define gather gather8
 #define gather_int gather_int8
@@ -75,11 +75,41 @@ static inline LaneInt lane_rows(int first, int n) {
 }
 
 static inline Vec3 gather_vec3(global const float* restrict p, LaneInt i) {
+#if LANES == 8
+  const EightRows rows = gather_short_rows8(p, 3 * i);
+  return vec3(rows.x, rows.y, rows.z);
+#else
   return vec3(gather(p, 3 * i), gather(p, 3 * i + 1), gather(p, 3 * i + 2));
+#endif
+}
+
+typedef struct {
+  REAL x, y, z, w;
+} Vec4;
+
+// Four values from p[i] on.
+static inline Vec4 gather_vec4(global const float* restrict p, LaneInt i) {
+#if LANES == 8
+  const EightRows rows = gather_rows8(p, i);
+  const Vec4 values = {rows.x, rows.y, rows.z, rows.w};
+#else
+  const Vec4 values = {gather(p, i), gather(p, i + 1), gather(p, i + 2), gather(p, i + 3)};
+#endif
+  return values;
 }
 
 // Rows first .. n - 1 of [3n].
 static inline void store_vec3(Vec3 value, global float* restrict p, int first, int n) {
+#if LANES == 8
+  if (first + LANES <= n) {
+    const float8 x = value.x, y = value.y, z = value.z;
+    p += 3 * first;
+    store8((float8)(x.s0, y.s0, z.s0, x.s1, y.s1, z.s1, x.s2, y.s2), p);
+    store8((float8)(z.s2, x.s3, y.s3, z.s3, x.s4, y.s4, z.s4, x.s5), p + 8);
+    store8((float8)(y.s5, z.s5, x.s6, y.s6, z.s6, x.s7, y.s7, z.s7), p + 16);
+    return;
+  }
+#endif
 #if LC_CPU
   const LaneInt at = 3 * (first + LANE_IDS);
   scatter(value.x, p, at, n - first);
@@ -93,6 +123,17 @@ static inline void store_vec3(Vec3 value, global float* restrict p, int first, i
 
 // Rows first .. n - 1 of [4n].
 static inline void store_vec4(REAL x, REAL y, REAL z, REAL w, global float* restrict p, int first, int n) {
+#if LANES == 8
+  if (first + LANES <= n) {
+    const float8 xy = LC_LOWER(x, y), zw = LC_LOWER(z, w), xy2 = LC_UPPER(x, y), zw2 = LC_UPPER(z, w);
+    p += 4 * first;
+    store8((float8)(xy.s01, zw.s01, xy.s23, zw.s23), p);
+    store8((float8)(xy2.s01, zw2.s01, xy2.s23, zw2.s23), p + 8);
+    store8((float8)(xy.s45, zw.s45, xy.s67, zw.s67), p + 16);
+    store8((float8)(xy2.s45, zw2.s45, xy2.s67, zw2.s67), p + 24);
+    return;
+  }
+#endif
 #if LC_CPU
   const LaneInt at = 4 * (first + LANE_IDS);
   scatter(x, p, at, n - first);

@@ -6,6 +6,7 @@ kernel void pack_planes(int n, int n_rows, int stride, global const int* restric
                         global const float* restrict packed, global float* restrict planes) {
   int row = get_global_id(0);
   if (row >= n_rows) return;
+#pragma unroll
   for (int a = 0; a < 3; ++a) planes[a * stride + row] = row < n ? packed[3 * order[row < n ? row : 0] + a] : 0.0f;
 }
 
@@ -16,6 +17,7 @@ kernel void unpack_planes(int n, int stride, global const int* restrict order, g
   int row = get_global_id(0);
   if (row >= n) return;
   int vertex = order[row];
+#pragma unroll
   for (int a = 0; a < 3; ++a) {
     packed[3 * vertex + a] = scalars[3] != 0.0f ? start[3 * vertex + a] : planes[a * stride + row];
   }

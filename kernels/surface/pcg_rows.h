@@ -41,6 +41,7 @@ static inline REAL apply_row(int row, int stride, float w_smooth, global const i
 static inline REAL advance_row(int row, int stride, float alpha, global const float* inverse, global const float* p,
                                global const float* q, global float* step, global float* r, global float* z) {
   REAL rv[3];
+  LC_UNROLL
   for (int a = 0; a < 3; ++a) {
     int at = row + a * stride;
     REAL moved = LOAD(step, at) + alpha * LOAD(p, at);
@@ -61,6 +62,7 @@ static inline REAL advance_row(int row, int stride, float alpha, global const fl
 
 // p = z + beta p
 static inline void turn_row(int row, int stride, float beta, global const float* z, global float* p) {
+  LC_UNROLL
   for (int a = 0; a < 3; ++a) {
     int at = row + a * stride;
     REAL turned = LOAD(z, at) + beta * LOAD(p, at);

@@ -2,7 +2,7 @@
 // LANES each.
 #include "shared/lanes.h"
 //
-#include "shared/dual_quat.h"
+#include "shared/gather_dual_quat.h"
 
 // The blended (not normalised) motion of the vertices i; signs follow the strongest influence.
 static inline DualQuat blended_motion(LaneInt i, global const int* restrict bones, global const float* restrict weights,
@@ -13,9 +13,7 @@ static inline DualQuat blended_motion(LaneInt i, global const int* restrict bone
     const REAL w = gather(weights, 4 * i + k);
     if (k > 0 && !ANY_LANE(w != 0.0f)) continue;
     const LaneInt at = 8 * gather_int(bones, 4 * i + k);
-    const DualQuat q = {gather(dual_quats, at),     gather(dual_quats, at + 1), gather(dual_quats, at + 2),
-                        gather(dual_quats, at + 3), gather(dual_quats, at + 4), gather(dual_quats, at + 5),
-                        gather(dual_quats, at + 6), gather(dual_quats, at + 7)};
+    const DualQuat q = gather_dual_quat(dual_quats, at);
     if (k == 0) first = q;
     sum = dual_quat_add_scaled(sum, q, dual_quat_real_dot(first, q) < 0.0f ? -w : w);
   }
@@ -66,9 +64,8 @@ static inline Vec3 doubled_area(Vec3 a, Vec3 b, Vec3 c) {
 // Area-weighted unit normals; zero where a vertex has no area.
 #if LC_CPU
 
-// doubled_area of every triangle: 3 planes, `stride` apart, which is a multiple of LANES
-// and at least n. Over the triangles, LANES each.
-kernel void triangle_normals(int n, int stride, global const float* restrict positions,
+// doubled_area of every triangle: [4n], the fourth value zero. Over the triangles, LANES each.
+kernel void triangle_normals(int n, global const float* restrict positions,
                              global const int* restrict triangles,  // [3n]
                              global float* restrict out) {
   const int first = FIRST_ROW;
@@ -77,14 +74,13 @@ kernel void triangle_normals(int n, int stride, global const float* restrict pos
   const Vec3 area = doubled_area(gather_vec3(positions, gather_int(triangles, 3 * t)),
                                  gather_vec3(positions, gather_int(triangles, 3 * t + 1)),
                                  gather_vec3(positions, gather_int(triangles, 3 * t + 2)));
-  STORE(area.x, out, first);
-  STORE(area.y, out, first + stride);
-  STORE(area.z, out, first + 2 * stride);
+  const REAL zero = 0.0f;
+  store_vec4(area.x, area.y, area.z, zero, out, first, n);
 }
 
-kernel void vertex_normals(int n, int stride, global const float* restrict areas,
-                           global const int* restrict fan_offsets,    // [n+1]
-                           global const int* restrict fan_triangles,  // [fan_offsets[n]]
+kernel void vertex_normals(int n, global const float* restrict areas,  // [4*n_triangles]
+                           global const int* restrict fan_offsets,     // [n+1]
+                           global const int* restrict fan_triangles,   // [fan_offsets[n]]
                            global float* restrict out) {
   const int first = FIRST_ROW;
   if (first >= n) return;
@@ -95,9 +91,10 @@ kernel void vertex_normals(int n, int stride, global const float* restrict areas
   for (LaneInt f = gather_int(fan_offsets, i); ANY_LANE(f < end); f += 1) {
     const LaneInt is_one = f < end;
     const LaneInt t = gather_int(fan_triangles, is_one ? f : none);
-    sum.x += is_one ? gather(areas, t) : zero;
-    sum.y += is_one ? gather(areas + stride, t) : zero;
-    sum.z += is_one ? gather(areas + 2 * stride, t) : zero;
+    const Vec4 area = gather_vec4(areas, 4 * t);
+    sum.x += is_one ? area.x : zero;
+    sum.y += is_one ? area.y : zero;
+    sum.z += is_one ? area.z : zero;
   }
   store_unit(sum, out, first, n);
 }

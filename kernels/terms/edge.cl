@@ -16,6 +16,7 @@ LC_FN EdgeRow edge_row(Vec3 v_i, Vec3 v_j, REAL rest_length) {
   row.J[0][0] = d.x * inv;
   row.J[0][1] = d.y * inv;
   row.J[0][2] = d.z * inv;
+  LC_UNROLL
   for (int j = 0; j < 3; ++j) row.J[1][j] = -row.J[0][j];
   return row;
 }

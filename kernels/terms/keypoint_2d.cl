@@ -12,8 +12,9 @@ LC_FN Keypoint2dRow keypoint_2d_row(Vec3 p, Pinhole cam, Vec2 target_px) {
   Keypoint2dRow row;
   row.r[0] = q.uv.x - target_px.x;
   row.r[1] = q.uv.y - target_px.y;
-  for (int i = 0; i < 2; ++i)
-    for (int j = 0; j < 3; ++j) row.J[i][j] = q.J[i][j];
+  LC_UNROLL
+  for (int i = 0; i < 2; ++i) LC_UNROLL
+  for (int j = 0; j < 3; ++j) row.J[i][j] = q.J[i][j];
   return row;
 }
 

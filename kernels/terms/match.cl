@@ -16,6 +16,7 @@ LC_FN MatchRow match_row(Vec3 v, Pinhole cam, Vec2 target_px, REAL a, REAL b, RE
   MatchRow row;
   row.r[0] = a * du + b * dv;
   row.r[1] = c * dv;
+  LC_UNROLL
   for (int j = 0; j < 3; ++j) {
     row.J[0][j] = a * q.J[0][j] + b * q.J[1][j];
     row.J[1][j] = c * q.J[1][j];

@@ -17,6 +17,7 @@ LC_FN PhotoRow photo_row(Vec3 v, Pinhole cam, Vec3 color, Vec3 du, Vec3 dv, Vec3
   row.r[0] = keep * d.x;
   row.r[1] = keep * d.y;
   row.r[2] = keep * d.z;
+  LC_UNROLL
   for (int j = 0; j < 3; ++j) {
     row.J[0][j] = keep * (du.x * q.J[0][j] + dv.x * q.J[1][j]);
     row.J[1][j] = keep * (du.y * q.J[0][j] + dv.y * q.J[1][j]);

@@ -24,6 +24,7 @@ LC_FN ShadingRow shading_row(Vec3 n, Harmonics light, REAL brightness) {
   const Harmonics h = harmonics(n);
   ShadingRow row;
   row.r = -brightness;
+  LC_UNROLL
   for (int k = 0; k < LC_LIGHT; ++k) row.r += light.of[k] * h.of[k];
   row.J[0] = light.of[1] + light.of[4] * n.y + light.of[6] * n.z + LC_LIT(2.0) * light.of[7] * n.x;
   row.J[1] = light.of[2] + light.of[4] * n.x + light.of[5] * n.z - LC_LIT(2.0) * light.of[7] * n.y;

@@ -14,6 +14,7 @@ LC_FN SilhouetteRow silhouette_row(Vec3 v, Pinhole cam, REAL distance, Vec2 grad
   Projection q = project_point(v, cam);
   SilhouetteRow row;
   row.r = distance;
+  LC_UNROLL
   for (int j = 0; j < 3; ++j) row.J[j] = b * (gradient_px.x * q.J[0][j] + gradient_px.y * q.J[1][j]);
   return row;
 }

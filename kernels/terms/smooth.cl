@@ -13,8 +13,9 @@ LC_FN SmoothRow smooth_row(Vec3 v_i, Vec3 v_j, Vec3 skinned_i, Vec3 skinned_j) {
   row.r[0] = d.x;
   row.r[1] = d.y;
   row.r[2] = d.z;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 6; ++j) row.J[i][j] = j == i ? LC_LIT(1.0) : (j == i + 3 ? LC_LIT(-1.0) : LC_LIT(0.0));
+  LC_UNROLL
+  for (int i = 0; i < 3; ++i) LC_UNROLL
+  for (int j = 0; j < 6; ++j) row.J[i][j] = j == i ? LC_LIT(1.0) : (j == i + 3 ? LC_LIT(-1.0) : LC_LIT(0.0));
   return row;
 }
 

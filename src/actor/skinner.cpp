@@ -29,10 +29,9 @@ Skinner::Skinner(ocl::DeviceContext& device, const Actor& actor, const SkinWeigh
   fan_offsets_ = ocl::Buffer<int32_t>(device, fans.offsets);
   if (device.is_cpu()) {
     n_triangles_ = actor.mesh.n_triangles();
-    areas_stride_ = int(round_up(n_triangles_, ocl::kSliceRows) + ocl::kSliceRows);
     triangles_ = ocl::Buffer<int32_t>(device, actor.mesh.triangles);
     fan_triangles_ = ocl::Buffer<int32_t>(device, fans.triangles);
-    areas_ = ocl::Buffer<float>(device, size_t(3) * areas_stride_);
+    areas_ = ocl::Buffer<float>(device, size_t(4) * n_triangles_);
     triangle_normals_ = {device, kSource, "triangle_normals"};
     return;
   }
@@ -67,8 +66,8 @@ void Skinner::normals(const ocl::Buffer<float>& positions_camera, ocl::Buffer<fl
     normals_.launch(over(n_vertices_), n_vertices_, positions_camera, fan_offsets_, fan_triangles_, out_normals);
     return;
   }
-  triangle_normals_.launch(over(n_triangles_), n_triangles_, areas_stride_, positions_camera, triangles_, areas_);
-  normals_.launch(over(n_vertices_), n_vertices_, areas_stride_, areas_, fan_offsets_, fan_triangles_, out_normals);
+  triangle_normals_.launch(over(n_triangles_), n_triangles_, positions_camera, triangles_, areas_);
+  normals_.launch(over(n_vertices_), n_vertices_, areas_, fan_offsets_, fan_triangles_, out_normals);
 }
 
 std::vector<ocl::SelfTestResult> skinner_self_test(ocl::DeviceContext& device) {

@@ -48,9 +48,9 @@ class Skinner {
   ocl::Buffer<int32_t> fan_offsets_;    // [n+1] triangles around each vertex, compressed rows
   ocl::Buffer<int32_t> fan_triangles_;  // [3*sum] the three corners of each; on a CPU [sum] which they are
   // On a CPU each triangle's normal is worked out once.
-  int n_triangles_ = 0, areas_stride_ = 0;
+  int n_triangles_ = 0;
   ocl::Buffer<int32_t> triangles_;
-  ocl::Buffer<float> areas_;
+  ocl::Buffer<float> areas_;  // [4*n_triangles]
   ocl::Kernel triangle_normals_;
   ocl::Kernel skin_;
   ocl::Kernel unskin_;

@@ -232,7 +232,7 @@ void PoseStage::try_mirrored_forearms(const PoseStageInput& input, const Pose& p
       return shading_.misfit(best.skin, other->bone, turn, options_.pose.shading_huber);
     };
     if (misfit(other->turn) < options_.mirrored_misfit * misfit(Eigen::Matrix3d::Identity()))
-      try_refined(input, other->pose, previous, best);
+      try_refined(input, with_mirrored_forearm(actor_, best.pose.pose, *other), previous, best);
   }
 }
 

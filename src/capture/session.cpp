@@ -50,8 +50,7 @@ std::string actor_bytes(const CaptureOptions& options) {
 // Thread 2: the network, or detections from a file.
 class DetectionSource {
  public:
-  // lay_mask: see PoseDetectorOptions.
-  DetectionSource(const CaptureOptions& options, ocl::DeviceContext& device, bool lay_mask)
+  DetectionSource(const CaptureOptions& options, ocl::DeviceContext& device)
       : missed_share_(options.missed_detections) {
     if (!options.detections.empty()) {
       recorded_ = detect::load_detections(options.detections);
@@ -59,7 +58,7 @@ class DetectionSource {
     }
     detect::PoseDetectorOptions detector;
     detector.model = options.model;
-    detector.lay_mask = lay_mask;
+    detector.lay_mask = false;
     network_.emplace(device, detector);
   }
 
@@ -229,7 +228,7 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   // The network's kernels are compiled or loaded beside the solvers': each has its queue.
   std::optional<DetectionSource> detection;
   std::future<void> network_ready = std::async(std::launch::async, [&] {
-    detection.emplace(options, *cnn, devices.solver.is_cpu);
+    detection.emplace(options, *cnn);
     detection->warm_up(reader.camera());
   });
   Solver solver(options, solver_device, surface_device, actor, reader.camera(), with(kFixedLag) ? kLagShare : 0);

@@ -69,7 +69,7 @@ double SurfaceStage::solve(const Pose& pose, const DeviceFrame* picture) {
   vertices_.copy_from(*surface.vertices);
   if (options_.snapping) {
     skinner_.normals(vertices_, normals_);
-    rasterizer_.render(vertices_, camera_);
+    rasterizer_.render_depth(vertices_, camera_);
     visibility_.find_contour(rasterizer_);
     snapper_.snap(SnapInput{.frame = *picture,
                             .contour_flag = visibility_.contour(),

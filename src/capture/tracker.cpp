@@ -155,7 +155,7 @@ void Tracker::solve_surface(const TrackInput& given, TrackResult& result) {
   vertices.read(result.vertices_mm);
   result.surface_ms = timer.elapsed_ms();
   if (!picture) return;
-  surface_rasterizer_.render(vertices, camera_);
+  surface_rasterizer_.render_depth(vertices, camera_);
   result.iou = surface_rasterizer_.intersection_over_union(picture->mask);
 }
 

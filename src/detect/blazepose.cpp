@@ -21,6 +21,13 @@ float sigmoid(float x) {
   return 1.0f / (1.0f + std::exp(-x));
 }
 
+// A logit's probability, 255 = 1. Most pixels of a mask are certain.
+uint8_t probability_byte(float logit) {
+  if (logit < -6.5f) return 0;
+  if (logit > 6.5f) return 255;
+  return static_cast<uint8_t>(255 * sigmoid(logit) + 0.5f);
+}
+
 nn::Graph load_checked(const std::filesystem::path& model) {
   nn::Graph graph = nn::load_tflite(model);
   const nn::Shape expected[] = {{1, 195}, {1, 1}, {1, 256, 256, 1}, {1, 64, 64, 39}, {1, 117}};
@@ -237,8 +244,7 @@ const ImageGray& BlazePose::mask_probability() {
     return mask_probability_;
   }
   net_.read_output(4, mask_);
-  for (size_t i = 0; i < mask_.size(); ++i)
-    mask_probability_.pixels[i] = static_cast<uint8_t>(255 * sigmoid(mask_[i]) + 0.5f);
+  std::transform(mask_.begin(), mask_.end(), mask_probability_.pixels.begin(), probability_byte);
   if (mirrored_) mirror(mask_probability_.pixels, kCropSize, 1);
   return mask_probability_;
 }

@@ -9,6 +9,7 @@
 #define LC_LIT(x) x
 #define LC_SQRT(x) std::sqrt(x)
 #define LC_FABS(x) std::fabs(x)
+#define LC_UNROLL
 
 namespace livecap::reference {
 
@@ -38,3 +39,4 @@ namespace livecap::reference {
 #undef LC_LIT
 #undef LC_SQRT
 #undef LC_FABS
+#undef LC_UNROLL

@@ -53,6 +53,7 @@ void walk_chain(const Skeleton& skeleton, const Pose& pose, PosedSkeleton& out) 
       if (skeleton.dofs[k].bone != b) continue;
       out.dof_axis[k] = frame.linear() * skeleton.dofs[k].axis;
       out.dof_origin_mm[k] = frame.translation();
+      if (pose.angles_rad[k] == 0) continue;  // all of a T-pose's
       frame.rotate(Eigen::AngleAxisd(pose.angles_rad[k], skeleton.dofs[k].axis));
     }
     out.camera_from_bone[b] = frame;

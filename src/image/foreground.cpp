@@ -142,16 +142,10 @@ void ForegroundSegmenter::lay_on_device(const CropMask& crop_mask) {
   struct MaskArg {  // of the kernel
     int32_t width, height, x0, y0, x1, y1, size;
   };
-  const auto columns = (static_cast<size_t>(width_) + kLocal - 1) / kLocal * kLocal;
+  const size_t items = device_.is_cpu() ? groups_of(width_) : width_;
+  const size_t columns = (items + kLocal - 1) / kLocal * kLocal;
   lay_mask_.launch(ocl::Range{columns, static_cast<size_t>(height_), kLocal, 1},
                    MaskArg{width_, height_, box.x0, box.y0, box.x1, box.y1, size}, crop_mask_, crop_steps_, network_);
-}
-
-PersonMask ForegroundSegmenter::laid_over(const CropMask& crop_mask) const {
-  ImageGray whole{width_, height_, std::vector<uint8_t>(size_t(width_) * height_, 0)};
-  const PixelBox& box = crop_mask.box;
-  warp_affine(crop_mask.probability, crop_mask.mask_from_image, box.x0, box.y0, box.x1, box.y1, whole);
-  return {width_, height_, std::move(whole.pixels)};
 }
 
 // Of network_.
@@ -236,8 +230,12 @@ ForegroundResult ForegroundSegmenter::segment(const ImageRgb& image, const Perso
   frame.mask.read(decided, begin);
   if (crop_mask ? few_beyond(coarse_mask_, options_.least_stranger, n_beyond) : n_beyond == 0) n_beyond = 0;
   if (n_beyond > 0) {
-    const PersonMask laid = crop_mask ? laid_over(*crop_mask) : PersonMask{};
-    const StrangerSearch search{crop_mask ? laid : network_mask, gate.search, gate.seam_px, options_.least_stranger};
+    if (crop_mask) {
+      laid_ = {width_, height_, std::move(laid_.probability)};
+      laid_.probability.resize(mask.pixels.size());
+      network_.read(laid_.probability);
+    }
+    const StrangerSearch search{crop_mask ? laid_ : network_mask, gate.search, gate.seam_px, options_.least_stranger};
     if (may_be_strangers(search, n_beyond)) {
       beyond_rows_.resize(size_t(stride_) * rows.height());
       beyond_.read(beyond_rows_, size_t(stride_) * (rows.y0 + kPad));

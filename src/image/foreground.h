@@ -65,7 +65,6 @@ class ForegroundSegmenter {
   ForegroundResult segment(const ImageRgb& image, const PersonMask& network_mask, const CropMask* crop_mask,
                            DeviceFrame& frame, ImageGray& mask);
   void lay_on_device(const CropMask& crop_mask);
-  PersonMask laid_over(const CropMask& crop_mask) const;
   PersonGate find_gate();
   void decide(const ImageRgb& image, const PersonGate& gate, bool has_network, DeviceFrame& frame);
 
@@ -91,6 +90,7 @@ class ForegroundSegmenter {
   ocl::Kernel coarse_means_, foreground_score_, network_score_, score_border_, smooth_rows_, decide_, trim_border_;
   ImageGray coarse_mask_;
   std::vector<uint8_t> beyond_rows_;
+  PersonMask laid_;  // network_, when it is looked at on the host
 };
 
 }  // namespace livecap

@@ -110,7 +110,12 @@ std::optional<MirroredForearm> mirrored_forearm(const Actor& actor, const Pose& 
   const Eigen::Vector3d mirrored = mirrored_end(elbow, wrist);
   const auto turn = Eigen::Quaterniond::FromTwoVectors(wrist - elbow, mirrored - elbow);
   if (!(Eigen::AngleAxisd(turn).angle() >= least_turn_rad)) return std::nullopt;
-  return MirroredForearm{arm->lower, turn.toRotationMatrix(), with_wrist_at(actor, *arm, pose, mirrored)};
+  return MirroredForearm{elbow_name, arm->lower, turn.toRotationMatrix(), mirrored};
+}
+
+Pose with_mirrored_forearm(const Actor& actor, const Pose& pose, const MirroredForearm& mirrored) {
+  const std::optional<Arm> arm = arm_of(actor, mirrored.elbow);
+  return arm ? with_wrist_at(actor, *arm, pose, mirrored.wrist_mm) : pose;
 }
 
 std::vector<Pose> mirrored_arms(const Actor& actor, const Pose& pose, Keypoint elbow_name, const Detections& detections,

@@ -14,15 +14,18 @@
 namespace livecap {
 
 struct MirroredForearm {
-  int bone = 0;          // the forearm's
-  Eigen::Matrix3d turn;  // of the forearm, camera frame
-  Pose pose;             // with the arm's joints as they must be
+  Keypoint elbow = kLeftElbow;  // or kRightElbow
+  int bone = 0;                 // the forearm's
+  Eigen::Matrix3d turn;         // of the forearm, camera frame
+  Eigen::Vector3d wrist_mm;     // camera frame: the other place on its ray that is as far from the elbow
 };
 
-// `pose` with the wrist below this elbow (kLeftElbow or kRightElbow) in the other place on its ray that is as far from
-// the elbow. nullopt when that turns the forearm by less than least_turn_rad, or the actor has no such arm.
+// nullopt when the forearm would turn by less than least_turn_rad, or the actor has no such arm.
 std::optional<MirroredForearm> mirrored_forearm(const Actor& actor, const Pose& pose, Keypoint elbow,
                                                 double least_turn_rad);
+
+// `pose` with the arm's joints as they must be (searched for: some hundred poses).
+Pose with_mirrored_forearm(const Actor& actor, const Pose& pose, const MirroredForearm& mirrored);
 
 struct MirroredArmOptions {
   // Of the two bones' unit vectors along the ray to the elbow, the pose's against the 3D detections': the sum of

@@ -1,6 +1,7 @@
 #include "raster/depth.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "base/round_up.h"
@@ -62,7 +63,9 @@ DepthRasterizer::DepthRasterizer(ocl::DeviceContext& device, const Mesh& mesh, i
     bands_ = ocl::Kernel(device, kFile, "raster_bands");
     std::vector<int32_t> everything;
     for (int strip = 0; strip < n_strips; ++strip) everything.insert(everything.end(), {0, width - 1});
+    depths_ = ocl::Kernel(device, kFile, "raster_depths");
     drawn_ = ocl::Buffer<int32_t>(device, everything);
+    depth_drawn_ = ocl::Buffer<int32_t>(device, everything);
     facing_ = ocl::Buffer<int32_t>(device, round_up(n_triangles_, LC_RASTER_TRIANGLES));
   } else {
     begin_ = ocl::Kernel(device, kFile, "raster_begin");
@@ -72,13 +75,26 @@ DepthRasterizer::DepthRasterizer(ocl::DeviceContext& device, const Mesh& mesh, i
 }
 
 void DepthRasterizer::render(const ocl::Buffer<float>& positions_camera, const Camera& camera) {
+  draw(true, positions_camera, camera);
+}
+
+void DepthRasterizer::render_depth(const ocl::Buffer<float>& positions_camera, const Camera& camera) {
+  draw(false, positions_camera, camera);
+}
+
+void DepthRasterizer::draw(bool with_ids, const ocl::Buffer<float>& positions_camera, const Camera& camera) {
   if (positions_camera.size() != size_t(3) * n_vertices_)
     throw LogicError(format("rasteriser: %zu coordinates for %d vertices", positions_camera.size(), n_vertices_));
   if (is_cpu_) {
     project_.launch(ocl::lane_items(n_vertices_, lanes_), 1, n_vertices_, pinhole_arg(camera), positions_camera,
                     projected_);
-    bands_.launch(n_bands_, 1, n_triangles_, width_, height_, n_bands_, cull_, projected_, triangles_, depth_, ids_,
-                  drawn_, facing_);
+    if (with_ids) {
+      bands_.launch(n_bands_, 1, n_triangles_, width_, height_, n_bands_, cull_, projected_, triangles_, depth_,
+                    depth_drawn_, facing_, ids_, drawn_);
+    } else {
+      depths_.launch(n_bands_, 1, n_triangles_, width_, height_, n_bands_, cull_, projected_, triangles_, depth_,
+                     depth_drawn_, facing_);
+    }
     return;
   }
   const size_t either = std::max(depth_.size(), size_t(n_vertices_));
@@ -86,6 +102,7 @@ void DepthRasterizer::render(const ocl::Buffer<float>& positions_camera, const C
                 projected_, depth_, ids_);
   const size_t items = size_t(n_triangles_) * LC_RASTER_SHARE;
   nearest_.launch(items, kLocal, n_triangles_, width_, height_, cull_, projected_, triangles_, depth_);
+  if (!with_ids) return;
   id_.launch(items, kLocal, n_triangles_, width_, height_, cull_, projected_, triangles_, depth_, ids_);
 }
 
@@ -93,7 +110,7 @@ double DepthRasterizer::intersection_over_union(const ocl::Buffer<uint8_t>& mask
   if (mask.size() != ids_.size())
     throw LogicError(format("rasteriser: mask of %zu pixels for %dx%d", mask.size(), width_, height_));
   const size_t local = is_cpu_ ? 1 : kLocal;
-  overlap_kernel_.launch(height_ * local, local, width_, height_, ids_, mask, overlap_);
+  overlap_kernel_.launch(height_ * local, local, width_, height_, depth_, mask, overlap_);
   int64_t both = 0, either = 0;
   const std::vector<int32_t> rows = overlap_.read_all();
   for (size_t i = 0; i < rows.size(); i += 2) {
@@ -104,9 +121,9 @@ double DepthRasterizer::intersection_over_union(const ocl::Buffer<uint8_t>& mask
 }
 
 ImageGray DepthRasterizer::read_mask() const {
-  const std::vector<int32_t> ids = ids_.read_all();
-  ImageGray mask{width_, height_, std::vector<uint8_t>(ids.size())};
-  std::transform(ids.begin(), ids.end(), mask.pixels.begin(), [](int32_t id) { return id < 0 ? 0 : 255; });
+  const std::vector<float> depth = depth_.read_all();
+  ImageGray mask{width_, height_, std::vector<uint8_t>(depth.size())};
+  std::transform(depth.begin(), depth.end(), mask.pixels.begin(), [](float z) { return std::isinf(z) ? 0 : 255; });
   return mask;
 }
 

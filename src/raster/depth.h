@@ -24,6 +24,9 @@ class DepthRasterizer {
   // positions_camera: [3*n_vertices] mm, camera frame. Enqueued in order, nothing blocks. Throws LogicError for a
   // buffer of another size; the camera's own size is not looked at.
   void render(const ocl::Buffer<float>& positions_camera, const Camera& camera);
+  // The same for whoever does not look at the triangles: depth and facing; triangle_ids() and drawn() are as before, or
+  // anything on GPUs.
+  void render_depth(const ocl::Buffer<float>& positions_camera, const Camera& camera);
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -37,7 +40,7 @@ class DepthRasterizer {
   const ocl::Buffer<int32_t>& triangles() const { return triangles_; }  // [3*n_triangles]
   // [at least n_triangles] 1 towards the camera, -1 away, 0 edge-on or not projected; null on GPUs.
   const ocl::Buffer<int32_t>* facing() const { return is_cpu_ ? &facing_ : nullptr; }
-  // First and last column that is covered of each strip of LC_STRIP_ROWS rows; null on GPUs.
+  // First and last column of triangle_ids() that is covered of each strip of LC_STRIP_ROWS rows; null on GPUs.
   const ocl::Buffer<int32_t>* drawn() const { return is_cpu_ ? &drawn_ : nullptr; }
 
   // Pixels that the mesh and `mask` ([w*h], more than 127 = set; LogicError for another size) share, as a part of those
@@ -48,6 +51,8 @@ class DepthRasterizer {
   ImageGray read_mask() const;
 
  private:
+  void draw(bool with_ids, const ocl::Buffer<float>& positions_camera, const Camera& camera);
+
   int width_;
   int height_;
   int n_vertices_;
@@ -60,12 +65,14 @@ class DepthRasterizer {
   ocl::Buffer<float> projected_;
   ocl::Buffer<float> depth_;
   ocl::Buffer<int32_t> ids_;
-  ocl::Buffer<int32_t> drawn_;    // CPU: columns that the last picture covers of each strip of rows
+  // CPU: columns that are covered of each strip of rows, of ids_ and of depth_.
+  ocl::Buffer<int32_t> drawn_, depth_drawn_;
   ocl::Buffer<int32_t> facing_;   // CPU: [n_triangles, rounded up] see depth.cl
   ocl::Buffer<int32_t> overlap_;  // [2*h] per row: pixels in both, in either
   ocl::Kernel project_;           // CPU
   ocl::Kernel overlap_kernel_;
   ocl::Kernel bands_;    // CPU
+  ocl::Kernel depths_;   // CPU
   ocl::Kernel begin_;    // GPU
   ocl::Kernel nearest_;  // GPU
   ocl::Kernel id_;       // GPU

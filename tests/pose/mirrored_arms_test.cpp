@@ -30,7 +30,7 @@ TEST(MirroredArms, AMirroredForearmLooksTheSameFromTheCamera) {
   const auto mirrored = mirrored_forearm(actor, pose, kLeftElbow, 0.35);
   ASSERT_TRUE(mirrored.has_value());
   EXPECT_EQ(mirrored->bone, actor.skeleton.bone_index("left_elbow"));
-  const auto after = keypoints(mirrored->pose);
+  const auto after = keypoints(with_mirrored_forearm(actor, pose, *mirrored));
   EXPECT_LT((project_px(camera, after[kLeftWrist]) - project_px(camera, before[kLeftWrist])).norm(), test::kMirroredPx);
   EXPECT_LT((after[kLeftElbow] - before[kLeftElbow]).norm(), 1);
   const Eigen::Vector3d was = before[kLeftWrist] - before[kLeftElbow], is = after[kLeftWrist] - after[kLeftElbow];

@@ -185,6 +185,26 @@ TEST(Depth, EqualDepthGoesToTheLowerIdAndRepeats) {
   });
 }
 
+// Whatever was drawn before, with triangles or without.
+TEST(Depth, DepthAloneIsThatOfWholePictures) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
+    const Mesh first = test::random_triangles(40, 1), second = test::random_triangles(40, 2);
+    const Camera camera = test::small_camera(65, 63);
+    const ocl::Buffer<float> here(device, first.positions), there(device, second.positions);
+    DepthRasterizer whole(device, first, 65, 63), alone(device, first, 65, 63);
+    whole.render(there, camera);
+    const std::vector<float> depth_there = whole.depth().read_all();
+    whole.render(here, camera);
+    ASSERT_NE(whole.depth().read_all(), depth_there);
+    alone.render(here, camera);
+    alone.render_depth(there, camera);
+    EXPECT_EQ(alone.depth().read_all(), depth_there);
+    alone.render(here, camera);
+    EXPECT_EQ(alone.depth().read_all(), whole.depth().read_all());
+    EXPECT_EQ(alone.triangle_ids().read_all(), whole.triangle_ids().read_all());
+  });
+}
+
 TEST(Depth, EmptyAndSingleTriangleMeshes) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const Camera camera = test::small_camera(17, 9);

@@ -109,6 +109,65 @@ TEST(Visibility, ContourOfASphereLiesOnItsAnalyticOutline) {
   });
 }
 
+// Whether the disc around the vertex's pixel leaves the mesh within the picture and nothing there hides the vertex.
+bool is_at_outline(const std::vector<float>& depth, const Camera& camera, int x, int y, double z,
+                   const VisibilityOptions& options) {
+  bool leaves = false;
+  double farthest = 0;
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      if (std::hypot(u - x, v - y) > options.contour_radius_px) continue;
+      const float d = depth[size_t(v) * camera.width + u];
+      if (std::isinf(d)) leaves = true;
+      if (!std::isinf(d)) farthest = std::max(farthest, double(d));
+    }
+  }
+  return leaves && (farthest == 0 || z <= farthest + options.contour_tolerance_mm);
+}
+
+// Two spheres, one before the other, both partly outside the picture: vertex by vertex for every radius.
+TEST(Visibility, ContourIsWhatItsDiscsSay) {
+  Mesh mesh = test::sphere({-230, 20, 1500}, 250, 15, 23);
+  const Mesh behind = test::sphere({160, -60, 1700}, 260, 15, 23);
+  const int first = mesh.n_vertices();
+  mesh.positions.insert(mesh.positions.end(), behind.positions.begin(), behind.positions.end());
+  for (int32_t corner : behind.triangles) mesh.triangles.push_back(first + corner);
+  const Camera camera = camera_of(61, 47, 130);
+  std::vector<Eigen::Vector2d> pixels;
+  for (int i = 0; i < mesh.n_vertices(); ++i) {
+    const Eigen::Vector3d p = Eigen::Map<const Eigen::Vector3f>(&mesh.positions[3 * i]).cast<double>();
+    pixels.emplace_back(camera.fx * p.x() / p.z() + camera.cx, camera.fy * p.y() / p.z() + camera.cy);
+  }
+  std::vector<bool> front(mesh.n_vertices(), false), back(mesh.n_vertices(), false);
+  for (int t = 0; t < mesh.n_triangles(); ++t) {
+    const int32_t* corner = &mesh.triangles[3 * t];
+    const Eigen::Vector2d a = pixels[corner[1]] - pixels[corner[0]], b = pixels[corner[2]] - pixels[corner[0]];
+    for (int k = 0; k < 3; ++k) (a.x() * b.y() - a.y() * b.x() < 0 ? front : back)[corner[k]] = true;
+  }
+  test::on_every_device_and_body([&](ocl::DeviceContext& device) {
+    DepthRasterizer raster(device, mesh, camera.width, camera.height);
+    raster.render(ocl::Buffer<float>(device, mesh.positions), camera);
+    const std::vector<float> depth = raster.depth().read_all();
+    for (int radius : {1, 2, 3, 4}) {
+      VisibilityOptions options;
+      options.contour_radius_px = radius;
+      const std::vector<int32_t> contour = look(device, mesh, camera, options).contour;
+      const std::set<int32_t> found(contour.begin(), contour.end());
+      int n_contour = 0, n_inner = 0;
+      for (int i = 0; i < mesh.n_vertices(); ++i) {
+        const int x = int(std::lround(pixels[i].x())), y = int(std::lround(pixels[i].y()));
+        if (x < 0 || y < 0 || x >= camera.width || y >= camera.height || !front[i] || !back[i]) continue;
+        const bool expected = is_at_outline(depth, camera, x, y, mesh.positions[3 * i + 2], options);
+        EXPECT_EQ(found.count(i) == 1, expected) << "vertex " << i << ", radius " << radius;
+        ++(expected ? n_contour : n_inner);
+      }
+      EXPECT_EQ(int(contour.size()), n_contour);
+      EXPECT_GT(n_contour, 15);
+      EXPECT_GT(n_inner, 0);
+    }
+  });
+}
+
 TEST(Visibility, InnerOutlinesAndThePictureBorderAreNoContour) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
     // A small sphere in front of a plane that fills the picture: every outline has the plane behind it.

@@ -133,8 +133,8 @@ TEST_F(Robustness, APersonLeavesAndReturns) {
   for (auto row = first_after; row != run.rows.end(); ++row)
     EXPECT_EQ(row->status, row == first_after ? "initialized" : "ok") << row->index;
   for (int i = 0; inside[i] > 0.5; ++i) EXPECT_TRUE(run.rows[i].status == "ok" || i == 0) << i;
-  // The last fifteen frames against the first fifteen, in which the skirt swings less: 0.930 to 0.935 and 0.965 to 0.966
-  // of six programs that differ in one number each (PoCL 3.1, 2026-11-22).
+  // The last fifteen frames against the first fifteen, in which the skirt swings less: 0.930 to 0.935 and 0.965 to
+  // 0.966 of six programs that differ in one number each (PoCL 3.1, 2026-11-22).
   double before = 0, after = 0;
   for (int i = 0; i < 15; ++i) {
     before += run.frame(i).iou / 15;

@@ -52,7 +52,8 @@ class FramePoser {
 
   const Actor& actor_;
   Camera camera_;
-  PoseOptions options_;
+  // The outline counts less than in a capture: while the proportions are wrong, limbs would bend to fill it.
+  PoseOptions options_{.weights = {.silhouette = 400}};
   PoseSolver solver_;
   Skinner skinner_;
   DepthRasterizer rasterizer_;

@@ -201,7 +201,8 @@ kernel void row_overlaps(int width, int height, global const float* restrict dep
   sum4 = sum8.lo + sum8.hi;
   int n_either = -(sum4.x + sum4.y + sum4.z + sum4.w);
   for (; x < width; ++x) {
-    const int drawn = depth[y * width + x]<INFINITY, set = mask[y * width + x]> 127;
+    const int drawn = depth[y * width + x] < INFINITY;
+    const int set = mask[y * width + x] > 127;
     n_both += drawn & set;
     n_either += drawn | set;
   }
@@ -221,7 +222,8 @@ kernel void row_overlaps(int width, int height, global const float* restrict dep
   barrier(CLK_LOCAL_MEM_FENCE);
   int n_both = 0, n_either = 0;
   for (int x = get_local_id(0); x < width; x += get_local_size(0)) {
-    const int drawn = depth[y * width + x]<INFINITY, set = mask[y * width + x]> 127;
+    const int drawn = depth[y * width + x] < INFINITY;
+    const int set = mask[y * width + x] > 127;
     n_both += drawn & set;
     n_either += drawn | set;
   }

@@ -173,7 +173,8 @@ kernel void contour_vertices(int n, int width, int height, int radius_px, float 
              contour, first, n);
 }
 
-// Both in one launch, for GPUs. tolerances_mm: of visible, then of contour vertices.
+#if !LC_CPU
+// Both in one launch. tolerances_mm: of visible, then of contour vertices.
 kernel void visible_and_contour(int n, int width, int height, int radius_px, float2 tolerances_mm,
                                 global const float* restrict positions, global const float* restrict normals,
                                 global const float* restrict projected, global const int* restrict fan_offsets,
@@ -189,4 +190,5 @@ kernel void visible_and_contour(int n, int width, int height, int radius_px, flo
              contour, first, n);
 }
 
+#endif
 #endif

@@ -225,10 +225,11 @@ ForegroundResult ForegroundSegmenter::segment(const ImageRgb& image, const Perso
   const PixelBox rows{0, gate.search.y0, width_, gate.search.y1};
   const size_t begin = size_t(width_) * rows.y0, size = size_t(width_) * rows.height();
   const std::span<uint8_t> decided(mask.pixels.data() + begin, size);
-  int32_t n_beyond = 0;
-  if (has_network && has_background_) n_beyond_.read_later({&n_beyond, 1});
+  n_beyond_host_ = 0;
+  if (has_network && has_background_) n_beyond_.read_later({&n_beyond_host_, 1});
   frame.mask.read(decided, begin);
-  if (crop_mask ? few_beyond(coarse_mask_, options_.least_stranger, n_beyond) : n_beyond == 0) n_beyond = 0;
+  const bool few = crop_mask ? few_beyond(coarse_mask_, options_.least_stranger, n_beyond_host_) : n_beyond_host_ == 0;
+  const int32_t n_beyond = few ? 0 : n_beyond_host_;
   if (n_beyond > 0) {
     if (crop_mask) {
       laid_ = {width_, height_, std::move(laid_.probability)};

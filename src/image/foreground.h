@@ -76,7 +76,6 @@ class ForegroundSegmenter {
   int reach_;   // of the smoothing, px
   int stride_;  // of the padded planes
   int n_layers_ = 1;
-  PixelBox searched_;
 
   ocl::Buffer<float> layers_, edge_variance_;
   ocl::Buffer<uint8_t> network_, coarse_, gate_, core_;
@@ -84,6 +83,7 @@ class ForegroundSegmenter {
   ocl::Buffer<uint16_t> smoothed_;                            // padded
   ocl::Buffer<uint16_t> weights_;                             // [reach+1]
   ocl::Buffer<int32_t> n_beyond_;
+  int32_t n_beyond_host_ = 0;
   ocl::Buffer<uint8_t> crop_mask_;
   ocl::Buffer<int32_t> crop_steps_;
   ocl::Kernel lay_mask_;

@@ -1,5 +1,6 @@
 // Device memory with element counts. Host transfers are blocking unless their name says otherwise: one read per stage,
-// no hidden finish elsewhere.
+// no hidden finish elsewhere, but for GPUs where page-locked memory is full (ocl/pinned_copies.h) and for a buffer that
+// goes with a transfer under way.
 #pragma once
 
 #include <CL/cl.h>
@@ -101,6 +102,7 @@ class Buffer {
   // The same for large ones: a CPU takes them without a copy between, and waits.
   void hand_over(std::span<const T> values, size_t offset = 0) {
     if (!copies_) return write(values, offset);
+    if (values.empty()) return;
     require(values.size() + offset <= count_);
     copies_->write(memory_, offset * sizeof(T), values.data(), values.size_bytes(), false);
   }
@@ -148,10 +150,15 @@ class Buffer {
   static void require(bool fits) {
     if (!fits) throw LogicError("ocl::Buffer: transfer outside the buffer");
   }
-  void release() {
+  void release() noexcept {
     if (!memory_) return;
     wait_for_staged();
-    if (under_way_ && copies_) copies_->finish();
+    if (under_way_ && copies_) {
+      try {
+        copies_->finish();
+      } catch (const Error&) {  // a queue that failed has told so before
+      }
+    }
     if (under_way_ && !copies_) clFinish(queue_);
     clReleaseMemObject(memory_);
     BufferMemory::now -= count_ * sizeof(T);

@@ -53,35 +53,38 @@ void PinnedCopies::write(cl_mem buffer, size_t offset, const void* from, size_t 
   char* pinned = take(bytes);
   std::memcpy(pinned, from, bytes);
   QueueSpan span(queue_, "write");
-  cl_event own = nullptr, *event = span.event() ? span.event() : waits ? &own : nullptr;
+  cl_event *traced = span.event(), own = nullptr, *event = traced ? traced : waits ? &own : nullptr;
   check(clEnqueueWriteBuffer(queue_, buffer, CL_FALSE, offset, bytes, pinned, 0, nullptr, event),
         "clEnqueueWriteBuffer");
-  if (waits) wait_for(*event);
-  if (own) clReleaseEvent(own);
+  if (waits) wait_for(*event, own != nullptr);
 }
 
 void PinnedCopies::read(cl_mem buffer, size_t offset, void* to, size_t bytes, bool waits) {
   char* pinned = take(bytes);
-  reads_.push_back({pinned, to, bytes});
   QueueSpan span(queue_, "read");
-  cl_event own = nullptr, *event = span.event() ? span.event() : waits ? &own : nullptr;
+  cl_event *traced = span.event(), own = nullptr, *event = traced ? traced : waits ? &own : nullptr;
   check(clEnqueueReadBuffer(queue_, buffer, CL_FALSE, offset, bytes, pinned, 0, nullptr, event), "clEnqueueReadBuffer");
-  if (waits) wait_for(*event);
-  if (own) clReleaseEvent(own);
+  reads_.push_back({pinned, to, bytes});
+  if (waits) wait_for(*event, own != nullptr);
 }
 
 void PinnedCopies::finish() {
   cl_event event = nullptr;
   check(clEnqueueMarkerWithWaitList(queue_, 0, nullptr, &event), "clEnqueueMarkerWithWaitList");
-  wait_for(event);
-  clReleaseEvent(event);
+  wait_for(event, true);
 }
 
-// The last command's. What came before it in the queue has run, too.
-void PinnedCopies::wait_for(cl_event event) {
-  check(clWaitForEvents(1, &event), "clWaitForEvents");
-  for (const Read& read : reads_) std::memcpy(read.to, read.from, read.bytes);
-  reads_.clear();
+// event: the last command's. What came before it in the queue has run, too. After an error nobody waits for the reads
+// any more: their destinations may go with it.
+void PinnedCopies::wait_for(cl_event event, bool owned) {
+  std::vector<Read> reads;
+  reads.swap(reads_);
+  const cl_int status = clWaitForEvents(1, &event);
+  if (owned) clReleaseEvent(event);
+  check(status, "clWaitForEvents");
+  for (const Read& read : reads) std::memcpy(read.to, read.from, read.bytes);
+  reads.clear();
+  reads_.swap(reads);  // its memory
   used_ = 0;
 }
 

@@ -32,7 +32,7 @@ class PinnedCopies {
     size_t bytes;
   };
   char* take(size_t bytes);
-  void wait_for(cl_event event);
+  void wait_for(cl_event event, bool owned);
   void release();
 
   cl_context context_;

@@ -21,7 +21,6 @@ constexpr ArmNames kArms[] = {{kLeftShoulder, kLeftElbow, kLeftWrist, "left_shou
 constexpr int kTwists = 48;             // steps over the range of an upper arm's twist
 constexpr double kSpareTwistRad = 0.3;  // an arm twisted to its limit is hardly ever right
 constexpr int kElbowSweeps = 20;
-constexpr float kTrusted = 0.5f;  // confidence of detections that may overrule the picture
 
 struct Arm {
   Keypoint shoulder, elbow, wrist;
@@ -53,8 +52,8 @@ std::optional<Arm> arm_of(const Actor& actor, Keypoint elbow) {
   return arm;
 }
 
-// Turns one joint angle, within its limits, so that the keypoint comes as near to `target` (camera frame, mm) as it
-// can.
+// Turns one joint angle so that the keypoint comes as near to `target` (camera frame, mm) as it can, or to its limit on
+// the way there.
 void turn_towards(const Actor& actor, int dof, Keypoint keypoint, const Eigen::Vector3d& target, Pose& pose) {
   const PosedSkeleton posed = forward_kinematics(actor.skeleton, pose);
   const Eigen::Vector3d& axis = posed.dof_axis[dof];
@@ -122,9 +121,9 @@ std::vector<Pose> mirrored_arms(const Actor& actor, const Pose& pose, Keypoint e
                                 const PoseOptions& options, const MirroredArmOptions& mirrored) {
   const std::optional<Arm> arm = arm_of(actor, elbow_name);
   if (!arm || actor.keypoints[arm->shoulder].bone < 0) return {};
-  for (Keypoint k : {arm->shoulder, arm->elbow, arm->wrist})
-    if (!(detections.keypoints[k].confidence >= kTrusted)) return {};
   const Keypoints3d seen = detected_points(actor, detections, options);
+  for (Keypoint k : {arm->shoulder, arm->elbow, arm->wrist})
+    if (!(seen[k].confidence >= kTrustedDetection)) return {};
   const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
   const Eigen::Vector3d &shoulder = positions[arm->shoulder], &elbow = positions[arm->elbow];
   const Eigen::Vector3d& wrist = positions[arm->wrist];

@@ -18,7 +18,6 @@ struct Leg {
 };
 
 constexpr Leg kLegs[] = {{kLeftAnkle, "left_hip"}, {kRightAnkle, "right_hip"}};
-constexpr float kTrusted = 0.5f;  // confidence of detections that may overrule the picture
 
 // Whether the bone is one of these or hangs on one.
 bool hangs_on(const Skeleton& skeleton, int bone, const std::vector<int>& these) {
@@ -33,7 +32,7 @@ bool hangs_on(const Skeleton& skeleton, int bone, const std::vector<int>& these)
 std::optional<Pose> turned_trunk(const Actor& actor, const Pose& pose, const Detections& detections,
                                  const PoseOptions& options, double least_turn_rad) {
   for (int k : {kLeftHip, kRightHip, kLeftShoulder, kRightShoulder})
-    if (!(detections.keypoints[k].confidence >= kTrusted)) return std::nullopt;
+    if (!(detections.keypoints[k].confidence >= kTrustedDetection)) return std::nullopt;
   const std::optional<Eigen::Matrix3d> detected = torso_rotation(actor, detections, options);
   if (!detected) return std::nullopt;
   const auto rest = keypoint_positions(actor, forward_kinematics(actor.skeleton, rest_pose(actor.skeleton)));
@@ -56,7 +55,8 @@ std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera,
     const KeypointDetection& seen = detections.keypoints[leg.ankle];
     const Eigen::Vector3d& p = positions[leg.ankle];
     const int hip = actor.skeleton.bone_index(leg.hip);
-    if (hip < 0 || actor.keypoints[leg.ankle].bone < 0 || !(p.z() > 0) || !(seen.confidence >= kTrusted)) continue;
+    if (hip < 0 || actor.keypoints[leg.ankle].bone < 0 || !(p.z() > 0) || !(seen.confidence >= kTrustedDetection))
+      continue;
     const double distance = (project_px(camera, p) - Eigen::Vector2d(seen.x_px, seen.y_px)).norm();
     if (distance >= least_px) strayed.push_back(hip);
   }

@@ -117,7 +117,7 @@ class PoseSystem {
   bool takes_steps_ = false;  // whether the device has what chain and solve there need
   ocl::GroupsTogether groups_;
 
-  ocl::Buffer<float> step_;  // GPUs: of each work-group
+  ocl::Buffer<float> step_;  // as the host makes it
   ocl::Buffer<float> inputs_on_device_;
   ocl::Buffer<double> chain_;
   ocl::Buffer<int32_t> links_;

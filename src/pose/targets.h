@@ -23,6 +23,9 @@ struct KeypointTarget {
   double weight_temporal = 0;
 };
 
+// Confidence from which a detection may overrule the picture.
+inline constexpr float kTrustedDetection = 0.5f;
+
 using KeypointTargets = std::array<KeypointTarget, kKeypointCount>;
 
 // Camera-frame positions of the actor's keypoints [mm]; zero for one without anchor.

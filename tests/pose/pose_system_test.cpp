@@ -147,7 +147,7 @@ TEST(PoseSystem, NormalEquationsAreEigensProductOfTheRows) {
 
 // Other weights than the actor's are as an actor with these.
 TEST(PoseSystem, OtherWeightsMoveTheContour) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const Scene scene;
     SkinWeights other = scene.actor.skin;
     for (size_t k = 0; k < other.bones.size(); ++k) {

@@ -199,6 +199,12 @@ TEST(Depth, DepthAloneIsThatOfWholePictures) {
     alone.render(here, camera);
     alone.render_depth(there, camera);
     EXPECT_EQ(alone.depth().read_all(), depth_there);
+    ocl::Buffer<uint8_t> mask(device, alone.read_mask().pixels);
+    EXPECT_EQ(alone.intersection_over_union(mask), 1);
+    whole.render(there, camera);
+    EXPECT_EQ(alone.read_mask().pixels, whole.read_mask().pixels);
+    whole.render(here, camera);
+    EXPECT_LT(whole.intersection_over_union(mask), 1);
     alone.render(here, camera);
     EXPECT_EQ(alone.depth().read_all(), whole.depth().read_all());
     EXPECT_EQ(alone.triangle_ids().read_all(), whole.triangle_ids().read_all());

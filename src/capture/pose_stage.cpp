@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "base/log.h"
+#include "cloth/hanging_cloth.h"
 #include "pose/mirrored_arms.h"
 #include "pose/other_starts.h"
 #include "pose/person_height.h"
-#include "surface/hanging_cloth.h"
 
 namespace livecap {
 namespace {

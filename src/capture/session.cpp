@@ -180,7 +180,7 @@ class Solver {
 
  private:
   static TrackInput input_of(const WorkItem& item) {
-    return {item.image, item.detections, item.silhouette, item.mask, item.frame.get()};
+    return {item.image, item.detections, item.silhouette, item.mask, item.frame.get(), item.report.pts_ms / 1000};
   }
 
   static TrackerOptions tracker_options(const CaptureOptions& options) {

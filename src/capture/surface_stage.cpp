@@ -4,6 +4,13 @@
 #include <utility>
 
 namespace livecap {
+namespace {
+
+// s. Cloth is not simulated for longer at once: over a gap nothing is known of how the body moved.
+constexpr double kLongestFrame = 0.1;
+constexpr double kUnknownFrame = 1 / 30.0;  // where time does not rise
+
+}  // namespace
 
 SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
                            const TrackerOptions& options, DepthRasterizer& rasterizer, SurfaceVisibility& visibility)
@@ -11,6 +18,7 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
       camera_(camera),
       options_(options),
       hanging_(actor, options.hanging),
+      cloth_(device, actor, options.cloth),
       skinner_(device, actor, hanging_.weights(), actor.skeleton.n_bones() + 1),
       template_skinner_(device, actor),
       rasterizer_(rasterizer),
@@ -31,6 +39,7 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
 
 void SurfaceStage::reset() {
   n_history_ = 0;
+  cloth_.reset();
   displacement_rest_.fill(0);
   before_displacement_rest_.fill(0);
 }
@@ -40,15 +49,21 @@ void SurfaceStage::skin_template(const Pose& pose) {
   template_skinner_.skin(zero_, vertices_);
 }
 
-double SurfaceStage::solve(const Pose& pose, const DeviceFrame* picture) {
-  skinner_.set_pose(hanging_.dual_quats(forward_kinematics(actor_.skeleton, pose)));
+double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* picture) {
+  const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);
+  skinner_.set_pose(hanging_.dual_quats(posed));
   skinner_.skin(zero_, skinned_);
+  skinner_.skin(displacement_rest_, start_);
+  if (n_history_ >= 2) skinner_.skin(before_displacement_rest_, before_);
+  if (options_.simulate_cloth) {
+    const double passed = time_s > last_time_s_ ? std::min(time_s - last_time_s_, kLongestFrame) : kUnknownFrame;
+    cloth_.step(posed, passed, skinned_, start_, before_);
+    last_time_s_ = time_s;
+  }
   if (!picture) {
     vertices_.copy_from(skinned_);
     return 0;
   }
-  skinner_.skin(displacement_rest_, start_);
-  if (n_history_ >= 2) skinner_.skin(before_displacement_rest_, before_);
   skinner_.normals(start_, normals_);
   rasterizer_.render(start_, camera_);
   visibility_.find_visible_and_contour(start_, normals_, rasterizer_);

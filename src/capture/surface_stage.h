@@ -4,12 +4,13 @@
 #include "actor/actor.h"
 #include "actor/skinner.h"
 #include "capture/tracker_options.h"
+#include "cloth/cloth_simulation.h"
+#include "cloth/hanging_cloth.h"
 #include "image/device_frame.h"
 #include "livecap/camera.h"
 #include "raster/depth.h"
 #include "raster/part_mask.h"
 #include "raster/visibility.h"
-#include "surface/hanging_cloth.h"
 #include "surface/snap.h"
 #include "surface/surface_solver.h"
 
@@ -21,8 +22,9 @@ class SurfaceStage {
   SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const TrackerOptions& options,
                DepthRasterizer& rasterizer, SurfaceVisibility& visibility);
 
-  // picture: nullptr where nothing is segmented: the skinned template then. Returns the energy.
-  double solve(const Pose& pose, const DeviceFrame* picture);
+  // picture: nullptr where nothing is segmented: the template then, skinned and its cloth simulated. time_s: of the
+  // frame, for how cloth swings. Returns the energy.
+  double solve(const Pose& pose, double time_s, const DeviceFrame* picture);
 
   // The skinned template instead of a solve.
   void skin_template(const Pose& pose);
@@ -38,6 +40,8 @@ class SurfaceStage {
   Camera camera_;
   TrackerOptions options_;
   HangingCloth hanging_;
+  ClothSimulation cloth_;
+  double last_time_s_ = 0;
   Skinner skinner_;           // of the template with hanging cloth
   Skinner template_skinner_;  // of the template as it is
   DepthRasterizer& rasterizer_;

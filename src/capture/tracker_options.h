@@ -3,13 +3,14 @@
 
 #include <vector>
 
+#include "cloth/cloth_simulation.h"
+#include "cloth/hanging_cloth.h"
 #include "match/skin_shading.h"
 #include "match/texture_matcher.h"
 #include "pose/floor.h"
 #include "pose/mirrored_arms.h"
 #include "pose/pose_options.h"
 #include "raster/visibility.h"
-#include "surface/hanging_cloth.h"
 #include "surface/snap.h"
 #include "surface/surface_input.h"
 
@@ -72,6 +73,9 @@ struct TrackerOptions {
   // so before anything is fitted; skirts whose weights follow the legs little change little. And with the actor's
   // weights in stage I a skirt that swings turns the thighs (docs/accuracy.md).
   HangingClothOptions hanging;
+  // V^S of hanging cloth in stage II is not where skinning puts it but where it swings to.
+  bool simulate_cloth = true;
+  ClothOptions cloth;
   bool part_mask = true;  // b_i = 0 on another body part's region
   bool snapping = true;
   bool ignore_confidence = false;  // true: every keypoint the network knows counts fully

@@ -51,12 +51,15 @@ std::vector<float> SellGraph::planes(const std::vector<float>& values, int width
 }
 
 SellGraph make_sell_graph(const Mesh& mesh) {
+  return make_sell_graph(one_ring(mesh.n_vertices(), mesh.triangles));
+}
+
+SellGraph make_sell_graph(const OneRing& ring) {
   SellGraph g;
-  g.n = mesh.n_vertices();
+  g.n = static_cast<int>(ring.offsets.size()) - 1;
   g.n_rows = (g.n + kSlice - 1) / kSlice * kSlice;
   g.stride = g.n_rows;
   if (g.stride % 1024 == 0) g.stride += kSlice;
-  const OneRing ring = one_ring(g.n, mesh.triangles);
   g.degree.resize(g.n);
   for (int i = 0; i < g.n; ++i) g.degree[i] = ring.offsets[i + 1] - ring.offsets[i];
 

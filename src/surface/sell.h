@@ -42,5 +42,7 @@ struct SellGraph {
 };
 
 SellGraph make_sell_graph(const Mesh& mesh);
+// Of any links between vertices, those of each both ways.
+SellGraph make_sell_graph(const OneRing& links);
 
 }  // namespace livecap

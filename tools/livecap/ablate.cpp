@@ -53,6 +53,7 @@ const std::vector<Variant>& variants() {
       {"no_warping", "displacement warping", kParts, {"warping"}, true, 0, "2.4 %"},
       {"no_part_mask", "body part mask", kParts, {"part_mask"}, true, 0, "1.7 %"},
       {"no_snapping", "vertex snapping", kParts, {"snapping"}, true, 0, "1.7 %"},
+      {"no_cloth", "simulation of hanging cloth", kParts, {"cloth"}},
       {"no_photo", "photometric term", kParts, {"photo"}},
       {"no_match", "texture matching", kParts, {"match"}},
       {"no_shading", "skin shading", kParts, {"shading"}},

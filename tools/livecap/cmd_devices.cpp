@@ -10,6 +10,7 @@
 #include "actor/skinner.h"
 #include "base/log.h"
 #include "base/text.h"
+#include "cloth/cloth_simulation.h"
 #include "command.h"
 #include "image/self_test.h"
 #include "livecap/error.h"
@@ -38,7 +39,7 @@ const std::vector<std::pair<const char*, SelfTest>>& self_tests() {
       {"raster", raster_self_test},   {"nn", nn::nn_self_test},
       {"solve", solve_self_test},     {"pose", pose_self_test},
       {"surface", surface_self_test}, {"acquire", acquire::acquire_self_test},
-      {"match", match_self_test},
+      {"match", match_self_test},     {"cloth", cloth_self_test},
   };
   return tests;
 }

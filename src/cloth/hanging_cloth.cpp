@@ -1,4 +1,4 @@
-#include "surface/hanging_cloth.h"
+#include "cloth/hanging_cloth.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -38,7 +38,7 @@ SkinWeights give_to_hanging_bone(const Actor& actor, float leg_share, int hangin
   const std::vector<float> leg_weight = leg_weights(actor);
   std::vector<std::pair<float, int>> influences;
   for (int i = 0; i < actor.n_vertices(); ++i) {
-    if (actor.rigidity[i] > kHangingRigidity) continue;
+    if (!hangs(actor, i)) continue;
     const float legs = leg_weight[i];
     if (legs <= 0 || leg_share == 1) continue;
     const float scale = leg_share / (leg_share + (1 - leg_share) * legs);
@@ -66,6 +66,17 @@ SkinWeights give_to_hanging_bone(const Actor& actor, float leg_share, int hangin
 
 }  // namespace
 
+bool hangs(const Actor& actor, int vertex) {
+  return actor.rigidity[vertex] <= kHangingRigidity;
+}
+
+std::optional<Eigen::Vector3d> middle_of_the_hips(const Skeleton& skeleton) {
+  const int left = skeleton.bone_index("left_hip"), right = skeleton.bone_index("right_hip");
+  if (left < 1 || right < 1) return std::nullopt;
+  const PosedSkeleton rest = forward_kinematics(skeleton, rest_pose(skeleton));
+  return (rest.camera_from_bone[left].translation() + rest.camera_from_bone[right].translation()) / 2;
+}
+
 SkinWeights hanging_weights(const Actor& actor, const HangingClothOptions& options) {
   options.validate();
   return give_to_hanging_bone(actor, options.leg_share, bone_of_the_hips(actor.skeleton).value_or(0));
@@ -92,12 +103,10 @@ void HangingClothOptions::validate() const {
 HangingCloth::HangingCloth(const Actor& actor, const HangingClothOptions& options) : options_(options) {
   options.validate();
   weights_ = give_to_hanging_bone(actor, options.leg_share, actor.skeleton.n_bones());
-  const std::optional<int> base = bone_of_the_hips(actor.skeleton);
-  if (!base) return;
-  const int left = actor.skeleton.bone_index("left_hip"), right = actor.skeleton.bone_index("right_hip");
-  const PosedSkeleton rest = forward_kinematics(actor.skeleton, rest_pose(actor.skeleton));
-  pivot_rest_ = (rest.camera_from_bone[left].translation() + rest.camera_from_bone[right].translation()) / 2;
-  base_ = *base;
+  const std::optional<Eigen::Vector3d> pivot = middle_of_the_hips(actor.skeleton);
+  if (!pivot) return;
+  pivot_rest_ = *pivot;
+  base_ = *bone_of_the_hips(actor.skeleton);
 }
 
 std::vector<float> HangingCloth::dual_quats(PosedSkeleton posed) const {

@@ -4,6 +4,7 @@
 // wherever the picture says nothing, so V^S must not carry the back along.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "actor/actor.h"
@@ -21,6 +22,12 @@ struct HangingClothOptions {
   void validate() const;  // throws ConfigError
 };
 
+// Hanging cloth: dress, coat, jumpsuit, skirt, the softest class of the paper's Table 1 (rigidity <= 1).
+bool hangs(const Actor& actor, int vertex);
+
+// Between left_hip and right_hip in the rest pose, mm; nothing for a skeleton without them.
+std::optional<Eigen::Vector3d> middle_of_the_hips(const Skeleton& skeleton);
+
 // [n] sum of each vertex's weights on the legs (below and including the hips).
 std::vector<float> leg_weights(const Actor& actor);
 
@@ -28,8 +35,7 @@ std::vector<float> leg_weights(const Actor& actor);
 // Throws ConfigError.
 SkinWeights hanging_weights(const Actor& actor, const HangingClothOptions& options);
 
-// As stage II has it. Only hanging cloth changes (dress, coat, jumpsuit, skirt: the softest class of the paper's Table
-// 1, rigidity <= 1).
+// As stage II has it. Only what hangs changes.
 class HangingCloth {
  public:
   // Keeps no reference to the actor. A skeleton without left_hip and right_hip has nothing to change. Throws

@@ -1,4 +1,4 @@
-#include "surface/hanging_cloth.h"
+#include "cloth/hanging_cloth.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,26 @@
+// What host and device share of the cloth's simulation.
+#ifndef LC_CLOTH_LAYOUT_H
+#define LC_CLOTH_LAYOUT_H
+
+// Work-items of the one work-group: 1 on a CPU, on a GPU as many as the device takes, which the host says.
+#ifndef LC_CLOTH_GROUP
+#if LC_CPU
+#define LC_CLOTH_GROUP 1
+#else
+#define LC_CLOTH_GROUP 256
+#endif
+#endif
+#define LC_CLOTH_LIMBS 6
+#define LC_CLOTH_LIMB_SIZE 14
+#define LC_CLOTH_TINY 1e-6f  // mm
+
+// Of one small step.
+typedef struct {
+  float seconds, inverse_seconds;
+  float per_second;  // 1 / seconds of a whole frame
+  float spring;      // 1/s: the pull to the skinned place, times seconds
+  float damped;      // share of the velocity relative to the skinned place that is lost
+  float air;         // share of the velocity that air leaves
+} ClothStep;
+
+#endif

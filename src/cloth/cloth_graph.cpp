@@ -1,0 +1,135 @@
+#include "cloth/cloth_graph.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <map>
+#include <utility>
+
+#include "cloth/hanging_cloth.h"
+
+namespace livecap {
+namespace {
+
+using Edge = std::pair<int, int>;
+
+constexpr int kFollowed = 4;
+constexpr float kDownwards = -0.6f;  // the vertical part of a normal; linings and lids lie below it
+
+Eigen::Vector3f vertex(const std::vector<float>& positions, int i) {
+  return {positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]};
+}
+
+// Which vertices hang and are seen from outside.
+std::vector<char> outer_cloth(const Actor& actor, const Eigen::Vector3f& hips) {
+  const std::vector<float> normals = vertex_normals(actor.mesh.positions, actor.mesh.triangles);
+  std::vector<char> outer(actor.n_vertices(), 0);
+  for (int i = 0; i < actor.n_vertices(); ++i) {
+    const Eigen::Vector3f normal = vertex(normals, i), from_hips = vertex(actor.mesh.positions, i) - hips;
+    outer[i] =
+        hangs(actor, i) && normal.y() > kDownwards && normal.x() * from_hips.x() + normal.z() * from_hips.z() > 0;
+  }
+  return outer;
+}
+
+// The edges of the triangles of outer cloth and its seam, which is above the hips: each with the vertices opposite.
+std::map<Edge, std::vector<int>> cloth_edges(const Actor& actor, const std::vector<char>& outer, float hips_y) {
+  std::map<Edge, std::vector<int>> edges;
+  const auto is_part = [&](int i) {
+    return outer[i] || (!hangs(actor, i) && actor.mesh.positions[3 * i + 1] > hips_y);
+  };
+  for (int t = 0; t < actor.mesh.n_triangles(); ++t) {
+    const int* corner = actor.mesh.triangles.data() + 3 * t;
+    if (!std::any_of(corner, corner + 3, [&](int i) { return outer[i]; }) || !std::all_of(corner, corner + 3, is_part))
+      continue;
+    for (int k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax(corner[k], corner[(k + 1) % 3]);
+      edges[{low, high}].push_back(corner[(k + 2) % 3]);
+    }
+  }
+  return edges;
+}
+
+// Both ways, whether across, per vertex.
+using Links = std::vector<std::map<int, char>>;
+
+Links links_of(int n_vertices, const std::map<Edge, std::vector<int>>& edges) {
+  Links links(n_vertices);
+  const auto link = [&](int i, int j, char across) {
+    links[i].emplace(j, across);
+    links[j].emplace(i, across);
+  };
+  for (const auto& [edge, opposite] : edges) link(edge.first, edge.second, 0);
+  for (const auto& [edge, opposite] : edges)
+    if (opposite.size() == 2) link(opposite[0], opposite[1], 1);
+  return links;
+}
+
+std::vector<char> reached_from(const std::vector<char>& held, const Links& links) {
+  std::vector<char> reached = held;
+  std::vector<int> waiting;
+  for (size_t i = 0; i < held.size(); ++i)
+    if (held[i]) waiting.push_back(int(i));
+  while (!waiting.empty()) {
+    const int i = waiting.back();
+    waiting.pop_back();
+    for (const auto& [j, across] : links[i]) {
+      if (reached[j]) continue;
+      reached[j] = 1;
+      waiting.push_back(j);
+    }
+  }
+  return reached;
+}
+
+void add_follower(const Actor& actor, int i, ClothGraph& graph) {
+  std::vector<std::pair<float, int>> near(graph.n_particles());
+  for (int p = 0; p < graph.n_particles(); ++p)
+    near[p] = {(vertex(actor.mesh.positions, i) - vertex(actor.mesh.positions, graph.vertices[p])).norm(), p};
+  std::partial_sort(near.begin(), near.begin() + kFollowed, near.end());
+  float sum = 0;
+  for (int k = 0; k < kFollowed; ++k) sum += 1 / (near[k].first + 1);
+  graph.followers.push_back(i);
+  for (int k = 0; k < kFollowed; ++k) {
+    graph.followed.push_back(near[k].second);
+    graph.followed_weights.push_back(1 / (near[k].first + 1) / sum);
+  }
+}
+
+}  // namespace
+
+ClothGraph make_cloth_graph(const Actor& actor, float max_held_leg_weight) {
+  ClothGraph graph;
+  const std::optional<Eigen::Vector3d> hips = middle_of_the_hips(actor.skeleton);
+  if (!hips) return graph;
+  const std::vector<float> legs = leg_weights(actor);
+  const std::vector<char> outer = outer_cloth(actor, hips->cast<float>());
+  const Links links = links_of(actor.n_vertices(), cloth_edges(actor, outer, float(hips->y())));
+
+  std::vector<char> held(actor.n_vertices(), 0);
+  for (int i = 0; i < actor.n_vertices(); ++i)
+    held[i] = !links[i].empty() && (!outer[i] || legs[i] <= max_held_leg_weight);
+  const std::vector<char> reached = reached_from(held, links);
+  std::vector<int> particle(actor.n_vertices(), -1);
+  for (int i = 0; i < actor.n_vertices(); ++i) {
+    if (!reached[i]) continue;
+    particle[i] = graph.n_particles();
+    graph.vertices.push_back(i);
+    graph.held.push_back(held[i]);
+  }
+  if (std::count(graph.held.begin(), graph.held.end(), char(0)) == 0 || graph.n_particles() < kFollowed) return {};
+
+  graph.links.offsets = {0};
+  for (const int i : graph.vertices) {
+    for (const auto& [j, across] : links[i]) {
+      graph.links.neighbors.push_back(particle[j]);
+      graph.across.push_back(across);
+    }
+    graph.links.offsets.push_back(int(graph.links.neighbors.size()));
+  }
+  for (int i = 0; i < actor.n_vertices(); ++i)
+    if (hangs(actor, i) && particle[i] < 0) add_follower(actor, i, graph);
+  return graph;
+}
+
+}  // namespace livecap

@@ -1,0 +1,33 @@
+// What of an actor hangs, and what it is linked with: particles for the cloth that is seen from outside, and which of
+// them the rest of it (hems, linings, lids) follows.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "actor/actor.h"
+#include "geometry/mesh.h"
+
+namespace livecap {
+
+struct ClothGraph {
+  std::vector<int32_t> vertices;  // [n_particles] of the template
+  std::vector<char> held;         // [n_particles] fastened to the skinned surface
+  // Along the edges of the mesh and across them, between the two vertices that an edge's triangles do not share.
+  OneRing links;
+  std::vector<char> across;  // [links.neighbors.size()]
+  // Vertices that hang but are no particles. Each moves as its four nearest particles do, nearer ones more.
+  std::vector<int32_t> followers;       // [n_followers]
+  std::vector<int32_t> followed;        // [4*n_followers] particles
+  std::vector<float> followed_weights;  // [4*n_followers], 1 in sum
+
+  int n_particles() const { return static_cast<int>(vertices.size()); }
+};
+
+// Particles are the vertices of hanging cloth (cloth/hanging_cloth.h) whose normals in the rest pose point away from
+// the line through the middle of the hips and not downwards, and the seam they are sewn to. Held are the seam and what
+// has weights of at most max_held_leg_weight on the legs; what is linked to nothing held is no particle. Empty without
+// any, or for a skeleton without hips.
+ClothGraph make_cloth_graph(const Actor& actor, float max_held_leg_weight);
+
+}  // namespace livecap

@@ -1,0 +1,191 @@
+#include "cloth/cloth_simulation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "cloth/hanging_cloth.h"
+#include "cloth/layout.h"
+#include "livecap/error.h"
+
+namespace livecap {
+namespace {
+
+using Vector3 = Eigen::Vector3d;
+
+constexpr size_t kLargestGroup = 1024;
+
+// The limbs of both legs in their order: thigh, shin, and what lies between the middle of the hips and the hip.
+struct Limb {
+  Vector3 from, to;  // mm
+  float radius_from, radius_to;
+};
+
+Vector3 origin(const PosedSkeleton& posed, int bone) {
+  return posed.camera_from_bone[bone].translation();
+}
+
+double distance_to(const Limb& limb, const Vector3& point) {
+  const Vector3 along = limb.to - limb.from;
+  const double square = along.squaredNorm();
+  const double s = square > 0 ? std::clamp((point - limb.from).dot(along) / square, 0.0, 1.0) : 0.0;
+  return (point - limb.from - s * along).norm();
+}
+
+std::vector<Limb> limbs_of(const PosedSkeleton& posed, const std::array<std::array<int, 3>, 2>& legs,
+                           const std::array<float, 4>& radii_mm) {
+  const auto [hips, thigh, knee, ankle] = radii_mm;
+  const Vector3 middle = (origin(posed, legs[0][0]) + origin(posed, legs[1][0])) / 2;
+  std::vector<Limb> limbs;
+  for (const auto& leg : legs) {
+    limbs.push_back({origin(posed, leg[0]), origin(posed, leg[1]), thigh, knee});
+    limbs.push_back({origin(posed, leg[1]), origin(posed, leg[2]), knee, ankle});
+    limbs.push_back({middle, origin(posed, leg[0]), hips, hips});
+  }
+  return limbs;
+}
+
+}  // namespace
+
+void ClothOptions::validate() const {
+  const auto require = [](bool fits, const char* field, double value, const char* range) {
+    if (!fits)
+      throw ConfigError(std::string("cloth: ") + field + " is " + std::to_string(value) + ", must be " + range);
+  };
+  require(max_held_leg_weight >= 0 && max_held_leg_weight < 1, "max_held_leg_weight", max_held_leg_weight,
+          "at least 0 and below 1");
+  require(stiffness >= 0 && stiffness < 1e4f, "stiffness", stiffness, "from 0 to 10000");
+  require(damping >= 0, "damping", damping, "at least 0");
+  require(air_drag >= 0, "air_drag", air_drag, "at least 0");
+  require(bending_share >= 0, "bending_share", bending_share, "at least 0");
+  require(relaxation > 0 && relaxation < 2, "relaxation", relaxation, "above 0 and below 2");
+  require(steps >= 1, "steps", steps, "at least 1");
+  for (const float radius : limb_radii) require(radius >= 0 && radius < 1, "a limb's radius", radius, "from 0 to 1");
+}
+
+ClothSimulation::ClothSimulation(ocl::DeviceContext& device, const Actor& actor, const ClothOptions& options)
+    : options_(options) {
+  options.validate();
+  const ClothGraph cloth = make_cloth_graph(actor, options.max_held_leg_weight);
+  const Skeleton& skeleton = actor.skeleton;
+  const char* sides[] = {"left_", "right_"};
+  for (int k = 0; k < 2; ++k)
+    for (int j = 0; j < 3; ++j)
+      legs_[k][j] = skeleton.bone_index(std::string(sides[k]) + std::array{"hip", "knee", "ankle"}[j]);
+  const bool has_legs =
+      std::all_of(legs_.begin(), legs_.end(), [](auto& leg) { return *std::min_element(leg.begin(), leg.end()) >= 0; });
+  if (cloth.n_particles() == 0 || !has_legs) return;
+  graph_ = make_sell_graph(cloth.links);
+  set_up_links(device, actor, cloth);
+  set_up_limbs(device, actor, cloth);
+  for (ocl::Buffer<float>* planes : {&before_, &target_, &x_, &v_, &ahead_}) {
+    *planes = ocl::Buffer<float>(device, size_t(3) * graph_.stride);
+    planes->fill(0);
+  }
+  group_ = device.is_cpu() ? 1 : std::min<size_t>(kLargestGroup, device.info().max_work_group_size);
+  simulate_ = {device, "cloth/simulate.cl", "simulate_cloth", "-D LC_CLOTH_GROUP=" + std::to_string(group_)};
+}
+
+void ClothSimulation::set_up_links(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth) {
+  const int n = cloth.n_particles();
+  const auto share = [&](int at) { return cloth.across[at] ? options_.bending_share : 1.0f; };
+  std::vector<double> shares(n, 0);
+  for (int i = 0; i < n; ++i)
+    for (int at = cloth.links.offsets[i]; at < cloth.links.offsets[i + 1]; ++at) shares[i] += share(at);
+  const auto link = [&](int i, int j) {
+    const auto begin = cloth.links.neighbors.begin();
+    return int(std::lower_bound(begin + cloth.links.offsets[i], begin + cloth.links.offsets[i + 1], j) - begin);
+  };
+  // Of a link that is too long the free ends move, half each or the only one by all.
+  const auto pull = [&](int i, int j) {
+    if (cloth.held[i] || shares[i] == 0) return 0.0;
+    return options_.relaxation * share(link(i, j)) / shares[i] / (cloth.held[j] ? 1 : 2);
+  };
+  const auto place = [&](int i) {
+    return Eigen::Map<const Eigen::Vector3f>(actor.mesh.positions.data() + 3 * cloth.vertices[i]);
+  };
+  pulls_ = {device, graph_.per_entry(pull)};
+  lengths_ = {device, graph_.per_entry([&](int i, int j) { return (place(i) - place(j)).norm(); })};
+  slice_offsets_ = {device, graph_.slice_offsets};
+  neighbors_ = {device, graph_.neighbors};
+
+  std::vector<int32_t> vertices(graph_.n_rows, cloth.vertices[0]);
+  std::vector<float> is_free(graph_.n_rows, 0.0f);
+  std::vector<int32_t> moved, particles;
+  std::vector<float> weights;
+  for (int r = 0; r < n; ++r) {
+    const int i = graph_.order[r];
+    vertices[r] = cloth.vertices[i];
+    is_free[r] = cloth.held[i] ? 0.0f : 1.0f;
+    if (cloth.held[i]) continue;
+    moved.push_back(cloth.vertices[i]);
+    particles.insert(particles.end(), 4, r);
+    weights.insert(weights.end(), {1, 0, 0, 0});
+  }
+  moved.insert(moved.end(), cloth.followers.begin(), cloth.followers.end());
+  for (const int p : cloth.followed) particles.push_back(graph_.row[p]);
+  weights.insert(weights.end(), cloth.followed_weights.begin(), cloth.followed_weights.end());
+  n_moved_ = int(moved.size());
+  vertices_ = {device, vertices};
+  is_free_ = {device, is_free};
+  moved_ = {device, moved};
+  particles_ = {device, particles};
+  weights_ = {device, weights};
+}
+
+// In the rest pose nothing is pushed: a limb is for a particle no thicker than it is far away then.
+void ClothSimulation::set_up_limbs(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth) {
+  const PosedSkeleton rest = forward_kinematics(actor.skeleton, rest_pose(actor.skeleton));
+  thigh_mm_ = float((origin(rest, legs_[0][1]) - origin(rest, legs_[0][0])).norm());
+  std::vector<float> reach(size_t(LC_CLOTH_LIMBS) * graph_.stride, 0.0f);
+  const std::vector<Limb> limbs = limbs_of(rest, legs_, {});
+  for (int r = 0; r < graph_.n; ++r) {
+    const int i = graph_.order[r];
+    const float* p = actor.mesh.positions.data() + 3 * cloth.vertices[i];
+    for (size_t k = 0; k < limbs.size(); ++k)
+      if (!cloth.held[i]) reach[k * graph_.stride + r] = float(distance_to(limbs[k], Vector3(p[0], p[1], p[2])));
+  }
+  reach_ = {device, reach};
+  limbs_ = ocl::Buffer<float>(device, LC_CLOTH_LIMBS * LC_CLOTH_LIMB_SIZE);
+}
+
+// [LC_CLOTH_LIMBS][8]: ends and radii.
+std::vector<float> ClothSimulation::limbs_at(const PosedSkeleton& posed) const {
+  std::array<float, 4> radii = options_.limb_radii;
+  for (float& radius : radii) radius *= thigh_mm_;
+  std::vector<float> values;
+  for (const Limb& limb : limbs_of(posed, legs_, radii)) {
+    for (const Vector3& end : {limb.from, limb.to})
+      for (int a = 0; a < 3; ++a) values.push_back(float(end[a]));
+    values.insert(values.end(), {limb.radius_from, limb.radius_to});
+  }
+  return values;
+}
+
+void ClothSimulation::step(const PosedSkeleton& posed, double seconds, ocl::Buffer<float>& skinned,
+                           ocl::Buffer<float>& start, ocl::Buffer<float>& start_before) {
+  if (!has_cloth()) return;
+  if (!(seconds > 0)) throw LogicError("cloth: a frame takes " + std::to_string(seconds) + " s");
+  const std::vector<float> now = limbs_at(posed), &before = first_ ? now : limbs_before_;
+  std::vector<float> limbs;
+  for (int k = 0; k < LC_CLOTH_LIMBS; ++k) {
+    limbs.insert(limbs.end(), before.begin() + 8 * k, before.begin() + 8 * k + 6);
+    limbs.insert(limbs.end(), now.begin() + 8 * k, now.begin() + 8 * k + 8);
+  }
+  limbs_.write_later(limbs);
+  const double small = seconds / options_.steps;
+  const ClothStep step{float(small),
+                       float(1 / small),
+                       float(1 / seconds),
+                       float(options_.stiffness * small),
+                       float(1 - std::exp(-options_.damping * small)),
+                       float(std::exp(-options_.air_drag * small))};
+  simulate_.launch(group_, group_, first_ ? 1 : 0, options_.steps, graph_.n_rows, graph_.stride, n_moved_, step,
+                   slice_offsets_, neighbors_, pulls_, lengths_, vertices_, is_free_, limbs_, reach_, moved_,
+                   particles_, weights_, before_, target_, x_, v_, ahead_, skinned, start, start_before);
+  limbs_before_ = now;
+  first_ = false;
+}
+
+}  // namespace livecap

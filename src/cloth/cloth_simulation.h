@@ -1,0 +1,70 @@
+// How hanging cloth moves with the body, without looking at pictures: position based dynamics of a ClothGraph, driven
+// by the skinned surface. Links keep their rest lengths, springs draw every particle to its skinned place (cloth in the
+// rest pose hangs in equilibrium, so gravity is not added), limbs push it away. It tells stage II what the camera does
+// not see: how far a skirt swings, and where thighs lift it. Not of the paper, whose V^S is the skinned template.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "actor/actor.h"
+#include "cloth/cloth_graph.h"
+#include "ocl/buffer.h"
+#include "ocl/kernel.h"
+#include "surface/sell.h"
+
+namespace livecap {
+
+struct ClothOptions {
+  float max_held_leg_weight = 0.15f;  // vertices with less weight on the legs are fastened to the skinned surface
+  float stiffness = 150;              // 1/s^2, acceleration by a mm from the skinned place
+  float damping = 12;                 // 1/s, of the velocity relative to the skinned place
+  float air_drag = 3;                 // 1/s, of the velocity
+  float bending_share = 1;            // of a link across an edge by one along an edge
+  float relaxation = 1.2f;            // of a particle's mean correction by its links
+  int steps = 20;                     // a frame
+  // Radii of hips, thighs at their upper ends, knees and ankles, by the length of a thigh; with the cloth's distance.
+  std::array<float, 4> limb_radii = {0.3f, 0.24f, 0.16f, 0.12f};
+
+  void validate() const;  // throws ConfigError
+};
+
+class ClothSimulation {
+ public:
+  // Keeps no reference to the actor. Throws ConfigError.
+  ClothSimulation(ocl::DeviceContext& device, const Actor& actor, const ClothOptions& options);
+
+  // False for an actor without hanging cloth: step() does nothing then.
+  bool has_cloth() const { return graph_.n > 0; }
+
+  // Forgets how the cloth moves: the next step begins at rest on the skinned surface.
+  void reset() { first_ = true; }
+
+  // One frame, seconds after the last. skinned: [3n] mm, camera frame, V^S in, where hanging cloth is replaced by the
+  // simulated one. start, start_before [3n]: moved by as much. Nothing blocks but a small upload.
+  void step(const PosedSkeleton& posed, double seconds, ocl::Buffer<float>& skinned, ocl::Buffer<float>& start,
+            ocl::Buffer<float>& start_before);
+
+ private:
+  std::vector<float> limbs_at(const PosedSkeleton& posed) const;
+  void set_up_links(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth);
+  void set_up_limbs(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth);
+
+  ClothOptions options_;
+  SellGraph graph_;                           // of particles
+  std::array<std::array<int, 3>, 2> legs_{};  // hip, knee and ankle
+  float thigh_mm_ = 0;
+  bool first_ = true;
+  std::vector<float> limbs_before_;
+  size_t group_ = 1;
+  int n_moved_ = 0;
+  ocl::Buffer<int32_t> slice_offsets_, neighbors_, vertices_, moved_, particles_;
+  ocl::Buffer<float> pulls_, lengths_, is_free_, reach_, weights_, limbs_;
+  ocl::Buffer<float> before_, target_, x_, v_, ahead_;  // 3 planes each
+  ocl::Kernel simulate_;
+};
+
+// Known-answer tests of the simulation's kernel.
+std::vector<ocl::SelfTestResult> cloth_self_test(ocl::DeviceContext& device);
+
+}  // namespace livecap

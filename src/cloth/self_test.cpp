@@ -1,0 +1,77 @@
+// Known-answer tests of the cloth's kernel: a small skirt at rest, and one step of what has no links, worked out by
+// hand.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "cloth/cloth_simulation.h"
+
+namespace livecap {
+namespace {
+
+constexpr int kAround = 6, kRings = 3;
+constexpr double kTolerance = 1e-3;  // mm
+
+// A cone of three rings around two legs; the highest is the seam.
+Actor small_skirt() {
+  Actor actor;
+  actor.skeleton.bones = {{"pelvis", -1, {0, 0, 0}},       {"left_hip", 0, {50, 0, 0}},
+                          {"left_knee", 1, {0, -400, 0}},  {"left_ankle", 2, {0, -400, 0}},
+                          {"right_hip", 0, {-50, 0, 0}},   {"right_knee", 4, {0, -400, 0}},
+                          {"right_ankle", 5, {0, -400, 0}}};
+  for (int ring = 0; ring < kRings; ++ring) {
+    for (int k = 0; k < kAround; ++k) {
+      const double angle = 2 * M_PI * k / kAround, radius = 200 + 20 * ring;
+      actor.mesh.positions.insert(
+          actor.mesh.positions.end(),
+          {float(radius * std::sin(angle)), 50.0f - 100.0f * float(ring), float(radius * std::cos(angle))});
+      actor.skin.bones.insert(actor.skin.bones.end(), {1, 0, 0, 0});
+      actor.skin.weights.insert(actor.skin.weights.end(), {1, 0, 0, 0});
+      actor.rigidity.push_back(ring == 0 ? 2.0f : 1.0f);
+      if (ring == 0) continue;
+      const int c = ring * kAround + k, d = ring * kAround + (k + 1) % kAround, a = c - kAround, b = d - kAround;
+      actor.mesh.triangles.insert(actor.mesh.triangles.end(), {a, c, b, b, c, d});
+    }
+  }
+  return actor;
+}
+
+}  // namespace
+
+std::vector<ocl::SelfTestResult> cloth_self_test(ocl::DeviceContext& device) {
+  const Actor actor = small_skirt();
+  const std::vector<float>& rest = actor.mesh.positions;
+  const PosedSkeleton posed = forward_kinematics(actor.skeleton, rest_pose(actor.skeleton));
+  ClothOptions options;
+  options.steps = 1;
+  options.relaxation = 1e-9f;
+  options.limb_radii = {0, 0, 0, 0};
+  ClothSimulation cloth(device, actor, options);
+  ocl::Buffer<float> skinned(device, rest), start(device, rest), before(device, rest);
+  const double seconds = 0.04, aside = 10;
+  // The largest distance along x from the rest place and so much, of the vertices from `first` to `end`.
+  const auto error = [&](int first, int end, double by) {
+    const std::vector<float> got = skinned.read_all();
+    double worst = 0;
+    for (int k = 3 * first; k < 3 * end; k += 3) worst = std::max(worst, std::abs(got[k] - rest[k] - by));
+    return worst;
+  };
+
+  cloth.step(posed, seconds, skinned, start, before);
+  const double at_rest = error(0, actor.n_vertices(), 0);
+  std::vector<float> moved = rest;
+  for (size_t k = 0; k < moved.size(); k += 3) moved[k] += float(aside);
+  skinned.write(moved);
+  cloth.step(posed, seconds, skinned, start, before);
+  // It takes up a share of the velocity it is carried with, loses some of that to the air, and is pulled.
+  const double carried = aside / seconds * (1 - std::exp(-options.damping * seconds));
+  const double by = seconds * (carried * std::exp(-options.air_drag * seconds) + options.stiffness * seconds * aside);
+  const double swung = std::max(error(0, kAround, aside), error(kAround, actor.n_vertices(), by));
+  const auto told = [](const char* what, double error_mm) {
+    return ocl::SelfTestResult{what, error_mm <= kTolerance, std::to_string(error_mm) + " mm beside the known place"};
+  };
+  return {told("simulate_cloth at rest", at_rest), told("simulate_cloth carried aside", swung)};
+}
+
+}  // namespace livecap

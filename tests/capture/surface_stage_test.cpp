@@ -1,0 +1,94 @@
+// What stage II starts from.
+#include "capture/surface_stage.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cloth/hanging_cloth.h"
+#include "support/builtin_actor.h"
+#include "support/pose_scene.h"
+#include "support/test_device.h"
+#include "support/tolerances.h"
+
+namespace livecap {
+namespace {
+
+constexpr double kFrame = 1 / 30.0;
+constexpr float kAsideMm = 60;
+
+// The built-in skirt without a picture: the surface is what the pose and the simulation make of it.
+class Scene {
+ public:
+  Scene(ocl::DeviceContext& device, bool simulate)
+      : rasterizer_(device, actor_.mesh, camera_.width, camera_.height),
+        visibility_(device, actor_.mesh, {}),
+        stage_(device, actor_, camera_, options(simulate), rasterizer_, visibility_) {}
+
+  std::vector<float> at(float x_mm, double time_s) {
+    Pose pose = test::standing_pose(actor_, 0.5);
+    pose.root_translation_mm.x() += x_mm;
+    stage_.solve(pose, time_s, nullptr);
+    return stage_.vertices().read_all();
+  }
+  void reset() { stage_.reset(); }
+
+ private:
+  static TrackerOptions options(bool simulate) {
+    TrackerOptions options;
+    options.simulate_cloth = simulate;
+    return options;
+  }
+
+  const Actor& actor_ = test::builtin_actor("skirt");
+  Camera camera_ = test::portrait_camera();
+  DepthRasterizer rasterizer_;
+  SurfaceVisibility visibility_;
+  SurfaceStage stage_;
+};
+
+float furthest_behind(const std::vector<float>& got, const std::vector<float>& skinned) {
+  float most = 0;
+  for (size_t k = 0; k < got.size(); k += 3) most = std::max(most, skinned[k] - got[k]);
+  return most;
+}
+
+TEST(SurfaceStage, ASkirtStaysBehindWhoStepsAside) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    Scene simulated(device, true), skinned(device, false);
+    simulated.at(0, 0);
+    const std::vector<float> here = skinned.at(kAsideMm, 0);
+    const std::vector<float> behind = simulated.at(kAsideMm, kFrame);
+    EXPECT_GT(furthest_behind(behind, here), kAsideMm / 4);
+    // All but cloth is where it was put.
+    const Actor& actor = test::builtin_actor("skirt");
+    for (int i = 0; i < actor.n_vertices(); ++i)
+      if (!hangs(actor, i)) EXPECT_EQ(behind[3 * i], here[3 * i]) << i;
+    // A second later it has swung out; a new person's skirt never was elsewhere.
+    std::vector<float> later;
+    for (int frame = 2; frame < 60; ++frame) later = simulated.at(kAsideMm, frame * kFrame);
+    EXPECT_LT(furthest_behind(later, here), kAsideMm / 8);
+    simulated.reset();
+    EXPECT_LT(furthest_behind(simulated.at(2 * kAsideMm, 3), skinned.at(2 * kAsideMm, 3)), kAsideMm / 8);
+  });
+}
+
+// Half as many pictures a second: the skirt has twice the time.
+TEST(SurfaceStage, ASkirtSwingsByTheFramesTimes) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const auto behind_after = [&](double seconds) {
+      Scene simulated(device, true), skinned(device, false);
+      simulated.at(0, 5);
+      return furthest_behind(simulated.at(kAsideMm, 5 + seconds), skinned.at(kAsideMm, 0));
+    };
+    const float fast = behind_after(1 / 60.0), usual = behind_after(kFrame), slow = behind_after(2 * kFrame);
+    EXPECT_GT(fast, usual + 5);
+    EXPECT_GT(usual, slow + 5);
+    EXPECT_EQ(behind_after(-1), usual) << "where time does not rise it is a 30th of a second";
+    EXPECT_EQ(behind_after(10), behind_after(1)) << "a gap is no longer than a tenth";
+  });
+}
+
+}  // namespace
+}  // namespace livecap

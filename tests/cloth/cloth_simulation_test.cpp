@@ -1,0 +1,358 @@
+#include "cloth/cloth_simulation.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "cloth/scene.h"
+#include "livecap/error.h"
+#include "support/kernel_bodies.h"
+#include "support/tolerances.h"
+
+namespace livecap {
+namespace {
+
+using Vector3 = Eigen::Vector3d;
+
+constexpr double kFrame = 1 / 30.0;
+
+Vector3 vertex(const std::vector<float>& positions, int i) {
+  return {positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]};
+}
+
+std::vector<float> moved(std::vector<float> positions, const Vector3& by) {
+  for (size_t k = 0; k < positions.size(); ++k) positions[k] += float(by[k % 3]);
+  return positions;
+}
+
+// The device's simulation with host vectors.
+class Simulation {
+ public:
+  Simulation(ocl::DeviceContext& device, const Actor& actor, const ClothOptions& options)
+      : cloth_(device, actor, options),
+        skinned_(device, actor.mesh.positions),
+        start_(device, actor.mesh.positions),
+        before_(device, actor.mesh.positions) {}
+
+  std::vector<float> step(const PosedSkeleton& posed, const std::vector<float>& skinned, double seconds = kFrame) {
+    skinned_.write(skinned);
+    start_.write(moved(skinned, {1, 2, 3}));
+    before_.write(moved(skinned, {0, 0, -5}));
+    cloth_.step(posed, seconds, skinned_, start_, before_);
+    const std::vector<float> out = skinned_.read_all(), start = start_.read_all(), before = before_.read_all();
+    const std::vector<float> expected_start = moved(out, {1, 2, 3}), expected_before = moved(out, {0, 0, -5});
+    for (size_t k = 0; k < out.size(); ++k) {
+      EXPECT_NEAR(start[k], expected_start[k], test::kMillimetreFloat);
+      EXPECT_NEAR(before[k], expected_before[k], test::kMillimetreFloat);
+    }
+    return out;
+  }
+  ClothSimulation& operator*() { return cloth_; }
+
+ private:
+  ClothSimulation cloth_;
+  ocl::Buffer<float> skinned_, start_, before_;
+};
+
+// The same in double from the equations, particle by particle over the graph.
+class Reference {
+ public:
+  Reference(const Actor& actor, const ClothOptions& options)
+      : actor_(actor), options_(options), graph_(make_cloth_graph(actor, options.max_held_leg_weight)) {
+    const PosedSkeleton rest = forward_kinematics(actor.skeleton, rest_pose(actor.skeleton));
+    const std::vector<Limb> limbs = limbs_of(rest);
+    for (const int i : graph_.vertices) {
+      reach_.emplace_back();
+      for (const Limb& limb : limbs) reach_.back().push_back(distance(limb, vertex(actor.mesh.positions, i)).norm());
+    }
+  }
+
+  std::vector<float> step(const PosedSkeleton& posed, const std::vector<float>& skinned, double seconds = kFrame) {
+    const size_t n = graph_.vertices.size();
+    std::vector<Vector3> target(n);
+    for (size_t i = 0; i < n; ++i) target[i] = vertex(skinned, graph_.vertices[i]);
+    const std::vector<Limb> limbs = limbs_of(posed);
+    if (x_.empty()) {
+      x_ = before_ = target;
+      v_.assign(n, Vector3::Zero());
+      limbs_before_ = limbs;
+    }
+    const double dt = seconds / options_.steps;
+    for (int s = 1; s <= options_.steps; ++s) {
+      const double t = double(s) / options_.steps;
+      std::vector<Vector3> ahead(n), next(n);
+      for (size_t i = 0; i < n; ++i) {
+        const Vector3 goal = before_[i] + t * (target[i] - before_[i]), carried = (target[i] - before_[i]) / seconds;
+        v_[i] = carried + std::exp(-options_.damping * dt) * (v_[i] - carried);
+        v_[i] = std::exp(-options_.air_drag * dt) * v_[i] + options_.stiffness * dt * (goal - x_[i]);
+        ahead[i] = graph_.held[i] ? goal : Vector3(x_[i] + dt * v_[i]);
+      }
+      for (size_t i = 0; i < n; ++i) {
+        next[i] = ahead[i];
+        if (graph_.held[i]) continue;
+        Vector3 sum = Vector3::Zero();
+        double shares = 0;
+        for (int at = graph_.links.offsets[i]; at < graph_.links.offsets[i + 1]; ++at) {
+          const int j = graph_.links.neighbors[at];
+          const double share = graph_.across[at] ? options_.bending_share : 1;
+          const double rest = (rest_of(int(i)) - rest_of(j)).norm();
+          const Vector3 link = ahead[j] - ahead[i];
+          sum += share * (link.norm() - rest) * link.normalized() * (graph_.held[j] ? 1.0 : 0.5);
+          shares += share;
+        }
+        next[i] += options_.relaxation / shares * sum;
+        for (size_t k = 0; k < limbs.size(); ++k) {
+          Limb limb = limbs[k];
+          limb.from = limbs_before_[k].from + t * (limb.from - limbs_before_[k].from);
+          limb.to = limbs_before_[k].to + t * (limb.to - limbs_before_[k].to);
+          const Vector3 out = distance(limb, next[i]);
+          const double radius = std::min(radius_at(limb, next[i]), reach_[i][k]);
+          if (out.norm() < radius) next[i] += (radius - out.norm()) * out.normalized();
+        }
+      }
+      for (size_t i = 0; i < n; ++i) v_[i] = (next[i] - x_[i]) / dt;
+      x_ = next;
+    }
+    before_ = target;
+    limbs_before_ = limbs;
+    std::vector<float> out = skinned;
+    for (size_t i = 0; i < n; ++i)
+      for (int a = 0; a < 3; ++a) out[3 * graph_.vertices[i] + a] = float(x_[i][a]);
+    return out;
+  }
+
+  // How deep the deepest free particle is in a limb, mm.
+  double depth(const PosedSkeleton& posed, const std::vector<float>& positions) const {
+    double deepest = 0;
+    const std::vector<Limb> limbs = limbs_of(posed);
+    for (size_t i = 0; i < graph_.vertices.size(); ++i)
+      for (size_t k = 0; k < limbs.size() && !graph_.held[i]; ++k) {
+        const Vector3 p = vertex(positions, graph_.vertices[i]);
+        deepest = std::max(deepest, std::min(radius_at(limbs[k], p), reach_[i][k]) - distance(limbs[k], p).norm());
+      }
+    return deepest;
+  }
+  // Of the edges: by how much the mean one differs from its rest length, as a share of it.
+  double mean_stretch(const std::vector<float>& positions) const {
+    double sum = 0;
+    for (size_t i = 0; i < graph_.vertices.size(); ++i)
+      for (int at = graph_.links.offsets[i]; at < graph_.links.offsets[i + 1]; ++at) {
+        const int j = graph_.links.neighbors[at];
+        const double rest = (rest_of(int(i)) - rest_of(j)).norm();
+        sum +=
+            std::abs((vertex(positions, graph_.vertices[i]) - vertex(positions, graph_.vertices[j])).norm() / rest - 1);
+      }
+    return sum / double(graph_.links.neighbors.size());
+  }
+
+ private:
+  struct Limb {
+    Vector3 from, to;
+    double radius_from, radius_to;
+  };
+  static double along(const Limb& limb, const Vector3& p) {
+    const Vector3 axis = limb.to - limb.from;
+    return std::clamp((p - limb.from).dot(axis) / axis.squaredNorm(), 0.0, 1.0);
+  }
+  static Vector3 distance(const Limb& limb, const Vector3& p) {
+    return p - limb.from - along(limb, p) * (limb.to - limb.from);
+  }
+  static double radius_at(const Limb& limb, const Vector3& p) {
+    return limb.radius_from + along(limb, p) * (limb.radius_to - limb.radius_from);
+  }
+  std::vector<Limb> limbs_of(const PosedSkeleton& posed) const {
+    const auto at = [&](const char* name) {
+      return Vector3(posed.camera_from_bone[actor_.skeleton.bone_index(name)].translation());
+    };
+    const auto& r = options_.limb_radii;
+    constexpr double kThigh = 400;
+    const Vector3 middle = (at("left_hip") + at("right_hip")) / 2;
+    std::vector<Limb> limbs;
+    for (const std::string side : {"left_", "right_"}) {
+      const Vector3 hip = at((side + "hip").c_str()), knee = at((side + "knee").c_str()),
+                    ankle = at((side + "ankle").c_str());
+      limbs.push_back({hip, knee, r[1] * kThigh, r[2] * kThigh});
+      limbs.push_back({knee, ankle, r[2] * kThigh, r[3] * kThigh});
+      limbs.push_back({middle, hip, r[0] * kThigh, r[0] * kThigh});
+    }
+    return limbs;
+  }
+  Vector3 rest_of(int particle) const { return vertex(actor_.mesh.positions, graph_.vertices[particle]); }
+
+  const Actor& actor_;
+  ClothOptions options_;
+  ClothGraph graph_;
+  std::vector<std::vector<double>> reach_;
+  std::vector<Vector3> x_, v_, before_;
+  std::vector<Limb> limbs_before_;
+};
+
+PosedSkeleton posed(const Actor& actor, double left_hip_rad) {
+  return forward_kinematics(actor.skeleton, test::pose_of(actor.skeleton, left_hip_rad));
+}
+
+TEST(ClothSimulation, RestStaysAtRest) {
+  const Actor actor = test::skirt_actor();
+  test::on_every_device_and_body([&](ocl::DeviceContext& device) {
+    for (const float hips : {0.3f, 0.9f}) {  // the second is wider than the skirt, which is not blown up by it
+      ClothOptions options;
+      options.limb_radii[0] = hips;
+      Simulation cloth(device, actor, options);
+      ASSERT_TRUE((*cloth).has_cloth());
+      for (int frame = 0; frame < 10; ++frame) {
+        const std::vector<float> out = cloth.step(posed(actor, 0), actor.mesh.positions);
+        for (size_t k = 0; k < out.size(); ++k)
+          EXPECT_NEAR(out[k], actor.mesh.positions[k], 10 * test::kMillimetreFloat);
+      }
+    }
+  });
+}
+
+TEST(ClothSimulation, FollowsTheEquations) {
+  const Actor actor = test::skirt_actor();
+  test::on_every_device_and_body([&](ocl::DeviceContext& device) {
+    ClothOptions options;
+    options.bending_share = 0.7f;
+    Simulation cloth(device, actor, options);
+    Reference reference(actor, options);
+    for (int frame = 0; frame < 4; ++frame) {
+      // The body sways, turns its skirt a little out of shape and lifts a leg.
+      std::vector<float> skinned = moved(actor.mesh.positions, {20.0 * frame, -5.0 * frame * frame, 10.0});
+      for (int i = 0; i < actor.n_vertices(); ++i) skinned[3 * i + 2] += 0.02f * float(frame) * skinned[3 * i];
+      Pose pose = test::pose_of(actor.skeleton, -0.4 * frame);
+      pose.root_translation_mm += Vector3(20.0 * frame, -5.0 * frame * frame, 10.0);
+      const PosedSkeleton legs = forward_kinematics(actor.skeleton, pose);
+      const double seconds = frame == 2 ? 0.05 : kFrame;
+      const std::vector<float> got = cloth.step(legs, skinned, seconds),
+                               expected = reference.step(legs, skinned, seconds);
+      double worst = 0, furthest = 0;
+      for (size_t k = 0; k < got.size(); ++k) {
+        worst = std::max(worst, double(std::abs(got[k] - expected[k])));
+        furthest = std::max(furthest, double(std::abs(expected[k] - skinned[k])));
+      }
+      EXPECT_LT(worst, test::kClothMm) << frame;
+      if (frame > 0) EXPECT_GT(furthest, 5) << frame;
+    }
+  });
+}
+
+// Without links and limbs a particle is an oscillator: x'' = stiffness (goal - x) - air_drag x' - damping (x' - goal').
+TEST(ClothSimulation, SpringsAndDragAreThoseOfTheOscillator) {
+  const Actor actor = test::skirt_actor();
+  ClothOptions options;
+  options.relaxation = 1e-6f;
+  options.limb_radii = {0, 0, 0, 0};
+  options.steps = 400;
+  const double k = options.stiffness, c = options.damping, air = options.air_drag;
+  test::on_every_device_and_body([&](ocl::DeviceContext& device) {
+    Simulation cloth(device, actor, options);
+    double x = 0, v = 0, before = 0;
+    for (const double goal : {0.0, 100.0, 100.0, 40.0, 40.0, 40.0}) {
+      const double carried = (goal - before) / kFrame;
+      constexpr int kFine = 20000;  // midpoint rule
+      for (int s = 0; s < kFine; ++s) {
+        const double dt = kFrame / kFine;
+        const auto acceleration = [&](double at, double velocity, double t) {
+          return k * (before + t * (goal - before) - at) - air * velocity - c * (velocity - carried);
+        };
+        const double v_mid = v + dt / 2 * acceleration(x, v, double(s) / kFine), x_mid = x + dt / 2 * v;
+        x += dt * v_mid;
+        v += dt * acceleration(x_mid, v_mid, (s + 0.5) / kFine);
+      }
+      before = goal;
+      const std::vector<float> out = cloth.step(posed(actor, 0), moved(actor.mesh.positions, {goal, 0, 0}));
+      const int hem = actor.n_vertices() - 1;
+      EXPECT_NEAR(out[3 * hem] - actor.mesh.positions[3 * hem], x, test::kOscillatorMm);
+      EXPECT_NEAR(out[0] - actor.mesh.positions[0], goal, test::kMillimetreFloat) << "the seam is held";
+    }
+  });
+}
+
+TEST(ClothSimulation, AThighLiftsTheSkirtAndEdgesKeepTheirLengths) {
+  const Actor actor = test::skirt_actor();
+  test::on_every_device_and_body([&](ocl::DeviceContext& device) {
+    Simulation cloth(device, actor, {});
+    const Reference reference(actor, {});
+    std::vector<float> out;
+    const PosedSkeleton kneeling = posed(actor, -1.2);
+    for (int frame = 0; frame <= 20; ++frame)
+      out = cloth.step(posed(actor, -1.2 * std::min(frame, 10) / 10), actor.mesh.positions);
+    EXPECT_GT(reference.depth(kneeling, actor.mesh.positions), 60) << "the skinned skirt is in the way";
+    EXPECT_LT(reference.depth(kneeling, out), 0.1);
+    EXPECT_LT(reference.mean_stretch(out), 0.05);
+    // In front of the left leg the hem is forward and up; behind the right one it stays.
+    const int hem = (test::kRings - 1) * test::kAround;
+    EXPECT_GT(out[3 * (hem + 2) + 2] - actor.mesh.positions[3 * (hem + 2) + 2], 100);
+    EXPECT_GT(out[3 * (hem + 2) + 1] - actor.mesh.positions[3 * (hem + 2) + 1], 20);
+    const int behind = hem + test::kAround / 2 + 2;
+    EXPECT_LT((vertex(out, behind) - vertex(actor.mesh.positions, behind)).norm(), 40);
+  });
+}
+
+TEST(ClothSimulation, ATurnLeavesTheHemBehindUntilReset) {
+  const Actor actor = test::skirt_actor();
+  test::on_every_device_and_body([&](ocl::DeviceContext& device) {
+    Simulation cloth(device, actor, {});
+    cloth.step(posed(actor, 0), actor.mesh.positions);
+    Pose pose = test::pose_of(actor.skeleton);
+    pose.root_rotation = Eigen::AngleAxisd(0.5, Vector3::UnitY()).toRotationMatrix();
+    std::vector<float> turned = actor.mesh.positions;
+    for (int i = 0; i < actor.n_vertices(); ++i) {
+      const Vector3 p = pose.root_rotation * vertex(actor.mesh.positions, i);
+      for (int a = 0; a < 3; ++a) turned[3 * i + a] = float(p[a]);
+    }
+    const PosedSkeleton legs = forward_kinematics(actor.skeleton, pose);
+    const int hem = actor.n_vertices() - 1, seam = 0;
+    const auto swings = [&](const std::vector<float>& out, int i) {
+      return (vertex(out, i) - vertex(turned, i)).norm();
+    };
+    const std::vector<float> behind = cloth.step(legs, turned);
+    EXPECT_GT(swings(behind, hem), 20);
+    EXPECT_LT(swings(behind, seam), test::kMillimetreFloat);
+    (*cloth).reset();
+    EXPECT_LT(swings(cloth.step(legs, turned), hem), 0.1);
+  });
+}
+
+TEST(ClothSimulation, WithoutHangingClothNothingMoves) {
+  Actor actor = test::skirt_actor();
+  actor.rigidity.assign(actor.rigidity.size(), 2.0f);
+  test::on_every_device([&](ocl::DeviceContext& device) {
+    Simulation cloth(device, actor, {});
+    EXPECT_FALSE((*cloth).has_cloth());
+    cloth.step(posed(actor, 0), actor.mesh.positions);
+    const std::vector<float> lifted = moved(actor.mesh.positions, {0, 100, 0});
+    EXPECT_EQ(cloth.step(posed(actor, -1), lifted), lifted);
+  });
+}
+
+TEST(ClothSimulation, SelfTestPasses) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
+    for (const auto& result : cloth_self_test(device)) EXPECT_TRUE(result.ok) << result.kernel << ": " << result.detail;
+  });
+}
+
+TEST(ClothSimulation, RefusesWhatMakesNoSense) {
+  const Actor actor = test::skirt_actor();
+  ocl::DeviceContext device(ocl::select_device(test::device_selectors()[0]));
+  const auto refused = [&](auto&& change) {
+    ClothOptions options;
+    change(options);
+    EXPECT_THROW(ClothSimulation(device, actor, options), ConfigError);
+  };
+  refused([](ClothOptions& o) { o.steps = 0; });
+  refused([](ClothOptions& o) { o.stiffness = -1; });
+  refused([](ClothOptions& o) { o.stiffness = NAN; });
+  refused([](ClothOptions& o) { o.damping = -1; });
+  refused([](ClothOptions& o) { o.air_drag = NAN; });
+  refused([](ClothOptions& o) { o.bending_share = -0.1f; });
+  refused([](ClothOptions& o) { o.relaxation = 2; });
+  refused([](ClothOptions& o) { o.max_held_leg_weight = 1; });
+  refused([](ClothOptions& o) { o.limb_radii[2] = -1; });
+  Simulation cloth(device, actor, {});
+  EXPECT_THROW(cloth.step(posed(actor, 0), actor.mesh.positions, 0), LogicError);
+}
+
+}  // namespace
+}  // namespace livecap

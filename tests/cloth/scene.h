@@ -1,0 +1,59 @@
+// A skirt and two legs as small as they can be: an open cone around both legs of a mini-skeleton.
+#pragma once
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "actor/actor.h"
+
+namespace livecap::test {
+
+inline constexpr int kAround = 24, kRings = 14;
+inline constexpr float kRingMm = 30;
+inline constexpr float kSeamAboveHipsMm = 60;
+
+// Rest frame: the middle of the hips is the origin, legs go down from 100 mm to either side, 400 mm to the knee and to
+// the ankle.
+inline Skeleton legs_only() {
+  Skeleton skeleton;
+  skeleton.bones = {{"pelvis", -1, {0, 0, 0}},       {"left_hip", 0, {100, 0, 0}},   {"left_knee", 1, {0, -400, 0}},
+                    {"left_ankle", 2, {0, -400, 0}}, {"right_hip", 0, {-100, 0, 0}}, {"right_knee", 4, {0, -400, 0}},
+                    {"right_ankle", 5, {0, -400, 0}}};
+  skeleton.dofs = {{.name = "left_hip_x", .bone = 1, .axis = Eigen::Vector3d::UnitX(), .min_rad = -2, .max_rad = 2}};
+  return skeleton;
+}
+
+// Ring 0 is the seam, above the hips and of another garment; below it each ring is 30 mm lower and 6 mm wider, and its
+// leg weights grow from 0 by 0.1 a ring up to 0.8 (left and right by the side it is on). Triangles face outwards.
+inline Actor skirt_actor() {
+  Actor actor;
+  actor.skeleton = legs_only();
+  for (int ring = 0; ring < kRings; ++ring) {
+    for (int k = 0; k < kAround; ++k) {
+      const double angle = 2 * M_PI * k / kAround, radius = 180 + 6.0 * ring;
+      const float x = float(radius * std::sin(angle)), z = float(radius * std::cos(angle));
+      actor.mesh.positions.insert(actor.mesh.positions.end(), {x, kSeamAboveHipsMm - kRingMm * float(ring), z});
+      const float legs = std::min(0.1f * float(ring), 0.8f);
+      actor.skin.bones.insert(actor.skin.bones.end(), {x < 0 ? 4 : 1, 0, 0, 0});
+      actor.skin.weights.insert(actor.skin.weights.end(), {legs, 1 - legs, 0, 0});
+      actor.rigidity.push_back(ring == 0 ? 2.0f : 1.0f);
+    }
+  }
+  for (int ring = 0; ring + 1 < kRings; ++ring) {
+    for (int k = 0; k < kAround; ++k) {
+      const int a = ring * kAround + k, b = ring * kAround + (k + 1) % kAround, c = a + kAround, d = b + kAround;
+      actor.mesh.triangles.insert(actor.mesh.triangles.end(), {a, c, b, b, c, d});
+    }
+  }
+  actor.colors.assign(actor.mesh.positions.size(), 0.5f);
+  return actor;
+}
+
+inline Pose pose_of(const Skeleton& skeleton, double left_hip_rad = 0) {
+  Pose pose = rest_pose(skeleton);
+  pose.angles_rad[0] = left_hip_rad;
+  return pose;
+}
+
+}  // namespace livecap::test

@@ -50,6 +50,7 @@ struct CaptureOptions {
   bool surface = true;               // false: stage I only
   bool sequential = false;           // one thread; the result is the same
   bool realtime = false;             // read the file at its own pace and drop what comes too early
+  bool decoded = false;              // decode all frames before the first is processed: 3 bytes a pixel and frame
   bool smooth = false;               // filter the result with [0.15, 0.7, 0.15] over time once more
   double missed_detections = 0;      // share of frames, chosen at random, in which the network is shown nothing: a test
   std::vector<std::string> without;  // energy terms and components switched off (docs/conventions.md)

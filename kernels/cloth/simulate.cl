@@ -85,8 +85,8 @@ static inline void ahead_row(int row, int stride, ClothStep step, float t, globa
 // Links, limbs, and the velocity that comes of them.
 static inline void settle_row(int row, int stride, ClothStep step, global const int* slice_offsets,
                               global const int* neighbors, global const float* pulls, global const float* lengths,
-                              local const Limb* limbs, global const float* reach, global const float* ahead,
-                              global float* x, global float* v) {
+                              const Limb* limbs, global const float* reach, global const float* ahead, global float* x,
+                              global float* v) {
   const Vec3 p = load3(ahead, row, stride);
   Vec3 moved = p;
   const int begin = slice_offsets[row / SLICE], end = slice_offsets[row / SLICE + 1];
@@ -126,10 +126,11 @@ kernel __attribute__((reqd_work_group_size(LC_CLOTH_GROUP, 1, 1))) void simulate
       store3(vec3(0.0f, 0.0f, 0.0f), v, row, stride);
     }
   }
-  local Limb now[LC_CLOTH_LIMBS];
   for (int k = 1; k <= n_steps; ++k) {
     const float t = (float)k / (float)n_steps;
-    EACH(i, LC_CLOTH_LIMBS) now[i] = limb_at(limbs + LC_CLOTH_LIMB_SIZE * i, t);
+    Limb now[LC_CLOTH_LIMBS];
+    LC_UNROLL
+    for (int i = 0; i < LC_CLOTH_LIMBS; ++i) now[i] = limb_at(limbs + LC_CLOTH_LIMB_SIZE * i, t);
     EACH_ROW(row, n_rows) ahead_row(row, stride, step, t, is_free, before, target, x, v, ahead);
     TOGETHER();
     EACH_ROW(row, n_rows)

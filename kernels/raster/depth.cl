@@ -132,15 +132,22 @@ kernel void raster_depths(int n_triangles, int width, int height, int n_bands, i
 
 #else
 
-// Projects the vertices and clears the picture, over whichever are more. Positive floats order like their bits, so a
-// minimum over uint is a minimum over depth.
+// Projects the vertices and clears the picture, LC_RASTER_CLEAR pixels a work-item, over whichever are more. Positive
+// floats order like their bits, so a minimum over uint is a minimum over depth.
 kernel void raster_begin(int n_vertices, int n_pixels, float4 camera, global const float* restrict positions,
                          global float* restrict projected, global uint* restrict depth, global uint* restrict ids) {
   const int i = get_global_id(0);
   if (i < n_vertices) project_lanes(i, n_vertices, camera, positions, projected);
-  if (i >= n_pixels) return;
-  depth[i] = as_uint(INFINITY);
-  ids[i] = 0xffffffffu;
+  const int first = LC_RASTER_CLEAR * i, end = min(first + LC_RASTER_CLEAR, n_pixels);
+  if (end - first == LC_RASTER_CLEAR) {  // one store each: vstore4 would be four
+    *(global uint4*)(depth + first) = (uint4)(as_uint(INFINITY));
+    *(global uint4*)(ids + first) = (uint4)(0xffffffffu);
+    return;
+  }
+  for (int p = first; p < end; ++p) {
+    depth[p] = as_uint(INFINITY);
+    ids[p] = 0xffffffffu;
+  }
 }
 
 // LC_RASTER_SHARE work-items per triangle, every so many rows each.

@@ -11,4 +11,7 @@
 // Work-items of a GPU that share a triangle.
 #define LC_RASTER_SHARE 8
 
+// Pixels that a work-item clears on a GPU.
+#define LC_RASTER_CLEAR 4
+
 #endif

@@ -21,11 +21,18 @@ static void store_part(float value, global float* part, local float* scratch) {
   if (id == 0) *part = scratch[0];
 }
 
+// In order; so many are asked for before one is waited for.
+#define AT_ONCE 32
 static float sum_parts(global const float* part) {
   float sum = 0.0f;
   const int n = get_num_groups(0);
-#pragma unroll 8
-  for (int g = 0; g < n; ++g) sum += part[g];
+  for (int first = 0; first < n; first += AT_ONCE) {
+    float several[AT_ONCE];
+#pragma unroll
+    for (int k = 0; k < AT_ONCE; ++k) several[k] = part[min(first + k, n - 1)];
+#pragma unroll
+    for (int k = 0; k < AT_ONCE; ++k) sum += first + k < n ? several[k] : 0.0f;
+  }
   return sum;
 }
 

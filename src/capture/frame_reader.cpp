@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <thread>
+#include <utility>
 
 #include "base/text.h"
 #include "image/image_io.h"
@@ -15,6 +16,8 @@ FrameReader::FrameReader(const CaptureOptions& options)
   camera_ = video_camera(options.camera, options.fov_deg, info_, options.video);
   undistorter_.emplace(camera_);
   undistorted_camera_ = undistorter_->undistorted_camera();
+  Frame frame;
+  while (options_.decoded && next(frame)) decoded_.push_back(std::move(frame));
 }
 
 int64_t FrameReader::n_frames() const {
@@ -46,18 +49,30 @@ std::vector<ImageRgb> FrameReader::empty_plates() {
   return plates;
 }
 
+bool FrameReader::next(Frame& frame) {
+  do {
+    if (options_.frames > 0 && taken_ >= options_.frames) return false;
+    if (!video_->read(frame)) return false;
+  } while (frame.index < options_.first);
+  ++taken_;
+  return true;
+}
+
 bool FrameReader::read(WorkItem& item) {
   Timer timer;
   Frame frame;
-  do {
-    if (options_.frames > 0 && delivered_ >= options_.frames) return false;
-    if (!video_->read(frame)) return false;
-  } while (frame.index < options_.first);
+  if (!options_.decoded) {
+    if (!next(frame)) return false;
+  } else if (!decoded_.empty()) {
+    frame = std::move(decoded_.front());
+    decoded_.pop_front();
+  } else {
+    return false;
+  }
   if (!clock_) {
     clock_.emplace();
     first_pts_ms_ = frame.pts_ms;
   }
-  ++delivered_;
   item.report.index = frame.index;
   item.report.pts_ms = frame.pts_ms;
   if (frame.damaged) item.report.status = TrackStatus::kDamaged;

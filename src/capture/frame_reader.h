@@ -1,6 +1,7 @@
 // Thread 1 of the pipeline: the input frames in order, undistorted, within the asked range.
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,6 +18,7 @@ namespace livecap {
 class FrameReader {
  public:
   // Opens the video and the camera. Throws IoError when their sizes differ.
+  // CaptureOptions::decoded: and reads all frames asked for.
   explicit FrameReader(const CaptureOptions& options);
 
   // The pinhole camera that the undistorted frames obey.
@@ -39,6 +41,8 @@ class FrameReader {
   std::vector<std::string> warnings() const;
 
  private:
+  // The next of those asked for. False at the end.
+  bool next(Frame& frame);
   bool is_webcam() const { return options_.video.rfind("webcam:", 0) == 0; }
 
   CaptureOptions options_;
@@ -47,7 +51,8 @@ class FrameReader {
   Camera camera_;
   Camera undistorted_camera_;
   std::optional<Undistorter> undistorter_;
-  int64_t delivered_ = 0;
+  int64_t taken_ = 0;
+  std::deque<Frame> decoded_;  // that read() has not delivered yet
   double first_pts_ms_ = 0;
   std::optional<Timer> clock_;
 };

@@ -56,6 +56,8 @@ void CaptureOptions::validate() const {
   if (!(missed_detections >= 0 && missed_detections <= 1))
     throw ConfigError(format("--miss-detections %g: must be between 0 and 1", missed_detections));
   if (sequential && realtime) throw ConfigError("--sequential and --pace realtime exclude each other");
+  if (decoded && video.rfind("webcam:", 0) == 0)
+    throw ConfigError(video + ": frames of a webcam cannot be decoded before it is captured");
   if (!(bvh_unit_m > 0) || !std::isfinite(bvh_unit_m))
     throw ConfigError("--bvh-unit: must be a positive length in metres");
   if (rigidity != 0 && !(rigidity > 0 && rigidity <= 1e6))

@@ -27,7 +27,8 @@ std::vector<float> matched_share(const Actor& actor, const TrackerOptions& optio
 
 PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
                      const TrackerOptions& options, DepthRasterizer& rasterizer, SurfaceVisibility& visibility)
-    : actor_(actor),
+    : device_(device),
+      actor_(actor),
       camera_(camera),
       options_(options),
       skin_(hanging_weights(actor, options.hanging)),
@@ -88,7 +89,7 @@ void PoseStage::find_contour(const PoseStageInput& input, const Pose& pose) {
 }
 
 // Blocking.
-std::vector<int32_t> PoseStage::read_contour(const PoseStageInput& input) const {
+std::vector<int32_t> PoseStage::read_contour(const PoseStageInput& input) {
   return input.silhouette.empty() ? std::vector<int32_t>{} : visibility_.read_contour();
 }
 
@@ -128,22 +129,26 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
     if (shades) shading_.measure(input.frame, rasterizer_, skinned_, normals_, visibility_.visible());
     if (n_levels > 0) matcher_.read_later();
     if (shades) shading_.read_later();
-    const std::vector<int32_t> contour = read_contour(input);
+    const bool has_contour = !input.silhouette.empty();
+    if (has_contour) visibility_.read_contour_later();
+    PoseInput solve{.detections = detections,
+                    .initial = from,
+                    .previous = previous,
+                    .frame = input.silhouette.empty() ? nullptr : &input.frame,
+                    .floor = floor_.floor(),
+                    .arms_3d = refining ? options_.refined_arms_3d : 1,
+                    .n_steps = previous ? options_.pose.steps : options_.pose.first_steps,
+                    .settled_px = level == 0 ? options_.settled_last_step_px : options_.settled_step_px};
+    const PoseSolver::Prepared prepared = solver_.prepare(solve);  // a GPU is still at work on the rest
+    if (has_contour) device_.finish();
+    const std::vector<int32_t> contour = has_contour ? visibility_.contour_found() : std::vector<int32_t>{};
     const Matches matches = n_levels > 0 ? matcher_.found() : Matches{};
     if (shades) solution.skin = shading_.samples();
     const std::vector<ShadedVertex> shaded = shades ? shading_.shaded(solution.skin) : std::vector<ShadedVertex>{};
-    solution.pose =
-        solver_.solve(PoseInput{.detections = detections,
-                                .initial = from,
-                                .previous = previous,
-                                .frame = input.silhouette.empty() ? nullptr : &input.frame,
-                                .contour_vertices = contour,
-                                .matches = matches.found,
-                                .shaded = shaded,
-                                .floor = floor_.floor(),
-                                .arms_3d = refining ? options_.refined_arms_3d : 1,
-                                .n_steps = previous ? options_.pose.steps : options_.pose.first_steps,
-                                .settled_px = level == 0 ? options_.settled_last_step_px : options_.settled_step_px});
+    solve.contour_vertices = contour;
+    solve.matches = matches.found;
+    solve.shaded = shaded;
+    solution.pose = solver_.solve(solve, prepared);
     solution.cost = solution.pose.energy.total() +
                     options_.pose.weights.match * matches.missed_weight * options_.missed_px * options_.missed_px;
   }

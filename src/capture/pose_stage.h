@@ -64,7 +64,7 @@ class PoseStage {
   Solution solve_in_rounds(const PoseStageInput& input, const Detections& detections, const Pose& initial,
                            const Pose* previous, int first_round = 0);
   void find_contour(const PoseStageInput& input, const Pose& pose);
-  std::vector<int32_t> read_contour(const PoseStageInput& input) const;
+  std::vector<int32_t> read_contour(const PoseStageInput& input);
   bool matches(const PoseStageInput& input) const;
   bool shading(const PoseStageInput& input) const;
   void find_contour_and_visible(const Pose& pose);
@@ -80,6 +80,7 @@ class PoseStage {
   static void keep_better(Solution other, Solution& best);
   void try_from(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best);
 
+  ocl::DeviceContext& device_;
   const Actor& actor_;
   Camera camera_;
   TrackerOptions options_;

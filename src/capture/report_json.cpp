@@ -94,6 +94,7 @@ std::string report_json(const CaptureOptions& options, const CaptureReport& repo
   o["surface"] = options.surface;
   o["sequential"] = options.sequential;
   o["pace"] = options.realtime ? "realtime" : "every frame";
+  o["decoded"] = options.decoded;
   o["smooth"] = options.smooth;
   o["without"] = options.without;
   o["rigidity"] = options.rigidity;

@@ -31,10 +31,11 @@ namespace livecap {
 namespace {
 
 constexpr std::string_view kBuiltin = "builtin:";
-// Frames between the beginning of segmentation and the end of the solvers: one in segmentation, in the pose solver and
-// in the surface solver, one handed over to either, and those that wait for later poses, as many as there are passes.
+// Frames between the beginning of the network and the end of the solvers: one in the network, in segmentation, in the
+// pose solver and in the surface solver, one handed over to each but the first, and those that wait for later poses, as
+// many as there are passes.
 constexpr int kLagPasses = 2;
-constexpr int kFramesUnderWay = 5 + kLagPasses;
+constexpr int kFramesUnderWay = 7 + kLagPasses;
 // Weight of either neighbour in a pose that the surface is fitted to, and in the paper's filter of finished videos.
 constexpr double kLagShare = 0.25;
 constexpr double kPaperShare = 0.15;
@@ -66,9 +67,15 @@ class DetectionSource {
     if (network_) warm_up_detector(*network_, camera);
   }
 
-  Detections detect(const ImageRgb& image, const Camera& camera, int64_t frame_index, double time_s) {
+  // Whether a network is shown the frame.
+  bool shows(int64_t frame_index) const { return network_ && !is_missed(frame_index); }
+
+  // on_device: see BlazePose::set_picture; of frames that are shown only.
+  Detections detect(const ImageRgb& image, const Camera& camera, int64_t frame_index, double time_s,
+                    ocl::Buffer<uint8_t>* on_device) {
     const bool missed = is_missed(frame_index);
-    if (network_) return network_->detect(missed ? black_picture(camera) : image, camera, frame_index, time_s);
+    if (network_ && missed) return network_->detect(black_picture(camera), camera, frame_index, time_s);
+    if (network_) return network_->detect(image, camera, frame_index, time_s, on_device);
     for (; next_ < recorded_.size() && recorded_[next_].frame_index <= frame_index; ++next_) {
       if (recorded_[next_].frame_index == frame_index && !missed) return recorded_[next_];
     }
@@ -109,12 +116,15 @@ class Segmenter {
     foreground_.prepare_crop_masks(detect::BlazePose::kCropSize);
   }
 
+  // For the picture, before the frame is segmented. May be called by another thread.
+  std::shared_ptr<DeviceFrame> take_frame() { return frames_.take(); }
+
   void segment(WorkItem& item) {
     Timer timer;
     const bool person = item.detections.person;
     missed_frames_ = person ? 0 : missed_frames_ + 1;
     if (person || (foreground_.has_background() && missed_frames_ <= kMaxMissedFrames)) {
-      item.frame = frames_.take();
+      if (!item.frame) item.frame = frames_.take();
       const PersonMask& network_mask = gated_ ? item.detections.mask : no_mask_;
       const ForegroundResult found =
           gated_ && item.detections.crop_mask
@@ -126,6 +136,8 @@ class Segmenter {
       item.silhouette.box = found.box;
       if (found.area_px > 0) distance_.compute(item.frame->mask, found.box, found.area_px, item.frame->signed_distance);
       device_.finish();
+    } else {
+      item.frame.reset();
     }
     item.report.stage_ms[static_cast<int>(CaptureStage::kSegment)] = timer.elapsed_ms();
   }
@@ -244,7 +256,13 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
     if (item.report.status == TrackStatus::kDamaged) return;
     const TraceSpan span("network", "network", item.report.index);
     Timer timer;
-    item.detections = detection->detect(item.image, reader.camera(), item.report.index, item.report.pts_ms / 1000);
+    // On one GPU the picture goes there once, to where the segmentation and the solvers look at it.
+    if (one_gpu && detection->shows(item.report.index)) {
+      item.frame = segmenter.take_frame();
+      item.frame->has_picture = true;
+    }
+    item.detections = detection->detect(item.image, reader.camera(), item.report.index, item.report.pts_ms / 1000,
+                                        item.frame ? &item.frame->rgb : nullptr);
     item.report.score = item.detections.score;
     item.report.stage_ms[static_cast<int>(CaptureStage::kNetwork)] = timer.elapsed_ms();
   };

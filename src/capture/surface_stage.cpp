@@ -1,6 +1,7 @@
 #include "capture/surface_stage.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace livecap {
@@ -49,6 +50,38 @@ void SurfaceStage::skin_template(const Pose& pose) {
   template_skinner_.skin(zero_, vertices_);
 }
 
+// From the skinned template with the displacement on it to the vertices.
+void SurfaceStage::launch(const DeviceFrame& picture) {
+  skinner_.normals(start_, normals_);
+  rasterizer_.render(start_, camera_);
+  visibility_.find_visible_and_contour(start_, normals_, rasterizer_);
+  if (options_.part_mask) part_mask_.update(rasterizer_);
+  const ocl::Buffer<uint8_t>* part_image = options_.part_mask ? &part_mask_.part_image() : nullptr;
+  const ocl::Buffer<int32_t>* vertex_part = options_.part_mask ? &part_mask_.vertex_part() : nullptr;
+
+  solver_.launch(SurfaceInput{.frame = picture,
+                              .skinned = skinned_,
+                              .start = start_,
+                              .previous = n_history_ >= 1 ? &start_ : nullptr,
+                              .before_previous = n_history_ >= 2 ? &before_ : nullptr,
+                              .visible = visibility_.visible(),
+                              .contour_flag = visibility_.contour(),
+                              .normals = normals_,
+                              .part_image = part_image,
+                              .vertex_part = vertex_part});
+  vertices_.copy_from(solver_.vertices());
+  if (!options_.snapping) return;
+  skinner_.normals(vertices_, normals_);
+  rasterizer_.render_depth(vertices_, camera_);
+  visibility_.find_contour(rasterizer_);
+  snapper_.snap(SnapInput{.frame = picture,
+                          .contour_flag = visibility_.contour(),
+                          .normals = normals_,
+                          .part_image = part_image,
+                          .vertex_part = vertex_part},
+                vertices_);
+}
+
 double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* picture) {
   const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);
   skinner_.set_pose(hanging_.dual_quats(posed));
@@ -64,34 +97,11 @@ double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* p
     vertices_.copy_from(skinned_);
     return 0;
   }
-  skinner_.normals(start_, normals_);
-  rasterizer_.render(start_, camera_);
-  visibility_.find_visible_and_contour(start_, normals_, rasterizer_);
-  if (options_.part_mask) part_mask_.update(rasterizer_);
-  const ocl::Buffer<uint8_t>* part_image = options_.part_mask ? &part_mask_.part_image() : nullptr;
-  const ocl::Buffer<int32_t>* vertex_part = options_.part_mask ? &part_mask_.vertex_part() : nullptr;
-
-  const SurfaceResult surface = solver_.solve(SurfaceInput{.frame = *picture,
-                                                           .skinned = skinned_,
-                                                           .start = start_,
-                                                           .previous = n_history_ >= 1 ? &start_ : nullptr,
-                                                           .before_previous = n_history_ >= 2 ? &before_ : nullptr,
-                                                           .visible = visibility_.visible(),
-                                                           .contour_flag = visibility_.contour(),
-                                                           .normals = normals_,
-                                                           .part_image = part_image,
-                                                           .vertex_part = vertex_part});
-  vertices_.copy_from(*surface.vertices);
-  if (options_.snapping) {
-    skinner_.normals(vertices_, normals_);
-    rasterizer_.render_depth(vertices_, camera_);
-    visibility_.find_contour(rasterizer_);
-    snapper_.snap(SnapInput{.frame = *picture,
-                            .contour_flag = visibility_.contour(),
-                            .normals = normals_,
-                            .part_image = part_image,
-                            .vertex_part = vertex_part},
-                  vertices_);
+  std::optional<SurfaceResult> surface;
+  for (bool whole = false; !whole;) {
+    launch(*picture);
+    surface = solver_.result();
+    whole = !snapper_.gave_up() && surface;
   }
   // The temporal terms compare displacements, not positions (docs/paper_map.md): `previous` is the warped start itself.
   if (options_.warp_displacements) {
@@ -99,7 +109,7 @@ double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* p
     skinner_.unskin_displacement(vertices_, skinned_, carried_share_, displacement_rest_);
   }
   n_history_ = std::min(n_history_ + 1, 2);
-  return surface.energies.total();
+  return surface->energies.total();
 }
 
 }  // namespace livecap

@@ -36,6 +36,8 @@ class SurfaceStage {
   void reset();
 
  private:
+  void launch(const DeviceFrame& picture);
+
   const Actor& actor_;
   Camera camera_;
   TrackerOptions options_;

@@ -14,7 +14,7 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
-constexpr size_t kLargestGroup = 1024;
+constexpr size_t kLargestGroup = 512;  // more would leave a particle's limbs too few registers
 
 // The limbs of both legs in their order: thigh, shin, and what lies between the middle of the hips and the hip.
 struct Limb {

@@ -122,12 +122,14 @@ BlazePose::BlazePose(ocl::DeviceContext& device, const std::filesystem::path& mo
   mask_bytes_ = {device, kProgram, "mask_bytes"};
 }
 
-void BlazePose::set_picture(const ImageRgb& image) {
+void BlazePose::set_picture(const ImageRgb& image, ocl::Buffer<uint8_t>* on_device) {
   image_ = &image;
   if (device_.is_cpu()) return;
-  if (picture_on_device_.size() != image.pixels.size())
-    picture_on_device_ = ocl::Buffer<uint8_t>(device_, image.pixels.size());
-  picture_on_device_.hand_over(image.pixels);
+  if (!on_device && own_picture_.size() != image.pixels.size())
+    own_picture_ = ocl::Buffer<uint8_t>(device_, image.pixels.size());
+  ocl::Buffer<uint8_t>& picture = on_device ? *on_device : own_picture_;
+  picture.hand_over(device_, image.pixels);
+  picture_on_device_ = &picture;
 }
 
 // From the picture to landmarks_, score_, world_ and the heat maps' windows, with one read.
@@ -149,7 +151,7 @@ void BlazePose::run_on_gpu(const CropRegion& crop) {
                       1.0f / static_cast<float>(b.factor * b.factor)};
   steps_.write_later(fixed_steps(b.from_crop, kCropSize, kCropSize));
   crop_picture_.launch(ocl::Range{kCropSize, kCropSize, 32, 2}, kCropSize, mirrored_ ? 1 : 0, blocks, net_.input_at(),
-                       picture_on_device_, steps_, net_.arena());
+                       *picture_on_device_, steps_, net_.arena());
   do {
     net_.run();
     pose_outputs_.launch(heatmap_.size(), 64,

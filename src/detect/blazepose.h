@@ -40,8 +40,9 @@ class BlazePose {
   // Throws IoError naming the file when it is not this network.
   BlazePose(ocl::DeviceContext& device, const std::filesystem::path& model, bool with_mask);
 
-  // The picture of the estimates that follow, which must stay as it is until the last of them.
-  void set_picture(const ImageRgb& image);
+  // The picture of the estimates that follow, which must stay as it is until the last of them. on_device: of the
+  // picture's size, in memory that this network's queue reaches; a GPU has the picture there after the first estimate.
+  void set_picture(const ImageRgb& image, ocl::Buffer<uint8_t>* on_device = nullptr);
 
   // refine_threshold: heatmap probability from which a landmark is moved to its heatmap's centre of mass.
   // mirrored: the network is shown the crop's mirror image. The result is turned back: its errors differ, nothing else.
@@ -72,7 +73,8 @@ class BlazePose {
   ImageGray mask_probability_;    // of the last estimate
   // GPUs crop the picture and look at the outputs on the device.
   std::vector<float> outputs_;
-  ocl::Buffer<uint8_t> picture_on_device_;
+  ocl::Buffer<uint8_t> own_picture_;
+  const ocl::Buffer<uint8_t>* picture_on_device_ = nullptr;
   ocl::Buffer<int32_t> steps_;
   ocl::Buffer<float> outputs_on_device_;
   ocl::Buffer<uint8_t> mask_on_device_;

@@ -152,14 +152,15 @@ void PoseDetector::filter_keypoints(double dt_s, Detections& detections) {
   }
 }
 
-Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camera, int64_t frame_index, double time_s) {
+Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camera, int64_t frame_index, double time_s,
+                                ocl::Buffer<uint8_t>* on_device) {
   if (undistorted.empty() || undistorted.width != camera.width || undistorted.height != camera.height)
     throw ConfigError(format("frame %lld is %dx%d, the camera's pictures are %dx%d",
                              static_cast<long long>(frame_index), undistorted.width, undistorted.height, camera.width,
                              camera.height));
   Detections detections;
   detections.frame_index = frame_index;
-  network_.set_picture(undistorted);
+  network_.set_picture(undistorted, on_device);
   const bool found = find_person(undistorted);
   detections.score = estimate_.score;
   if (!found) {

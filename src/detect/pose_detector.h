@@ -56,8 +56,9 @@ class PoseDetector {
 
   // undistorted: the camera's size, else ConfigError. frame_index: only passed on. time_s: of the frame, rising (else a
   // thirtieth of a second is taken to have passed). Nobody in view gives person = false and the next frame is also
-  // searched as a whole; it is never an error.
-  Detections detect(const ImageRgb& undistorted, const Camera& camera, int64_t frame_index, double time_s);
+  // searched as a whole; it is never an error. on_device: see BlazePose::set_picture.
+  Detections detect(const ImageRgb& undistorted, const Camera& camera, int64_t frame_index, double time_s,
+                    ocl::Buffer<uint8_t>* on_device = nullptr);
 
   // Forgets the person and the filters' past.
   void reset();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/text.h"
 #include "livecap/error.h"
@@ -29,8 +30,9 @@ struct MiddleHalf {
 };
 
 // Sorts into bins of equal width, so that only the two bins at the quartiles are looked at closer: all numbers are in
-// [0, kBins / kBinsPerUnit) or share the last bin.
-constexpr int kBins = 2048, kBinsPerUnit = 1024;
+// [0, kBins / kBinsPerUnit) or share the last bin. So narrow that few share one also in a picture without noise. Sums
+// in double of so few floats are exact, in any order.
+constexpr int kBins = 8192, kBinsPerUnit = 4096;
 
 MiddleHalf middle_half(const float* values, int n) {
   const auto bin_of = [](float value) { return std::min(static_cast<int>(value * kBinsPerUnit), kBins - 1); };
@@ -57,15 +59,15 @@ MiddleHalf middle_half(const float* values, int n) {
     if (bin == low_bin) low.push_back(values[i]);
     if (bin == high_bin) high.push_back(values[i]);
   }
-  std::sort(low.begin(), low.end());
-  std::sort(high.begin(), high.end());
   const int first = quarter - before_low, last = n - quarter - 1 - before_high;
-  const int low_end = low_bin == high_bin ? last + 1 : static_cast<int>(low.size());
-  for (int i = first; i < low_end; ++i) sum += low[i];
-  if (low_bin != high_bin) {
-    for (int i = 0; i <= last; ++i) sum += high[i];
-  }
-  return {static_cast<float>(sum / (n - 2 * quarter)), low[first], high[last]};
+  std::nth_element(high.begin(), high.begin() + last, high.end());
+  const float highest = high[last];
+  high.resize(last + 1);
+  if (low_bin == high_bin) low.swap(high);
+  std::nth_element(low.begin(), low.begin() + first, low.end());
+  sum = std::accumulate(low.begin() + first, low.end(), sum);
+  if (low_bin != high_bin) sum = std::accumulate(high.begin(), high.end(), sum);
+  return {static_cast<float>(sum / (n - 2 * quarter)), low[first], highest};
 }
 
 }  // namespace
@@ -174,7 +176,7 @@ void BackgroundModel::finish_training() {
 FrameChange BackgroundModel::estimate_change(const ImageRgb& frame, const ImageGray& ignore, int ignore_step) const {
   FrameChange change;
   const size_t most = gain_means_.size() / 3;  // per channel
-  std::vector<float> ratios(3 * most);
+  std::vector<float> ratios[3] = {std::vector<float>(most), std::vector<float>(most), std::vector<float>(most)};
   int n[3] = {};
   const float* mean = gain_means_.data();
   for (int y = 0; y < height_; y += kGainStep) {
@@ -184,7 +186,7 @@ FrameChange BackgroundModel::estimate_change(const ImageRgb& frame, const ImageG
       const uint8_t* pixel = &frame.pixels[3 * (size_t(y) * width_ + x)];
       for (int c = 0; c < 3; ++c) {
         // Written in any case and kept where it counts: no branch that cannot be foreseen.
-        ratios[c * most + n[c]] = pixel[c] / mean[c];
+        ratios[c][n[c]] = pixel[c] / mean[c];
         n[c] += mean[c] >= kGainDarkest && mean[c] <= kGainBrightest && pixel[c] >= kGainDarkest &&
                 pixel[c] <= kGainBrightest;
       }
@@ -195,7 +197,7 @@ FrameChange BackgroundModel::estimate_change(const ImageRgb& frame, const ImageG
   for (int c = 0; c < 3; ++c) {
     if (n[c] < kGainMinPixels) continue;
     // The mean of the middle half: as robust as the median and free of its 8-bit steps.
-    const MiddleHalf middle = middle_half(&ratios[c * most], n[c]);
+    const MiddleHalf middle = middle_half(ratios[c].data(), n[c]);
     if (std::abs(middle.mean - 1) < kGainLimit) change.gain[c] = middle.mean;
     // Half the middle half's width is 0.6745 deviations of a normal distribution; ratios are relative to about
     // mid-grey.

@@ -15,6 +15,7 @@ struct DeviceFrame {
   ocl::Buffer<float> signed_distance;  // [width*height] px, see image/silhouette.h
   ocl::Buffer<uint8_t> rgb;            // [3*width*height] undistorted
   ocl::Buffer<uint8_t> mask;           // [width*height] 255 = person
+  bool has_picture = false;            // rgb was written, as soon as the network had a look at the picture
 
   DeviceFrame(ocl::DeviceContext& device, int width, int height)
       : width(width),

@@ -206,7 +206,7 @@ ForegroundResult ForegroundSegmenter::segment(const ImageRgb& image, const Perso
   mask.width = width_;
   mask.height = height_;
   mask.pixels.assign(size_t(width_) * height_, 0);
-  frame.rgb.hand_over(image.pixels);
+  if (!frame.has_picture) frame.rgb.hand_over(image.pixels);
   PersonGate gate;
   if (has_network) {
     if (crop_mask) {

@@ -44,10 +44,10 @@ class ForegroundSegmenter {
 
   bool has_background() const { return has_background_; }
 
-  // Writes frame.rgb and, where somebody is, frame.mask and `mask` (the same on the host; 255 = person). network_mask:
-  // of the frame's size, or empty where the network gave none (then the whole picture is looked at). A mask without
-  // anybody, or neither mask nor plate, gives an empty (all zero) result, not an error. Throws ConfigError when sizes
-  // differ. Blocking.
+  // Writes frame.rgb, unless it has the picture, and, where somebody is, frame.mask and `mask` (the same on the host;
+  // 255 = person). network_mask: of the frame's size, or empty where the network gave none (then the whole picture is
+  // looked at). A mask without anybody, or neither mask nor plate, gives an empty (all zero) result, not an error.
+  // Throws ConfigError when sizes differ. Blocking.
   ForegroundResult segment(const ImageRgb& image, const PersonMask& network_mask, DeviceFrame& frame, ImageGray& mask) {
     return segment(image, network_mask, nullptr, frame, mask);
   }

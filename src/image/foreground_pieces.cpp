@@ -46,9 +46,18 @@ bool may_be_strangers(const StrangerSearch& search, int n_beyond) {
 }
 
 bool few_beyond(const ImageGray& cells, float least_share, int n_beyond) {
-  const auto known = std::count_if(cells.pixels.begin(), cells.pixels.end(), [](uint8_t p) { return p >= kHalf; });
+  int64_t known = 0, least = 0;  // cells; pixels / 16 that cells of 4 x 4 pixels cannot have less of
+  for (int y = 0; y < cells.height; ++y) {
+    const uint8_t* row = &cells.pixels[size_t(y) * cells.width];
+    for (int x = 0; x < cells.width; ++x) {
+      known += row[x] >= kHalf;
+      // The others have at most kHalf - 1 each. Cells at the border may be smaller.
+      if (row[x] >= kHalf && x + 1 < cells.width && y + 1 < cells.height) least += 2 * row[x] - 255;
+    }
+  }
   const double known_px = kSureShare * kGateCell * kGateCell * static_cast<double>(known);
-  return n_beyond <= kShareBeyond * least_share * known_px;
+  const int least_area = static_cast<int>(least_share * static_cast<float>(least / 16));
+  return n_beyond <= std::max(kShareBeyond * least_share * known_px, kShareBeyond * least_area);
 }
 
 void drop_strangers(const StrangerSearch& search, const uint8_t* beyond, int stride, ImageGray& mask) {

@@ -28,6 +28,7 @@ class FramePool {
       }
     }
     if (!frame) frame = std::make_unique<DeviceFrame>(device_, width_, height_);
+    frame->has_picture = false;
     return {frame.release(), [free = free_](DeviceFrame* used) {
               std::lock_guard lock(free->mutex);
               free->frames.emplace_back(used);

@@ -17,42 +17,51 @@ ImageGray at_least(const ImageGray& cells, double least) {
   return result;
 }
 
-// How far away the nearest cell that covers is in its row, for each cell; more than `radius` where that is further. Of
-// cells 1, 2, 4, ... further on at a time, many beside each other: not each from the one before.
-void steps_in_row(const uint8_t* row, int width, int radius, bool covering, uint8_t* steps) {
-  constexpr uint8_t kFar = 255;
-  std::vector<uint8_t> before(width);
-  for (int x = 0; x < width; ++x) steps[x] = (row[x] != 0) == covering ? 0 : kFar;
-  const auto nearer = [](uint8_t here, uint8_t there, uint8_t apart) {
-    const auto further = static_cast<uint8_t>(there > kFar - apart ? kFar : there + apart);
-    return std::min(here, further);
-  };
-  for (int apart = 1; apart <= radius && apart < width; apart *= 2) {
-    std::copy(steps, steps + width, before.begin());
-    for (int x = apart; x < width; ++x) steps[x] = nearer(steps[x], before[x - apart], uint8_t(apart));
-    std::copy(steps, steps + width, before.begin());
-    for (int x = 0; x < width - apart; ++x) steps[x] = nearer(steps[x], before[x + apart], uint8_t(apart));
-  }
-}
+struct Run {
+  int begin, end;
+};
 
-// The disc row by row: within `radius` of a cell's row a row reaches so many cells to both sides. A cell is covered
-// when the nearest one is within reach in any row. At most 254 cells.
+// The disc row by row: within `radius` of a cell's row a row reaches so many cells to both sides. What rows around a
+// row cover of it begins and ends at known places: a sum along the row says where anything does.
 void cover_by_disc(ImageGray& mask, int radius, bool covering) {
   const int width = mask.width, height = mask.height;
-  std::vector<uint8_t> steps(mask.pixels.size());
-  for (int y = 0; y < height; ++y)
-    steps_in_row(&mask.pixels[size_t(y) * width], width, radius, covering, &steps[size_t(y) * width]);
-  const uint8_t paint = covering ? 255 : 0;
-  std::vector<uint8_t> reach(radius + 1);  // OpenCV's rounding
-  for (int d = 0; d <= radius; ++d)
-    reach[d] =
-        static_cast<uint8_t>(std::lrint(radius * std::sqrt(double(radius * radius - d * d) / (radius * radius))));
+  std::vector<Run> runs;  // of cells that cover, row by row
+  std::vector<int> first_of{0};
   for (int y = 0; y < height; ++y) {
-    uint8_t* row = &mask.pixels[size_t(y) * width];
+    const uint8_t* row = &mask.pixels[size_t(y) * width];
+    for (int x = 0; x < width; ++x) {
+      if ((row[x] != 0) != covering) continue;
+      const int begin = x;
+      while (x < width && (row[x] != 0) == covering) ++x;
+      runs.push_back({begin, x});
+    }
+    first_of.push_back(static_cast<int>(runs.size()));
+  }
+  const uint8_t paint = covering ? 255 : 0;
+  std::vector<int> reach(radius + 1);  // OpenCV's rounding
+  for (int d = 0; d <= radius; ++d)
+    reach[d] = static_cast<int>(std::lrint(radius * std::sqrt(double(radius * radius - d * d) / (radius * radius))));
+  std::vector<int> changes(width + 1);  // by how much the number of covering runs grows here
+  for (int y = 0; y < height; ++y) {
+    const uint8_t* from = &mask.pixels[size_t(y) * width];
+    if (!covering && std::none_of(from, from + width, [](uint8_t cell) { return cell != 0; })) continue;
+    std::fill(changes.begin(), changes.end(), 0);
+    int first = width, last = 0;
     for (int v = std::max(0, y - radius); v <= std::min(height - 1, y + radius); ++v) {
-      const uint8_t* away = &steps[size_t(v) * width];
-      const uint8_t limit = reach[std::abs(v - y)];
-      for (int x = 0; x < width; ++x) row[x] = away[x] <= limit ? paint : row[x];
+      const int far = reach[std::abs(v - y)];
+      for (int i = first_of[v]; i < first_of[v + 1]; ++i) {
+        const int begin = std::max(0, runs[i].begin - far), end = std::min(width, runs[i].end + far);
+        ++changes[begin];
+        --changes[end];
+        first = std::min(first, begin);
+        last = std::max(last, end);
+      }
+    }
+    uint8_t* row = &mask.pixels[size_t(y) * width];
+    int n_covering = 0;
+    for (int x = first; x < last; ++x) {
+      n_covering += changes[x];
+      if (n_covering > 0) row[x] = paint;
     }
   }
 }
@@ -81,11 +90,11 @@ PixelBox bounding_box(const ImageGray& mask) {
 }
 
 void grow_by_disc(ImageGray& mask, int radius) {
-  if (radius > 0) cover_by_disc(mask, std::min(radius, 254), true);
+  if (radius > 0) cover_by_disc(mask, radius, true);
 }
 
 void shrink_by_disc(ImageGray& mask, int radius) {
-  if (radius > 0) cover_by_disc(mask, std::min(radius, 254), false);
+  if (radius > 0) cover_by_disc(mask, radius, false);
 }
 
 PersonGate find_person_gate(const ImageGray& cells, int width, int height, const ForegroundOptions& options) {

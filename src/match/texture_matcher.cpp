@@ -209,9 +209,11 @@ void TextureMatcher::read_later() {
 
 Matches TextureMatcher::found() const {
   Matches matches;
+  matches.found.reserve(n_vertices_ / 4);
   double matched = 0, visible = 0;
   for (int i = 0; i < n_vertices_; ++i) {
     const float* m = &host_[size_t(LC_MATCH) * i];
+    if (m[7] == 0 && m[5] == 0) continue;
     visible += m[7];
     if (!(m[5] > 0)) continue;
     matched += m[5];

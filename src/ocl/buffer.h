@@ -106,6 +106,12 @@ class Buffer {
     require(values.size() + offset <= count_);
     copies_->write(memory_, offset * sizeof(T), values.data(), values.size_bytes(), false);
   }
+  // The same in the order of another queue to the same memory.
+  void hand_over(DeviceContext& through, std::span<const T> values) {
+    if (!through.copies()) return write(values);
+    require(values.size() <= count_);
+    through.copies()->write(memory_, 0, values.data(), values.size_bytes(), false);
+  }
   // Returns at once; the values are there after the next blocking read through the same queue, and must live until
   // then or until the buffer is gone.
   void read_later(std::span<T> values) const { read(values, 0, CL_FALSE); }

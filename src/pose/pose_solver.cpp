@@ -62,14 +62,19 @@ PoseSolver::PoseSolver(ocl::DeviceContext& device, const Actor& actor, const Ski
                        const PoseOptions& options)
     : actor_(actor), camera_(camera), options_(options), system_(device, actor, skin, camera, options) {}
 
-PoseResult PoseSolver::solve(const PoseInput& input) {
-  KeypointTargets targets = make_targets(actor_, input.detections, input.previous, options_);
+PoseSolver::Prepared PoseSolver::prepare(const PoseInput& input) const {
+  Prepared prepared{make_targets(actor_, input.detections, input.previous, options_), {}, keypoints(input.initial)};
   for (int k : {kLeftElbow, kRightElbow, kLeftWrist, kRightWrist, kLeftHand, kRightHand})
-    targets[k].weight_3d *= input.arms_3d;
+    prepared.targets[k].weight_3d *= input.arms_3d;
+  if (input.floor)
+    prepared.stands = standing(system_.soles(), actor_.skeleton, *input.floor, input.initial, input.previous);
+  return prepared;
+}
+
+PoseResult PoseSolver::solve(const PoseInput& input, const Prepared& prepared) {
+  const KeypointTargets& targets = prepared.targets;
   system_.set_frame(targets, input.frame, input.contour_vertices, input.displacement_rest, input.matches, input.shaded);
-  std::vector<double> stands;
-  if (input.floor) stands = standing(system_.soles(), actor_.skeleton, *input.floor, input.initial, input.previous);
-  system_.set_floor(input.floor, stands);
+  system_.set_floor(input.floor, prepared.stands);
   PoseResult result;
   result.pose = input.initial;
   if (!has_observation(targets) && system_.n_contour() == 0) {
@@ -77,7 +82,7 @@ PoseResult PoseSolver::solve(const PoseInput& input) {
     return result;
   }
 
-  const KeypointPositions initial = keypoints(input.initial);
+  const KeypointPositions& initial = prepared.keypoints_mm;
   const PoseState start{input.initial, best_t_prime(targets, initial)};
   const int n_steps = input.n_steps > 0 ? input.n_steps : options_.steps;
   std::optional<PoseSteps> steps = system_.take_steps(start, n_steps, input.settled_px);

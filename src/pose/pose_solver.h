@@ -74,9 +74,19 @@ class PoseSolver {
   PoseSolver(ocl::DeviceContext& device, const Actor& actor, const SkinWeights& skin, const Camera& camera,
              const PoseOptions& options);
 
+  // What a solve needs but what the picture shows of vertices: may be made while that is looked for. previous, floor,
+  // initial, detections and arms_3d of the input count.
+  struct Prepared {
+    KeypointTargets targets;
+    std::vector<double> stands;                                // of the soles; empty without a floor
+    std::array<Eigen::Vector3d, kKeypointCount> keypoints_mm;  // of the initial pose
+  };
+  Prepared prepare(const PoseInput& input) const;
+
   // Bit-identical for identical inputs on one device, unless its work-groups gave up waiting for each other in one of
   // the runs (ocl/groups_together.h): then within float rounding. Throws LogicError for inputs of wrong size.
-  PoseResult solve(const PoseInput& input);
+  PoseResult solve(const PoseInput& input) { return solve(input, prepare(input)); }
+  PoseResult solve(const PoseInput& input, const Prepared& prepared);
 
   const PoseOptions& options() const { return options_; }
 

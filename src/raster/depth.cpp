@@ -97,9 +97,9 @@ void DepthRasterizer::draw(bool with_ids, const ocl::Buffer<float>& positions_ca
     }
     return;
   }
-  const size_t either = std::max(depth_.size(), size_t(n_vertices_));
-  begin_.launch(either, kLocal, n_vertices_, static_cast<int>(depth_.size()), pinhole_arg(camera), positions_camera,
-                projected_, depth_, ids_);
+  const size_t n_clears = round_up(depth_.size(), LC_RASTER_CLEAR) / LC_RASTER_CLEAR;
+  begin_.launch(std::max(n_clears, size_t(n_vertices_)), kLocal, n_vertices_, static_cast<int>(depth_.size()),
+                pinhole_arg(camera), positions_camera, projected_, depth_, ids_);
   const size_t items = size_t(n_triangles_) * LC_RASTER_SHARE;
   nearest_.launch(items, kLocal, n_triangles_, width_, height_, cull_, projected_, triangles_, depth_);
   if (!with_ids) return;

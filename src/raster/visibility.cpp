@@ -54,6 +54,7 @@ SurfaceVisibility::SurfaceVisibility(ocl::DeviceContext& device, const Mesh& mes
   on_open_edge_ = ocl::Buffer<int32_t>(device, open_edge_vertices(mesh));
   visible_ = ocl::Buffer<int32_t>(device, n_vertices_);
   contour_ = ocl::Buffer<int32_t>(device, n_vertices_);
+  contour_read_.assign(n_vertices_, 0);
   visible_kernel_ = ocl::Kernel(device, kFile, "visible_vertices");
   contour_kernel_ = ocl::Kernel(device, kFile, "contour_vertices");
   if (!is_cpu_) both_kernel_ = ocl::Kernel(device, kFile, "visible_and_contour");
@@ -109,11 +110,19 @@ ocl::Range SurfaceVisibility::over_vertices() const {
   return {round_up(items, local), 1, local, 1};
 }
 
-std::vector<int32_t> SurfaceVisibility::read_contour() const {
-  const std::vector<int32_t> flags = contour_.read_all();
+std::vector<int32_t> SurfaceVisibility::read_contour() {
+  contour_.read(contour_read_);
+  return contour_found();
+}
+
+void SurfaceVisibility::read_contour_later() {
+  contour_.read_later(contour_read_);
+}
+
+std::vector<int32_t> SurfaceVisibility::contour_found() const {
   std::vector<int32_t> indices;
-  for (size_t i = 0; i < flags.size(); ++i) {
-    if (flags[i]) indices.push_back(static_cast<int32_t>(i));
+  for (int i = 0; i < n_vertices_; ++i) {
+    if (contour_read_[i]) indices.push_back(i);
   }
   return indices;
 }

@@ -36,7 +36,10 @@ class SurfaceVisibility {
   const ocl::Buffer<int32_t>& visible() const { return visible_; }  // [n_vertices] 0 or 1
   const ocl::Buffer<int32_t>& contour() const { return contour_; }  // [n_vertices] 0 or 1
   // Indices of the contour vertices, ascending. Blocking.
-  std::vector<int32_t> read_contour() const;
+  std::vector<int32_t> read_contour();
+  // The same in two halves: enqueues; when the queue was waited for.
+  void read_contour_later();
+  std::vector<int32_t> contour_found() const;
 
  private:
   void require(const DepthRasterizer& raster) const;
@@ -52,6 +55,7 @@ class SurfaceVisibility {
   ocl::Buffer<int32_t> fan_triangles_;  // [3*n_triangles]
   ocl::Buffer<int32_t> on_open_edge_;   // [n]
   ocl::Buffer<int32_t> visible_;
+  std::vector<int32_t> contour_read_;  // [n] what was read of contour_
   ocl::Buffer<int32_t> contour_;
   ocl::Kernel visible_kernel_;
   ocl::Kernel contour_kernel_;

@@ -269,14 +269,29 @@ class Bench {
            {-20, 0, 1000, 0, 2000});
     const ocl::Buffer<int32_t> offsets(device_, graph_.slice_offsets), neighbors(device_, graph_.neighbors);
     ocl::Buffer<float> spread_moves(device_, constant({7, 7})), spread_rings(device_, constant({7}));
-    kernel("snap_warp.cl", "snap_spread")
-        .launch(lane_items_, lane_local(), rows_, stride_, 1.0f, 0.75f, offsets, neighbors, rings, moves, spread_rings,
-                spread_moves);
+    ocl::GroupsTogether one(device_, 1);
+    const auto round = [&](int number, int n_rings) {
+      kernel("snap_warp.cl", "snap_rounds")
+          .launch(lane_items_, lane_local(), number, number + 1, one.arrived(), rows_, stride_, n_rings, offsets,
+                  neighbors, rings, spread_rings, moves, spread_moves, one.state());
+    };
+    if (device_.is_cpu()) {
+      kernel("snap_warp.cl", "snap_spread")
+          .launch(lane_items_, lane_local(), rows_, stride_, 1.0f, 0.75f, offsets, neighbors, rings, moves,
+                  spread_rings, spread_moves);
+    } else {
+      round(0, 3);
+    }
     expect("snap_spread",
            {at(spread_moves, 0, 2)[0], at(spread_rings, 0, 1)[0], at(spread_moves, 2, 2)[0], at(spread_rings, 2, 1)[0]},
            {-15, 1, 0, 2000});
-    kernel("snap_warp.cl", "snap_relax")
-        .launch(lane_items_, lane_local(), rows_, stride_, 1.0f, offsets, neighbors, spread_rings, spread_moves, moves);
+    if (device_.is_cpu()) {
+      kernel("snap_warp.cl", "snap_relax")
+          .launch(lane_items_, lane_local(), rows_, stride_, 1.0f, offsets, neighbors, spread_rings, spread_moves,
+                  moves);
+    } else {
+      round(1, 1);
+    }
     expect("snap_relax", {at(moves, 0, 2)[0], at(moves, 1, 2)[0], at(moves, 2, 2)[0]}, {-10, -20, 0});
     kernel("snap_targets.cl", "snap_apply")
         .launch(graph_.n, 64, graph_.n, stride_, 1.0f, order, spread_rings, moves, vertices);

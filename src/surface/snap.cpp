@@ -4,10 +4,15 @@
 #include <string>
 #include <utility>
 
+#include "base/round_up.h"
 #include "livecap/error.h"
 
 namespace livecap {
-namespace {}  // namespace
+namespace {
+
+constexpr size_t kLocal = 64;
+
+}  // namespace
 
 void SnapOptions::validate() const {
   if (!(max_rigidity >= 0.0f)) throw ConfigError("snap option max_rigidity must not be negative");
@@ -18,7 +23,7 @@ void SnapOptions::validate() const {
 
 Snapper::Snapper(ocl::DeviceContext& device, const Actor& actor, std::shared_ptr<const SurfaceDomain> domain,
                  const SnapOptions& options)
-    : options_(options), domain_(std::move(domain)) {
+    : options_(options), domain_(std::move(domain)), is_cpu_(device.is_cpu()) {
   options.validate();
   if (actor.rigidity.size() != size_t(domain_->graph.n)) throw LogicError("snap: the domain is of another actor");
   rigidity_ = {device, domain_->graph.planes(actor.rigidity, 1)};
@@ -33,8 +38,32 @@ Snapper::Snapper(ocl::DeviceContext& device, const Actor& actor, std::shared_ptr
   moves_after_.fill(0.0f);
   targets_ = {device, "surface/snap_targets.cl", "snap_targets"};
   apply_ = {device, "surface/snap_targets.cl", "snap_apply"};
-  spread_ = {device, "surface/snap_warp.cl", "snap_spread"};
-  relax_ = {device, "surface/snap_warp.cl", "snap_relax"};
+  if (is_cpu_) {
+    spread_ = {device, "surface/snap_warp.cl", "snap_spread"};
+    relax_ = {device, "surface/snap_warp.cl", "snap_relax"};
+    return;
+  }
+  rounds_ = {device, "surface/snap_warp.cl", "snap_rounds"};
+  groups_ = ocl::GroupsTogether(device, round_up(domain_->graph.n_rows, kLocal) / kLocal);
+  // Over zeros: shows whether it works, and compiles it.
+  warp_in_rounds();
+  rings_.read_all();
+  gave_up();
+}
+
+// On GPUs.
+void Snapper::warp_in_rounds() {
+  const int n = options_.n_rings > 0 ? options_.n_rings + options_.relaxations : 0;
+  const int at_once = groups_.work() ? n : 1;
+  for (int round = 0; round < n; round += at_once) {
+    rounds_.launch(groups_.n() * kLocal, kLocal, round, round + at_once, groups_.arrived(), domain_->graph.n_rows,
+                   domain_->graph.stride, options_.n_rings, domain_->slice_offsets, domain_->neighbors, rings_,
+                   rings_after_, moves_, moves_after_, groups_.state());
+    groups_.launched(at_once - 1);
+  }
+  if (options_.n_rings % 2 == 1) std::swap(rings_, rings_after_);
+  if (n % 2 == 1) std::swap(moves_, moves_after_);
+  groups_.read_later();
 }
 
 void Snapper::snap(const SnapInput& input, ocl::Buffer<float>& vertices) {
@@ -58,7 +87,8 @@ void Snapper::snap(const SnapInput& input, ocl::Buffer<float>& vertices) {
                   options_.max_move_px, has_parts, domain_->camera, domain_->order, rigidity_, input.contour_flag,
                   input.normals, input.frame.signed_distance, has_parts ? *input.part_image : no_parts_,
                   has_parts ? *input.vertex_part : input.contour_flag, vertices, moves_, rings_);
-  for (int ring = 1; ring <= options_.n_rings; ++ring) {
+  if (!is_cpu_) warp_in_rounds();
+  for (int ring = 1; is_cpu_ && ring <= options_.n_rings; ++ring) {
     // Linear fall-off to zero at n_rings + 1.
     const float fall = float(options_.n_rings + 1 - ring) / float(options_.n_rings + 2 - ring);
     spread_.launch(domain_->lane_items, domain_->lane_local, n_rows, stride, float(ring), fall, domain_->slice_offsets,
@@ -67,7 +97,7 @@ void Snapper::snap(const SnapInput& input, ocl::Buffer<float>& vertices) {
     std::swap(moves_, moves_after_);
   }
   // The two sets of moves now differ in the last ring only, which every sweep writes.
-  for (int k = 0; options_.n_rings > 0 && k < options_.relaxations; ++k) {
+  for (int k = 0; is_cpu_ && options_.n_rings > 0 && k < options_.relaxations; ++k) {
     relax_.launch(domain_->lane_items, domain_->lane_local, n_rows, stride, float(options_.n_rings),
                   domain_->slice_offsets, domain_->neighbors, rings_, moves_, moves_after_);
     std::swap(moves_, moves_after_);

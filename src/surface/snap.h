@@ -2,6 +2,7 @@
 // zero of the distance image, at constant depth; neighbours within a band of edge rings follow by a Laplacian warp.
 #pragma once
 
+#include "ocl/groups_together.h"
 #include "ocl/kernel.h"
 #include "surface/surface_domain.h"
 #include "surface/surface_input.h"
@@ -37,18 +38,24 @@ class Snapper {
   // Moves vertices [3n] in place; only x and y, only in the band. Enqueues, does not block. Throws LogicError for
   // buffers of a wrong size.
   void snap(const SnapInput& input, ocl::Buffer<float>& vertices);
+  // True once when the device did not do all of it, after the next blocking read: it is to be done again.
+  bool gave_up() { return groups_.gave_up("snap"); }
 
   // Blocking, for tests: 0 = snapped, k = k edges away and in the band, more than n_rings = not moved. [n] mesh order.
   std::vector<float> rings() const;
 
  private:
+  void warp_in_rounds();
+
   SnapOptions options_;
   std::shared_ptr<const SurfaceDomain> domain_;
+  bool is_cpu_;
   ocl::Buffer<float> rigidity_;             // [stride] rows
   ocl::Buffer<float> rings_, rings_after_;  // [stride]
   ocl::Buffer<float> moves_, moves_after_;  // 2 planes, mm
   ocl::Buffer<uint8_t> no_parts_;
-  ocl::Kernel targets_, spread_, relax_, apply_;
+  ocl::Kernel targets_, spread_, relax_, rounds_, apply_;
+  ocl::GroupsTogether groups_;  // on GPUs, for rounds_
 };
 
 }  // namespace livecap

@@ -6,21 +6,36 @@ SurfaceSolver::SurfaceSolver(ocl::DeviceContext& device, const Actor& actor, con
                              const SurfaceOptions& options)
     : options_(options), system_(device, actor, camera, options), vertices_(device, 3 * size_t(actor.n_vertices())) {}
 
-SurfaceResult SurfaceSolver::solve(const SurfaceInput& input) {
+void SurfaceSolver::launch(const SurfaceInput& input) {
   system_.begin(input);
   for (const int kernel : options_.gaussian_kernels) {
     system_.linearize(input, kernel);
     system_.iterate_pcg(options_.pcg_iterations);
     system_.move();
   }
-  if (options_.evaluate_energies) system_.linearize(input, options_.gaussian_kernels.back());
+  if (options_.evaluate_energies) {
+    system_.linearize(input, options_.gaussian_kernels.back());
+    system_.sum_energies();
+  }
   system_.finish(input, vertices_);
+}
+
+std::optional<SurfaceResult> SurfaceSolver::result() {
   SurfaceResult result;
   result.vertices = &vertices_;
   result.status = system_.status();
-  if (system_.gave_up()) return solve(input);
-  if (options_.evaluate_energies && result.status == SurfaceStatus::kOk) result.energies = system_.energies();
+  if (system_.gave_up()) return std::nullopt;
+  if (options_.evaluate_energies && result.status == SurfaceStatus::kOk) result.energies = system_.summed_energies();
   return result;
+}
+
+SurfaceResult SurfaceSolver::solve(const SurfaceInput& input) {
+  std::optional<SurfaceResult> solved;
+  while (!solved) {
+    launch(input);
+    solved = result();
+  }
+  return *solved;
 }
 
 }  // namespace livecap

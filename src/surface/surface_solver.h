@@ -2,6 +2,7 @@
 // per Gaussian level, twelve preconditioned conjugate gradient iterations each, all on the device.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "surface/surface_system.h"
@@ -22,8 +23,14 @@ class SurfaceSolver {
   SurfaceSolver(ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
                 const SurfaceOptions& options = {});
 
-  // Enqueues everything, then blocks once to read status and energies. Throws LogicError for buffers of a wrong size.
+  // Enqueues everything. Throws LogicError for buffers of a wrong size.
+  void launch(const SurfaceInput& input);
+  // What was launched last; blocks once. Nothing where the device did not do all of it: launch again.
+  std::optional<SurfaceResult> result();
+  // Both.
   SurfaceResult solve(const SurfaceInput& input);
+  // Of the last launch, for what is enqueued behind it.
+  const ocl::Buffer<float>& vertices() const { return vertices_; }
 
   // For a Snapper of the same template and camera.
   std::shared_ptr<const SurfaceDomain> domain() const { return system_.domain(); }

@@ -247,10 +247,17 @@ void SurfaceSystem::finish(const SurfaceInput& input, ocl::Buffer<float>& out) {
 
 SurfaceStatus SurfaceSystem::status() {
   groups_.read_later();
+  totals_.read_later(totals_read_);
   return scalars_.read_all()[3] == 0.0f ? SurfaceStatus::kOk : SurfaceStatus::kNonFinite;
 }
 
 SurfaceEnergies SurfaceSystem::energies() {
+  sum_energies();
+  totals_.read(totals_read_);
+  return summed_energies();
+}
+
+void SurfaceSystem::sum_energies() {
   const auto sums = [&](const ocl::Buffer<float>& planes, int n_planes, int first) {
     sum_energies_.launch(sum_items_, sum_items_, domain_->graph.n_rows, domain_->graph.stride, n_planes, first, planes,
                          totals_);
@@ -258,7 +265,10 @@ SurfaceEnergies SurfaceSystem::energies() {
   sums(data_energies_[0], 1, 0);
   sums(data_energies_[1], 1, 1);
   sums(regularizer_energies_, 4, 2);
-  const std::vector<float> totals = totals_.read_all();
+}
+
+SurfaceEnergies SurfaceSystem::summed_energies() const {
+  const auto& totals = totals_read_;
   return {.photo = totals[0],
           .silhouette = totals[1],
           .smooth = totals[2],

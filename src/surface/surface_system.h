@@ -3,6 +3,7 @@
 // preconditioned conjugate gradients, move. SurfaceSolver runs the three; tests look at each.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "ocl/groups_together.h"
@@ -34,6 +35,9 @@ class SurfaceSystem {
   // Blocking reads.
   SurfaceStatus status();
   SurfaceEnergies energies();  // at the vertices of the last linearize()
+  // The same in two halves: enqueues; after status().
+  void sum_energies();
+  SurfaceEnergies summed_energies() const;
 
   // Blocking, for tests; all in mesh order.
   std::vector<float> right_hand_side() const;                       // [3n] -J^T F, valid before iterate_pcg
@@ -72,7 +76,8 @@ class SurfaceSystem {
   ocl::Buffer<float> products_;                                                           // 1 plane
   ocl::Buffer<float> data_energies_[2], regularizer_energies_;                            // 1, 1, 4 planes
   ocl::Buffer<float> scalars_;                                                            // [4]
-  ocl::Buffer<float> totals_;                                                             // [6]
+  std::array<float, 6> totals_read_{};
+  ocl::Buffer<float> totals_;  // [6]
 
   ocl::Kernel pack_, unpack_, photo_, silhouette_, regularizer_;
   ocl::Kernel sum_energies_, move_;

@@ -3,6 +3,7 @@
 
 #include "actor/actor.h"
 #include "capture/capture_run.h"
+#include "livecap/error.h"
 #include "nn/models.h"
 
 namespace livecap {
@@ -37,6 +38,32 @@ TEST(Determinism, PipelinedAndSequentialRunsGiveTheSameBytes) {
     EXPECT_TRUE(first == read_file(scratch / "one_thread" / file)) << file << " differs in one thread";
     EXPECT_TRUE(first == read_file(scratch / "again" / file)) << file << " differs when repeated";
   }
+}
+
+// Whenever the frames are decoded. A webcam's cannot be beforehand.
+TEST(Determinism, FramesDecodedBeforehandGiveTheSameBytes) {
+  LIVECAP_MODEL_OR_SKIP(model, "lite");
+  const test::ScratchFolder scratch;
+  write_sequence(test::small_sequence(14, 2), scratch / "sequence");
+  std::vector<std::string> vertices;
+  for (const bool decoded : {false, true}) {
+    CaptureOptions options = test::capture_of(scratch / "sequence", scratch / "capture", model);
+    options.decoded = decoded;
+    options.first = 3;
+    options.frames = 8;
+    const CaptureReport report = run_capture(options);
+    EXPECT_EQ(report.frames, 8);
+    EXPECT_TRUE(report.input_complete);
+    EXPECT_EQ(test::frame_rows(scratch / "capture").front().index, 3);
+    EXPECT_NE(read_file(report.report).find(decoded ? "\"decoded\": true" : "\"decoded\": false"), std::string::npos);
+    vertices.push_back(read_file(report.pc2));
+    options.video = "webcam:0";
+    if (decoded) {
+      EXPECT_THROW(options.validate(), ConfigError);
+    }
+  }
+  EXPECT_GT(vertices[0].size(), 1000u);
+  EXPECT_TRUE(vertices[0] == vertices[1]);
 }
 
 }  // namespace

@@ -138,7 +138,10 @@ TEST(PoseDetector, BothBodiesSeeTheSame) {
   ocl::DeviceContext as_gpu(info);
   detect::BlazePose host(own, model, true), device(as_gpu, model, true);
   host.set_picture(image);
-  device.set_picture(image);
+  // Where another queue to the same memory finds it, too.
+  ocl::DeviceContext sibling(as_gpu, ocl::SharedMemory{});
+  ocl::Buffer<uint8_t> picture(sibling, image.pixels.size());
+  device.set_picture(image, &picture);
   detect::PoseEstimate a, b;
   // Shrunk by 1, 2 and 4; turned; partly and wholly outside.
   for (const detect::CropRegion& crop : {detect::CropRegion{300, 400, 230, 0.4},
@@ -162,6 +165,7 @@ TEST(PoseDetector, BothBodiesSeeTheSame) {
       EXPECT_LE(most, test::kMaskBytes) << crop.side_px << " px, " << mirrored;
     }
   }
+  EXPECT_EQ(picture.read_all(), image.pixels);
 }
 
 // Landmark i in a mirror: left and right exchanged, by the network's list (0 nose, 33 and on: the crop).

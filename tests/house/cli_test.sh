@@ -260,6 +260,13 @@ expect 2 'nowhere/video.mp4' bench --sequence nowhere
 expect 2 '--frames' bench --frames 0
 expect 2 'none.tflite' bench --sequence seq --model none.tflite
 expect 2 '--trace nowhere/t.json' bench --sequence seq --trace nowhere/t.json
+cases=$((cases + 1))
+if ! "$livecap" -q bench --sequence seq --model lite --decoded >out.txt 2>err.txt ||
+  ! grep -q '^input .*decoded before the clock starts' out.txt || ! grep -q '^  stages .* read 0\.' out.txt; then
+  echo "FAILED: bench --decoded"
+  sed 's/^/  | /' err.txt out.txt | head -20
+  failures=$((failures + 1))
+fi
 
 echo "$cases cases, $failures failures"
 [[ $failures -eq 0 ]]

@@ -9,6 +9,7 @@
 
 #include "base/text.h"
 #include "foreground_reference.h"
+#include "image/foreground_pieces.h"
 #include "image/image_io.h"
 #include "image/video.h"
 #include "livecap/error.h"
@@ -270,6 +271,58 @@ TEST(Foreground, ACropsMaskIsLaidOverThePicture) {
     EXPECT_THROW(segmenter.segment(image, crop, frame, mask), LogicError);
     crop.box.x1 = kWidth - 3;
   });
+}
+
+// What was written for the network before is not written again.
+TEST(Foreground, APictureThatIsThereIsNotUploaded) {
+  BackgroundModel background;
+  background.train(scene(false, 1, 10));
+  test::on_every_device_and_body([&](ocl::DeviceContext& device) {
+    ForegroundSegmenter segmenter(device, background, kWidth, kHeight);
+    DeviceFrame uploaded(device, kWidth, kHeight), there(device, kWidth, kHeight);
+    const ImageRgb image = scene(true, 1.07f, 77);
+    ImageGray expected, mask;
+    segmenter.segment(image, vague_mask(), uploaded, expected);
+    for (const ImageRgb& picture : {image, scene(false, 1.07f, 77)}) {
+      there.rgb.write(picture.pixels);
+      there.has_picture = true;
+      segmenter.segment(image, vague_mask(), there, mask);
+      EXPECT_EQ(mask.pixels == expected.pixels, picture.pixels == image.pixels);
+    }
+  });
+}
+
+// So few are a stranger nowhere, whatever the pixels of the cells are.
+TEST(Foreground, FewBeyondAreFewByPixels) {
+  std::mt19937 random(9);
+  int n_few = 0;
+  for (int i = 0; i < 400; ++i) {
+    const int width = 60 + static_cast<int>(random() % 40), height = 70;
+    const int cell_width = (width + kGateCell - 1) / kGateCell, cell_height = (height + kGateCell - 1) / kGateCell;
+    PersonMask network{width, height, std::vector<uint8_t>(size_t(width) * height, 0)};
+    const unsigned vague = 1 + random() % 128;  // certain inside, all but certain around
+    for (int y = 10; y < height; ++y) {
+      for (int x = 15; x < width; ++x)
+        network.probability[size_t(y) * width + x] = static_cast<uint8_t>(x < 45 ? 255 - random() % vague : 127);
+    }
+    ImageGray cells{cell_width, cell_height, {}};
+    for (int v = 0; v < cell_height; ++v) {
+      for (int u = 0; u < cell_width; ++u) {
+        int sum = 0, n = 0;
+        for (int y = 4 * v; y < std::min(4 * v + 4, height); ++y) {
+          for (int x = 4 * u; x < std::min(4 * u + 4, width); ++x, ++n)
+            sum += network.probability[size_t(y) * width + x];
+        }
+        cells.pixels.push_back(static_cast<uint8_t>((2 * sum + n) / (2 * n)));
+      }
+    }
+    const int n_beyond = static_cast<int>(random() % 300);
+    const StrangerSearch search{network, {0, 0, width, height}, 2, 0.9f};
+    if (!few_beyond(cells, 0.9f, n_beyond)) continue;
+    ++n_few;
+    EXPECT_FALSE(may_be_strangers(search, n_beyond)) << n_beyond;
+  }
+  EXPECT_GT(n_few, 100);
 }
 
 TEST(Foreground, DiscsAreOpenCvs) {

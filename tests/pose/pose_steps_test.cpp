@@ -27,13 +27,13 @@ void on_every_gpu_body(Check&& check) {
   });
 }
 
-// With this many joints less, or more of those at the end of the chain.
+// With this many joints less; or more, each beside another one, so that something tells them apart.
 Actor actor_with(int n_more_joints) {
   Actor actor = test::make_test_actor(0.7);
   std::vector<Dof>& dofs = actor.skeleton.dofs;
   for (; n_more_joints < 0; ++n_more_joints) dofs.pop_back();
-  for (; n_more_joints > 0; --n_more_joints) {
-    Dof another = dofs.back();
+  for (int k = 0; k < n_more_joints; ++k) {
+    Dof another = dofs[2 * k];
     another.axis = Eigen::Vector3d(another.axis.z(), another.axis.x(), another.axis.y());
     dofs.push_back(another);
   }
@@ -131,7 +131,7 @@ TEST(PoseSteps, AreTheHostsForAnyNumberOfJoints) {
     for (int n_more : {-1, 10, 11}) {
       Scene scene(device, n_more);
       SCOPED_TRACE(scene.actor.skeleton.n_dofs());
-      scene.options.damping_own = 1;  // nothing tells joints of the same place apart
+      scene.options.damping_own = 1;  // little tells joints of the same bone apart
       PoseSystem system(device, scene.actor, scene.camera, scene.options);
       scene.give(system);
       const ByTheHost expected = steps_by_the_host(system, scene, 2);

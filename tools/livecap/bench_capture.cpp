@@ -53,6 +53,7 @@ CaptureOptions bench_capture_options(const BenchOptions& options, const fs::path
   capture.cnn_device = options.cnn_device;
   capture.solver_device = options.solver_device;
   capture.frames = options.frames;
+  capture.decoded = options.decoded;
   capture.out = out.string();
   return capture;
 }

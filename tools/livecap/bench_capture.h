@@ -19,6 +19,7 @@ struct BenchOptions {
   int frames = 90;
   bool json = false;
   bool growth = false;
+  bool decoded = false;
   std::string trace;
 };
 

@@ -2,7 +2,7 @@
 #ifndef LC_CLOTH_LAYOUT_H
 #define LC_CLOTH_LAYOUT_H
 
-// Work-items of the one work-group: 1 on a CPU, on a GPU as many as the device takes, which the host says.
+// Work-items of the one work-group: 1 on a CPU, on a GPU what the host says.
 #ifndef LC_CLOTH_GROUP
 #if LC_CPU
 #define LC_CLOTH_GROUP 1

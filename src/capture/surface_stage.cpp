@@ -7,7 +7,9 @@
 namespace livecap {
 namespace {
 
-// s. Cloth is not simulated for longer at once: over a gap nothing is known of how the body moved.
+// s. Velocities are differences over at least so long: frames come in bunches, with time stamps that hardly differ.
+constexpr double kShortestFrame = 1 / 240.0;
+// After a longer gap cloth begins at rest: nothing is known of how the body moved.
 constexpr double kLongestFrame = 0.1;
 constexpr double kUnknownFrame = 1 / 30.0;  // where time does not rise
 
@@ -19,7 +21,6 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
       camera_(camera),
       options_(options),
       hanging_(actor, options.hanging),
-      cloth_(device, actor, options.cloth),
       skinner_(device, actor, hanging_.weights(), actor.skeleton.n_bones() + 1),
       template_skinner_(device, actor),
       rasterizer_(rasterizer),
@@ -32,6 +33,7 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
     *buffer = ocl::Buffer<float>(device, size_t(3) * actor.n_vertices());
     buffer->fill(0);
   }
+  if (options.enable_surface && options.simulate_cloth) cloth_.emplace(device, actor, options.cloth);
   std::vector<float> share(actor.n_vertices());
   for (int i = 0; i < actor.n_vertices(); ++i)
     share[i] = actor.rigidity[i] <= options.max_carried_rigidity ? options.carried_share : 0.0f;
@@ -40,7 +42,7 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
 
 void SurfaceStage::reset() {
   n_history_ = 0;
-  cloth_.reset();
+  if (cloth_) cloth_->reset();
   displacement_rest_.fill(0);
   before_displacement_rest_.fill(0);
 }
@@ -88,9 +90,10 @@ double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* p
   skinner_.skin(zero_, skinned_);
   skinner_.skin(displacement_rest_, start_);
   if (n_history_ >= 2) skinner_.skin(before_displacement_rest_, before_);
-  if (options_.simulate_cloth) {
-    const double passed = time_s > last_time_s_ ? std::min(time_s - last_time_s_, kLongestFrame) : kUnknownFrame;
-    cloth_.step(posed, passed, skinned_, start_, before_);
+  if (cloth_) {
+    const double passed = time_s > last_time_s_ ? time_s - last_time_s_ : kUnknownFrame;
+    if (passed > kLongestFrame) cloth_->reset();
+    cloth_->step(posed, std::clamp(passed, kShortestFrame, kLongestFrame), skinned_, start_, before_);
     last_time_s_ = time_s;
   }
   if (!picture) {

@@ -1,5 +1,8 @@
-// Stage II of one frame: the warped displacement, the non-rigid solve, snapping, and what is carried to the next frame.
+// Stage II of one frame: how cloth swings, the warped displacement, the non-rigid solve, snapping, and what is carried
+// to the next frame.
 #pragma once
+
+#include <optional>
 
 #include "actor/actor.h"
 #include "actor/skinner.h"
@@ -32,7 +35,7 @@ class SurfaceStage {
   // [3*n_vertices] mm, camera frame, of the last solve or template.
   const ocl::Buffer<float>& vertices() const { return vertices_; }
 
-  // Forgets the displacement.
+  // Forgets the displacement and how cloth moves.
   void reset();
 
  private:
@@ -42,7 +45,7 @@ class SurfaceStage {
   Camera camera_;
   TrackerOptions options_;
   HangingCloth hanging_;
-  ClothSimulation cloth_;
+  std::optional<ClothSimulation> cloth_;  // where it is simulated
   double last_time_s_ = 0;
   Skinner skinner_;           // of the template with hanging cloth
   Skinner template_skinner_;  // of the template as it is

@@ -3,7 +3,11 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <iterator>
+#include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "cloth/hanging_cloth.h"
@@ -82,11 +86,43 @@ std::vector<char> reached_from(const std::vector<char>& held, const Links& links
   return reached;
 }
 
-void add_follower(const Actor& actor, int i, ClothGraph& graph) {
-  std::vector<std::pair<float, int>> near(graph.n_particles());
-  for (int p = 0; p < graph.n_particles(); ++p)
-    near[p] = {(vertex(actor.mesh.positions, i) - vertex(actor.mesh.positions, graph.vertices[p])).norm(), p};
-  std::partial_sort(near.begin(), near.begin() + kFollowed, near.end());
+// The particles nearest to a place, looked for from its height on upwards and downwards.
+class NearestParticles {
+ public:
+  NearestParticles(const Actor& actor, const ClothGraph& graph) {
+    for (int p = 0; p < graph.n_particles(); ++p)
+      by_height_.emplace_back(vertex(actor.mesh.positions, graph.vertices[p]), p);
+    std::sort(by_height_.begin(), by_height_.end(), [](auto& a, auto& b) { return a.first.y() < b.first.y(); });
+  }
+
+  // Distance and particle, nearest first.
+  std::array<std::pair<float, int>, kFollowed> to(const Eigen::Vector3f& place) const {
+    std::array<std::pair<float, int>, kFollowed> near;
+    near.fill({std::numeric_limits<float>::infinity(), -1});
+    const auto take = [&](const std::pair<Eigen::Vector3f, int>& particle) {
+      if (std::abs(particle.first.y() - place.y()) > near.back().first) return false;
+      const std::pair<float, int> candidate{(place - particle.first).norm(), particle.second};
+      if (candidate < near.back()) {
+        near.back() = candidate;
+        std::sort(near.begin(), near.end());
+      }
+      return true;
+    };
+    const auto middle = std::lower_bound(by_height_.begin(), by_height_.end(), place.y(),
+                                         [](auto& particle, float y) { return particle.first.y() < y; });
+    for (auto up = middle; up != by_height_.end() && take(*up); ++up) {
+    }
+    for (auto down = middle; down != by_height_.begin() && take(*std::prev(down)); --down) {
+    }
+    return near;
+  }
+
+ private:
+  std::vector<std::pair<Eigen::Vector3f, int>> by_height_;
+};
+
+void add_follower(const Actor& actor, int i, const NearestParticles& nearest, ClothGraph& graph) {
+  const auto near = nearest.to(vertex(actor.mesh.positions, i));
   float sum = 0;
   for (int k = 0; k < kFollowed; ++k) sum += 1 / (near[k].first + 1);
   graph.followers.push_back(i);
@@ -127,8 +163,9 @@ ClothGraph make_cloth_graph(const Actor& actor, float max_held_leg_weight) {
     }
     graph.links.offsets.push_back(int(graph.links.neighbors.size()));
   }
+  const NearestParticles nearest(actor, graph);
   for (int i = 0; i < actor.n_vertices(); ++i)
-    if (hangs(actor, i) && particle[i] < 0) add_follower(actor, i, graph);
+    if (hangs(actor, i) && particle[i] < 0) add_follower(actor, i, nearest, graph);
   return graph;
 }
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ranges>
 #include <string>
 
+#include "base/log.h"
 #include "cloth/hanging_cloth.h"
 #include "cloth/layout.h"
 #include "livecap/error.h"
@@ -14,6 +16,10 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
+static_assert(sizeof(ClothStep) == 24, "as the kernel has it");
+
+constexpr double kLongestStep = 0.1;   // s, for which a frame's springs are to be stable
+constexpr int kEnds = 6, kRadii = 2;   // values of a limb
 constexpr size_t kLargestGroup = 512;  // more would leave a particle's limbs too few registers
 
 // The limbs of both legs in their order: thigh, shin, and what lies between the middle of the hips and the hip.
@@ -53,15 +59,22 @@ void ClothOptions::validate() const {
     if (!fits)
       throw ConfigError(std::string("cloth: ") + field + " is " + std::to_string(value) + ", must be " + range);
   };
+  const auto rate = [&](float value, const char* field) {
+    require(value >= 0 && std::isfinite(value), field, value, "at least 0");
+  };
   require(max_held_leg_weight >= 0 && max_held_leg_weight < 1, "max_held_leg_weight", max_held_leg_weight,
           "at least 0 and below 1");
-  require(stiffness >= 0 && stiffness < 1e4f, "stiffness", stiffness, "from 0 to 10000");
-  require(damping >= 0, "damping", damping, "at least 0");
-  require(air_drag >= 0, "air_drag", air_drag, "at least 0");
-  require(bending_share >= 0, "bending_share", bending_share, "at least 0");
+  rate(stiffness, "stiffness");
+  rate(damping, "damping");
+  rate(air_drag, "air_drag");
+  rate(bending_share, "bending_share");
   require(relaxation > 0 && relaxation < 2, "relaxation", relaxation, "above 0 and below 2");
   require(steps >= 1, "steps", steps, "at least 1");
-  for (const float radius : limb_radii) require(radius >= 0 && radius < 1, "a limb's radius", radius, "from 0 to 1");
+  const double small = kLongestStep / steps;
+  require(stiffness * small * small < 4, "stiffness", stiffness,
+          "less, or there must be more steps");  // semi-implicit Euler
+  for (const float radius : limb_radii)
+    require(radius >= 0 && radius < 1, "a limb's radius", radius, "at least 0 and below 1");
 }
 
 ClothSimulation::ClothSimulation(ocl::DeviceContext& device, const Actor& actor, const ClothOptions& options)
@@ -75,7 +88,13 @@ ClothSimulation::ClothSimulation(ocl::DeviceContext& device, const Actor& actor,
       legs_[k][j] = skeleton.bone_index(std::string(sides[k]) + std::array{"hip", "knee", "ankle"}[j]);
   const bool has_legs =
       std::all_of(legs_.begin(), legs_.end(), [](auto& leg) { return *std::min_element(leg.begin(), leg.end()) >= 0; });
-  if (cloth.n_particles() == 0 || !has_legs) return;
+  if (cloth.n_particles() == 0 || !has_legs) {
+    const auto n = std::views::iota(0, actor.n_vertices());
+    if (std::any_of(n.begin(), n.end(), [&](int i) { return hangs(actor, i); }))
+      log_info("the hanging cloth of " + actor.name +
+               " is not simulated: it hangs from nothing above the hips, or the skeleton has no legs");
+    return;
+  }
   graph_ = make_sell_graph(cloth.links);
   set_up_links(device, actor, cloth);
   set_up_limbs(device, actor, cloth);
@@ -150,7 +169,7 @@ void ClothSimulation::set_up_limbs(ocl::DeviceContext& device, const Actor& acto
   limbs_ = ocl::Buffer<float>(device, LC_CLOTH_LIMBS * LC_CLOTH_LIMB_SIZE);
 }
 
-// [LC_CLOTH_LIMBS][8]: ends and radii.
+// [LC_CLOTH_LIMBS][kEnds + kRadii].
 std::vector<float> ClothSimulation::limbs_at(const PosedSkeleton& posed) const {
   std::array<float, 4> radii = options_.limb_radii;
   for (float& radius : radii) radius *= thigh_mm_;
@@ -170,8 +189,9 @@ void ClothSimulation::step(const PosedSkeleton& posed, double seconds, ocl::Buff
   const std::vector<float> now = limbs_at(posed), &before = first_ ? now : limbs_before_;
   std::vector<float> limbs;
   for (int k = 0; k < LC_CLOTH_LIMBS; ++k) {
-    limbs.insert(limbs.end(), before.begin() + 8 * k, before.begin() + 8 * k + 6);
-    limbs.insert(limbs.end(), now.begin() + 8 * k, now.begin() + 8 * k + 8);
+    const auto of = (kEnds + kRadii) * k;
+    limbs.insert(limbs.end(), before.begin() + of, before.begin() + of + kEnds);
+    limbs.insert(limbs.end(), now.begin() + of, now.begin() + of + kEnds + kRadii);
   }
   limbs_.write_later(limbs);
   const double small = seconds / options_.steps;

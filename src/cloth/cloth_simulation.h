@@ -23,7 +23,8 @@ struct ClothOptions {
   float bending_share = 1;            // of a link across an edge by one along an edge
   float relaxation = 1.2f;            // of a particle's mean correction by its links
   int steps = 20;                     // a frame
-  // Radii of hips, thighs at their upper ends, knees and ankles, by the length of a thigh; with the cloth's distance.
+  // Radii of hips, thighs at their upper ends, knees and ankles, by the length of a thigh: how near cloth may come. For
+  // what is nearer in the rest pose no limb is thicker than that.
   std::array<float, 4> limb_radii = {0.3f, 0.24f, 0.16f, 0.12f};
 
   void validate() const;  // throws ConfigError
@@ -41,7 +42,7 @@ class ClothSimulation {
   void reset() { first_ = true; }
 
   // One frame, seconds after the last. skinned: [3n] mm, camera frame, V^S in, where hanging cloth is replaced by the
-  // simulated one. start, start_before [3n]: moved by as much. Nothing blocks but a small upload.
+  // simulated one. start, start_before [3n]: moved by as much. Throws LogicError unless seconds > 0.
   void step(const PosedSkeleton& posed, double seconds, ocl::Buffer<float>& skinned, ocl::Buffer<float>& start,
             ocl::Buffer<float>& start_before);
 

@@ -108,7 +108,7 @@ class Buffer {
   }
   // The same in the order of another queue to the same memory.
   void hand_over(DeviceContext& through, std::span<const T> values) {
-    if (!through.copies()) return write(values);
+    if (!through.copies()) throw LogicError("hand_over: a CPU's queue does not take copies in order");
     require(values.size() <= count_);
     through.copies()->write(memory_, 0, values.data(), values.size_bytes(), false);
   }

@@ -114,9 +114,9 @@ TEST(ClothGraph, IsEmptyWithoutHangingClothOrHips) {
   Actor trousers = test::skirt_actor();
   trousers.rigidity.assign(trousers.rigidity.size(), 2.0f);
   EXPECT_EQ(make_cloth_graph(trousers, kHeld).n_particles(), 0);
-  Actor headless = test::skirt_actor();
-  headless.skeleton.bones[4].name = "stick";
-  EXPECT_EQ(make_cloth_graph(headless, kHeld).n_particles(), 0);
+  Actor hipless = test::skirt_actor();
+  hipless.skeleton.bones[4].name = "stick";
+  EXPECT_EQ(make_cloth_graph(hipless, kHeld).n_particles(), 0);
   EXPECT_EQ(make_cloth_graph(test::builtin_actor("trousers"), kHeld).n_particles(), 0);
 }
 

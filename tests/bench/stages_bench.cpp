@@ -5,7 +5,6 @@
 //
 // FOLDER: of `livecap synth` (5,000 vertices, 540x960).
 #include <Eigen/IterativeLinearSolvers>
-#include <Eigen/QR>
 #include <Eigen/SparseCore>
 #include <cstdio>
 #include <limits>
@@ -16,6 +15,7 @@
 
 #include "actor/skinner.h"
 #include "base/text.h"
+#include "eigen_pose.h"
 #include "image/device_distance.h"
 #include "image/foreground.h"
 #include "image/image_io.h"
@@ -24,6 +24,7 @@
 #include "race.h"
 #include "raster/visibility.h"
 #include "support/pose_scene.h"
+#include "support/tolerances.h"
 #include "surface/surface_system.h"
 
 namespace livecap {
@@ -133,55 +134,6 @@ struct PlainRaster {
   }
 };
 
-// The contour rows of a Gauss-Newton step with Eigen: skinned blend of rigid motions, distance gradient, J, J^T J, QR.
-struct EigenPose {
-  const Scene& scene;
-  std::vector<uint64_t> moving = dofs_moving_bones(scene.actor.skeleton);
-
-  void step(Pose& pose) const {
-    const PosedSkeleton posed = forward_kinematics(scene.actor.skeleton, pose);
-    const int n_dofs = scene.actor.skeleton.n_dofs(), n = int(scene.contour.size()), width = scene.camera.width;
-    Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> J(n, 6 + n_dofs);
-    Eigen::VectorXf F(n);
-    for (int i = 0; i < n; ++i) {
-      const int v = scene.contour[i];
-      const Eigen::Vector3d rest = Eigen::Map<const Eigen::Vector3f>(&scene.actor.mesh.positions[3 * v]).cast<double>();
-      Eigen::Vector3d parts[4], p = Eigen::Vector3d::Zero();
-      for (int j = 0; j < 4; ++j) {
-        parts[j] = posed.camera_from_rest[scene.actor.skin.bones[4 * v + j]] * rest;
-        p += double(scene.actor.skin.weights[4 * v + j]) * parts[j];
-      }
-      const double x = scene.camera.fx * p.x() / p.z() + scene.camera.cx;
-      const double y = scene.camera.fy * p.y() / p.z() + scene.camera.cy;
-      const int px = std::clamp(int(x), 0, width - 2), py = std::clamp(int(y), 0, scene.camera.height - 2);
-      const float* d = &scene.silhouette.signed_distance[size_t(py) * width + px];
-      const double fx = x - px, fy = y - py;
-      const double du = (1 - fy) * (d[1] - d[0]) + fy * (d[width + 1] - d[width]);
-      const double dv = (1 - fx) * (d[width] - d[0]) + fx * (d[width + 1] - d[1]);
-      F[i] = float((1 - fy) * ((1 - fx) * d[0] + fx * d[1]) + fy * ((1 - fx) * d[width] + fx * d[width + 1]));
-      const Eigen::Vector3d g(du * scene.camera.fx / p.z(), dv * scene.camera.fy / p.z(),
-                              -(du * scene.camera.fx * p.x() + dv * scene.camera.fy * p.y()) / (p.z() * p.z()));
-      J.row(i).head<3>() = (p - pose.root_translation_mm).cross(g).cast<float>().transpose();
-      J.row(i).segment<3>(3) = g.cast<float>().transpose();
-      for (int k = 0; k < n_dofs; ++k) {
-        double sum = 0;
-        for (int j = 0; j < 4; ++j)
-          if (moving[scene.actor.skin.bones[4 * v + j]] >> k & 1)
-            sum += double(scene.actor.skin.weights[4 * v + j]) *
-                   posed.dof_axis[k].cross(parts[j] - posed.dof_origin_mm[k]).dot(g);
-        J(i, 6 + k) = float(sum);
-      }
-    }
-    Eigen::MatrixXf gram = Eigen::MatrixXf::Zero(J.cols(), J.cols());
-    gram.selfadjointView<Eigen::Upper>().rankUpdate(J.transpose());
-    Eigen::MatrixXd A = gram.selfadjointView<Eigen::Upper>().toDenseMatrix().cast<double>();
-    A.diagonal() *= 1.001;
-    A.diagonal().array() += 1e-3;
-    const Eigen::VectorXd delta = A.colPivHouseholderQr().solve(-(J.transpose() * F).cast<double>());
-    pose = add_increment(pose, delta);
-  }
-};
-
 // 3x3 blocks at every vertex and edge: 21 entries a row, as stage II's J^T J.
 Eigen::SparseMatrix<float, Eigen::RowMajor> block_system(const Mesh& mesh) {
   std::vector<Eigen::Triplet<float>> entries;
@@ -267,25 +219,39 @@ void add_images(ocl::DeviceContext& device, std::shared_ptr<Scene> scene, const 
                            }});
 }
 
-void add_solvers(ocl::DeviceContext& device, std::shared_ptr<Scene> scene) {
+void add_pose(ocl::DeviceContext& device, std::shared_ptr<Scene> scene) {
   PoseOptions options;
   options.steps = kSteps;
   auto solver = std::make_shared<PoseSolver>(device, scene->actor, scene->camera, options);
-  auto host = std::make_shared<EigenPose>(EigenPose{*scene});
+  auto host = std::make_shared<bench::EigenPose>(scene->actor, scene->camera, options);
+  const auto ours = [=] {
+    return solver->solve({.detections = scene->detections,
+                          .initial = scene->start,
+                          .previous = &scene->truth,
+                          .frame = &scene->frame,
+                          .contour_vertices = scene->contour});
+  };
+  const auto peer = [=] {
+    return host->solve({.detections = scene->detections,
+                        .initial = scene->start,
+                        .previous = &scene->truth,
+                        .contour_vertices = scene->contour},
+                       scene->silhouette.signed_distance);
+  };
+  const PoseResult result = ours();
+  const bench::EigenPose::Result expected = peer();
+  const double apart_mm = test::keypoint_distance_mm(scene->actor, result.pose, expected.state.pose);
+  const double energy = result.energy.total();
+  std::printf("pose: keypoints at most %.2g mm from the peer's, energy %.7g and %.7g\n", apart_mm, energy,
+              expected.energy);
+  if (!(apart_mm < test::kPeerPoseMm && std::abs(energy - expected.energy) < test::kPeerPoseEnergy * energy))
+    throw std::runtime_error(
+        format("poses differ by %g mm, energies are %g and %g", apart_mm, energy, expected.energy));
   bench::register_contest({format("pose, %d Gauss-Newton steps, %zu contour vertices", kSteps, scene->contour.size()),
-                           [=] {
-                             solver->solve({.detections = scene->detections,
-                                            .initial = scene->start,
-                                            .previous = &scene->truth,
-                                            .frame = &scene->frame,
-                                            .contour_vertices = scene->contour});
-                           },
-                           "Eigen on the host, contour rows only",
-                           [=] {
-                             Pose pose = scene->start;
-                             for (int i = 0; i < kSteps; ++i) host->step(pose);
-                           }});
+                           ours, "Eigen on the host, the same", peer});
+}
 
+void add_surface(ocl::DeviceContext& device, std::shared_ptr<Scene> scene) {
   auto surface = std::make_shared<SurfaceSystem>(device, scene->actor, scene->camera, SurfaceOptions{});
   scene->draw(scene->start);
   auto input = std::make_shared<SurfaceInput>(SurfaceInput{.frame = scene->frame,
@@ -340,7 +306,8 @@ int run(int argc, char** argv) {
   std::printf("%s, %d vertices, %dx%d\n", device.info().device_name.c_str(), scene->actor.n_vertices(),
               scene->camera.width, scene->camera.height);
   add_images(device, scene, folder);
-  add_solvers(device, scene);
+  add_pose(device, scene);
+  add_surface(device, scene);
   benchmark::RunSpecifiedBenchmarks();
   return 0;
 }

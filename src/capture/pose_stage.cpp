@@ -134,7 +134,7 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
     PoseInput solve{.detections = detections,
                     .initial = from,
                     .previous = previous,
-                    .frame = input.silhouette.empty() ? nullptr : &input.frame,
+                    .frame = has_contour ? &input.frame : nullptr,
                     .floor = floor_.floor(),
                     .arms_3d = refining ? options_.refined_arms_3d : 1,
                     .n_steps = previous ? options_.pose.steps : options_.pose.first_steps,

@@ -87,8 +87,16 @@ void Snapper::snap(const SnapInput& input, ocl::Buffer<float>& vertices) {
                   options_.max_move_px, has_parts, domain_->camera, domain_->order, rigidity_, input.contour_flag,
                   input.normals, input.frame.signed_distance, has_parts ? *input.part_image : no_parts_,
                   has_parts ? *input.vertex_part : input.contour_flag, vertices, moves_, rings_);
-  if (!is_cpu_) warp_in_rounds();
-  for (int ring = 1; is_cpu_ && ring <= options_.n_rings; ++ring) {
+  if (is_cpu_)
+    warp_by_launches();
+  else
+    warp_in_rounds();
+  apply_.launch(n, 64, domain_->graph.n, stride, float(options_.n_rings), domain_->order, rings_, moves_, vertices);
+}
+
+void Snapper::warp_by_launches() {
+  const int n_rows = domain_->graph.n_rows, stride = domain_->graph.stride;
+  for (int ring = 1; ring <= options_.n_rings; ++ring) {
     // Linear fall-off to zero at n_rings + 1.
     const float fall = float(options_.n_rings + 1 - ring) / float(options_.n_rings + 2 - ring);
     spread_.launch(domain_->lane_items, domain_->lane_local, n_rows, stride, float(ring), fall, domain_->slice_offsets,
@@ -97,12 +105,11 @@ void Snapper::snap(const SnapInput& input, ocl::Buffer<float>& vertices) {
     std::swap(moves_, moves_after_);
   }
   // The two sets of moves now differ in the last ring only, which every sweep writes.
-  for (int k = 0; is_cpu_ && options_.n_rings > 0 && k < options_.relaxations; ++k) {
+  for (int k = 0; options_.n_rings > 0 && k < options_.relaxations; ++k) {
     relax_.launch(domain_->lane_items, domain_->lane_local, n_rows, stride, float(options_.n_rings),
                   domain_->slice_offsets, domain_->neighbors, rings_, moves_, moves_after_);
     std::swap(moves_, moves_after_);
   }
-  apply_.launch(n, 64, domain_->graph.n, stride, float(options_.n_rings), domain_->order, rings_, moves_, vertices);
 }
 
 std::vector<float> Snapper::rings() const {

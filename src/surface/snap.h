@@ -45,7 +45,8 @@ class Snapper {
   std::vector<float> rings() const;
 
  private:
-  void warp_in_rounds();
+  void warp_by_launches();  // CPUs
+  void warp_in_rounds();    // GPUs
 
   SnapOptions options_;
   std::shared_ptr<const SurfaceDomain> domain_;

@@ -335,6 +335,14 @@ TEST(ClothSimulation, WithoutHangingClothNothingMoves) {
   });
 }
 
+// Hips alone do not say where the limbs are.
+TEST(ClothSimulation, WithoutKneesNothingMoves) {
+  Actor actor = test::skirt_actor();
+  actor.skeleton.bones.erase(actor.skeleton.bones.begin() + 5, actor.skeleton.bones.end());
+  test::on_every_device(
+      [&](ocl::DeviceContext& device) { EXPECT_FALSE(ClothSimulation(device, actor, {}).has_cloth()); });
+}
+
 TEST(ClothSimulation, SelfTestPasses) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
     for (const auto& result : cloth_self_test(device)) EXPECT_TRUE(result.ok) << result.kernel << ": " << result.detail;

@@ -144,7 +144,8 @@ TEST(Snap, WarpEqualsTheSameSweepsOnTheHost) {
   });
 }
 
-// PoCL has no fence between work-groups: round by round then, which the snapper finds out beforehand.
+// Where PoCL runs the body for GPUs: it has no fence between work-groups, so the warp goes round by round, which the
+// snapper finds out beforehand. A GPU with a fence does the same thing twice here.
 TEST(Snap, IsTheSameWhereGroupsCannotWait) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
     if (device.is_cpu()) return;

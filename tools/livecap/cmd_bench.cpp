@@ -88,7 +88,7 @@ void print_report(const Json& json) {
               json["sequence"]["width"].get<int>(), json["sequence"]["height"].get<int>(),
               json["sequence"]["vertices"].get<int>());
   std::printf("input      %s\n", json["sequence"]["decoded"].get<bool>()
-                                     ? "decoded before the clock starts: read is not in these times"
+                                     ? "decoded before the clock starts: decoding is not in these times"
                                      : "decoded while it is captured");
   print_run("pipelined", json["pipelined"]);
   print_run("sequential", json["sequential"]);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/segment.h"
 #include "livecap/error.h"
 #include "meshing/surface_parts.h"
 
@@ -58,10 +59,7 @@ std::vector<Segment> bone_segments(const BodyJoints& j) {
 }
 
 Vector3d nearest_on(const Segment& s, const Vector3d& p) {
-  const Vector3d along = s.b - s.a;
-  const double length2 = along.squaredNorm();
-  const double t = length2 > 0 ? std::clamp((p - s.a).dot(along) / length2, 0.0, 1.0) : 0;
-  return s.a + t * along;
+  return s.a + segment_parameter(p, s.a, s.b) * (s.b - s.a);
 }
 
 // True when the straight way from a vertex to the bone stays in the body.

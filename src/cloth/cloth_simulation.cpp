@@ -9,6 +9,7 @@
 #include "base/log.h"
 #include "cloth/hanging_cloth.h"
 #include "cloth/layout.h"
+#include "geometry/segment.h"
 #include "livecap/error.h"
 
 namespace livecap {
@@ -33,10 +34,7 @@ Vector3 origin(const PosedSkeleton& posed, int bone) {
 }
 
 double distance_to(const Limb& limb, const Vector3& point) {
-  const Vector3 along = limb.to - limb.from;
-  const double square = along.squaredNorm();
-  const double s = square > 0 ? std::clamp((point - limb.from).dot(along) / square, 0.0, 1.0) : 0.0;
-  return (point - limb.from - s * along).norm();
+  return (point - limb.from - segment_parameter(point, limb.from, limb.to) * (limb.to - limb.from)).norm();
 }
 
 std::vector<Limb> limbs_of(const PosedSkeleton& posed, const std::array<std::array<int, 3>, 2>& legs,

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/text.h"
+#include "geometry/segment.h"
 #include "livecap/error.h"
 
 namespace livecap {
@@ -26,10 +27,7 @@ Vector3d point(std::span<const float> points, int i) {
 
 // From a point to the segment between a and b.
 double distance_to_segment(const Vector3d& p, const Vector3d& a, const Vector3d& b) {
-  const Vector3d along = b - a;
-  const double length2 = along.squaredNorm();
-  const double t = length2 > 0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0;
-  return (p - a - t * along).norm();
+  return (p - a - segment_parameter(p, a, b) * (b - a)).norm();
 }
 
 }  // namespace

@@ -136,6 +136,15 @@ TEST(ClothGraph, TheBuiltInSkirtHangsFromItsWaist) {
     else
       highest_free = std::max(highest_free, y);
   }
+  // The four nearest, by looking at all.
+  const auto place = [&](int i) { return Eigen::Map<const Eigen::Vector3f>(actor.mesh.positions.data() + 3 * i); };
+  for (size_t f = 0; f < graph.followers.size(); f += 7) {
+    std::vector<std::pair<float, int>> all_of_them;
+    for (int p = 0; p < graph.n_particles(); ++p)
+      all_of_them.emplace_back((place(graph.followers[f]) - place(graph.vertices[p])).norm(), p);
+    std::sort(all_of_them.begin(), all_of_them.end());
+    for (int k = 0; k < 4; ++k) EXPECT_EQ(graph.followed[4 * f + k], all_of_them[k].second) << f << " " << k;
+  }
   const double hips = middle_of_the_hips(actor.skeleton)->y();
   EXPECT_GT(lowest_held, hips - 150);
   EXPECT_LT(highest_free, hips + 100);

@@ -73,12 +73,12 @@ static void add_parts(int n, int n_parts, global const float* parts, global floa
 
 // steps.most steps from the state in the inputs on and the residuals where they end; or, if that is negative, rows,
 // residuals and parts there, by a group for each ROWS rows (without LC_POSE_TAKES_STEPS: at `from`). Rows: point rows,
-// then contour, then matches (two each), then shaded vertices, each kind from a multiple of ROWS on; counts: matches,
-// shaded vertices. Other arguments: layout.h and the functions that are called. Out: results: layout.h; J
-// [n_rows*n_columns]; parts [n_parts][n_tiles][8][8] and their sum gram. state: see all_arrived.h. rows: ROWS *
-// n_columns floats; near: LC_POSE_NEAR_SIZE; memory: LC_POSE_LOCAL.
+// then contour, then matches (two each), then shaded vertices, each kind from a multiple of ROWS on. Other arguments:
+// layout.h and the functions that are called. Out: results: layout.h; J [n_rows*n_columns]; parts
+// [n_parts][n_tiles][8][8] and their sum gram. state: see all_arrived.h. rows: ROWS * n_columns floats; near:
+// LC_POSE_NEAR_SIZE; memory: LC_POSE_LOCAL.
 kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gauss_newton(
-    PoseLayout layout, float4 camera, int2 counts, PoseContour contour, float keypoint_huber_px, float match_huber_px,
+    PoseLayout layout, float4 camera, PoseContour contour, float keypoint_huber_px, float match_huber_px,
     float shading_huber, float sqrt_anatomic, PoseInputs at, PoseStepsArg steps, global const float* restrict inputs,
     global const real64* restrict constants, global const int* restrict links, global const float* restrict moves,
     global const float* restrict limits, global const float* restrict rest, global const float* restrict rest_normals,
@@ -88,7 +88,11 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
     local float* near, local real64* memory) {
   const int id = get_local_id(0), group = get_group_id(0), n_groups = get_num_groups(0);
   const int n_columns = layout.n_columns, n_point = LC_POSE_POINT_ROWS + layout.n_dofs + layout.n_soles;
-  const int n_of[4] = {n_point, contour.n, 2 * counts.x, counts.y};
+  global const int* counts = (global const int*)(inputs + at.counts);
+  const int n_matches = counts[LC_POSE_COUNT_MATCHES], n_shaded = counts[LC_POSE_COUNT_SHADED];
+  contour.n = counts[LC_POSE_COUNT_CONTOUR];
+  contour.sqrt_weight = inputs[at.counts + LC_POSE_COUNT_CONTOUR_ROOT];
+  const int n_of[4] = {n_point, contour.n, 2 * n_matches, n_shaded};
   int n_parts = 0, n_rows = 0;
   for (int kind = 0; kind < 4; ++kind) {
     n_parts += (n_of[kind] + ROWS - 1) / ROWS;
@@ -140,11 +144,11 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
                           weights, distance, records, of_rows, residuals + n_rows);
       } else if (kind == 2) {
         if (2 * id < left)
-          match_records(first / 2 + id, id, layout, camera, counts.x, match_huber_px, step,
+          match_records(first / 2 + id, id, layout, camera, n_matches, match_huber_px, step,
                         (global const int*)(inputs + at.match_vertices), inputs + at.match_targets, rest, bones,
                         weights, records, of_rows);
       } else if (id < left) {
-        shading_records(first + id, id, layout, counts.y, shading_huber, step,
+        shading_records(first + id, id, layout, n_shaded, shading_huber, step,
                         (global const int*)(inputs + at.shaded_vertices), inputs + at.shaded_targets, rest_normals,
                         bones, weights, records, of_rows);
       }
@@ -183,6 +187,7 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
   if (!together && id == 0) told[LC_POSE_RESULT_GAVE_UP(layout)] = 1;
   if (group > 0) return;
   for (int i = id; i < LC_POSE_STATE_SIZE(layout); i += LC_POSE_GROUP) ((global double*)results)[i] = unknowns[i];
+  if (id < LC_POSE_COUNTS) told[LC_POSE_RESULT_COUNTS(layout) + id] = counts[id];
   if (id == 0) {
     told[LC_POSE_RESULT_TAKEN(layout)] = taken;
     told[LC_POSE_RESULT_STATUS(layout)] = status;

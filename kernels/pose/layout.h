@@ -69,16 +69,45 @@ typedef struct {
 #define LC_POSE_STEP_SIZE(layout) (LC_POSE_STEP_SOLES(layout) + 3 * (layout).n_soles)
 
 // What the rows of a frame are made of, one upload: first the state that gauss_newton.cl starts from, then, where this
-// says, in words, each thing. Vertices are template vertex indices, int.
+// says, in words, each thing. Vertices are template vertex indices, int. From `counts` on it is chosen by the host or
+// by choose.cl.
 typedef struct {
+  int choice;            // [LC_POSE_CHOICE_NUMBERS], doubles: what choose.cl chooses by
+  int lights;            // [2*LC_POSE_LIGHT] likewise
   int targets;           // [LC_POSE_TARGET*LC_POSE_KEYPOINTS]
   int ground;            // [LC_POSE_GROUND_STANDS + n_soles]
+  int counts;            // [LC_POSE_COUNTS]
   int contour_vertices;  // [n]
   int match_vertices;    // [n]
   int match_targets;     // [LC_POSE_MATCH*n]
   int shaded_vertices;   // [n]
   int shaded_targets;    // [LC_POSE_SHADED*n]
 } PoseInputs;
+
+// Vertices of each kind (int); root of the weight of a contour vertex; what the matches fall short of perfect ones in
+// weight, where choose.cl chose.
+#define LC_POSE_COUNT_CONTOUR 0
+#define LC_POSE_COUNT_MATCHES 1
+#define LC_POSE_COUNT_SHADED 2
+#define LC_POSE_COUNT_CONTOUR_ROOT 3
+#define LC_POSE_COUNT_MISSED 4
+#define LC_POSE_COUNTS 5
+
+// For choose.cl: its work-items; limbs with skin.
+#define LC_POSE_CHOICE_GROUP 512
+#define LC_POSE_LIMBS 8
+// Numbers: weights of the terms of the three kinds, and the lights' deviations.
+#define LC_POSE_CHOICE_DEVIATIONS 3
+#define LC_POSE_CHOICE_NUMBERS 5
+// A light: whether it is known (int), and itself (9) in deviations.
+#define LC_POSE_LIGHT 10
+
+typedef struct {
+  int n[3];             // vertices to choose from, of each kind: contour, matches, skin
+  int most[3];          // to choose
+  float match_area_px;  // a match that stands for so many px^2 has weight 1
+  float limb_area_px;   // a limb that shows so many px^2 or more has weight 1
+} PoseChoice;
 
 // The ground: normal xyz, offset (mm), root of the weight (0: none is known), Huber threshold (mm; 0 = quadratic
 // everywhere); then for each point of the soles how sure it is to rest there.
@@ -137,22 +166,23 @@ typedef struct {
 #define LC_POSE_RANK_DEFICIENT 1
 #define LC_POSE_NOT_FINITE 2
 // What it says, in words: the state where the steps ended (doubles); how many were begun; LC_POSE_SOLVED or why the
-// last one failed; whether a wait was given up (never reset); F^T F before each; the residuals of all rows, then the
-// contour's distances_px.
+// last one failed; whether a wait was given up (never reset); the inputs' counts; F^T F before each; the residuals of
+// all rows, then the contour's distances_px.
 #define LC_POSE_MOST_STEPS 32
 #define LC_POSE_RESULT_TAKEN(layout) (2 * LC_POSE_STATE_SIZE(layout))
 #define LC_POSE_RESULT_STATUS(layout) (LC_POSE_RESULT_TAKEN(layout) + 1)
 #define LC_POSE_RESULT_GAVE_UP(layout) (LC_POSE_RESULT_TAKEN(layout) + 2)
-#define LC_POSE_RESULT_ENERGY(layout) (LC_POSE_RESULT_TAKEN(layout) + 3)
+#define LC_POSE_RESULT_COUNTS(layout) (LC_POSE_RESULT_TAKEN(layout) + 3)
+#define LC_POSE_RESULT_ENERGY(layout) (LC_POSE_RESULT_COUNTS(layout) + LC_POSE_COUNTS)
 #define LC_POSE_RESULT_RESIDUALS(layout) (LC_POSE_RESULT_ENERGY(layout) + LC_POSE_MOST_STEPS)
 
 // The contour term's constants.
 typedef struct {
-  int n;      // contour vertices
+  int n;      // contour vertices; on GPUs the inputs' counts say it
   int width;  // of the distance image, px
   int height;
   int has_displacement;
-  float sqrt_weight;  // of one vertex
+  float sqrt_weight;  // of one vertex; likewise
   float huber_px;     // 0 = quadratic everywhere
 } PoseContour;
 

@@ -127,10 +127,7 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
     }
     if (n_levels > 0) find_matches(level);
     if (shades) shading_.measure(input.frame, rasterizer_, skinned_, normals_, visibility_.visible());
-    if (n_levels > 0) matcher_.read_later();
-    if (shades) shading_.read_later();
     const bool has_contour = !input.silhouette.empty();
-    if (has_contour) visibility_.read_contour_later();
     PoseInput solve{.detections = detections,
                     .initial = from,
                     .previous = previous,
@@ -139,20 +136,45 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
                     .arms_3d = refining ? options_.refined_arms_3d : 1,
                     .n_steps = previous ? options_.pose.steps : options_.pose.first_steps,
                     .settled_px = level == 0 ? options_.settled_last_step_px : options_.settled_step_px};
-    const PoseSolver::Prepared prepared = solver_.prepare(solve);  // a GPU is still at work on the rest
-    if (has_contour) device_.finish();
-    const std::vector<int32_t> contour = has_contour ? visibility_.contour_found() : std::vector<int32_t>{};
-    const Matches matches = n_levels > 0 ? matcher_.found() : Matches{};
-    if (shades) solution.skin = shading_.samples();
-    const std::vector<ShadedVertex> shaded = shades ? shading_.shaded(solution.skin) : std::vector<ShadedVertex>{};
-    solve.contour_vertices = contour;
-    solve.matches = matches.found;
-    solve.shaded = shaded;
-    solution.pose = solver_.solve(solve, prepared);
+    solution.pose = solver_.chooses() ? solve_seen(solve, n_levels > 0, shades, solution.skin)
+                                      : solve_read(solve, n_levels > 0, shades, solution.skin);
     solution.cost = solution.pose.energy.total() +
-                    options_.pose.weights.match * matches.missed_weight * options_.missed_px * options_.missed_px;
+                    options_.pose.weights.match * solution.pose.missed_weight * options_.missed_px * options_.missed_px;
   }
   return solution;
+}
+
+// With the vertices that the device chooses of what it has found. skin: what was seen of it.
+PoseResult PoseStage::solve_seen(PoseInput& solve, bool matches, bool shades, std::vector<SkinSample>& skin) {
+  SeenVertices seen;
+  if (solve.frame) seen.contour = &visibility_.contour();
+  if (matches) seen.matches = &matcher_.matches();
+  seen.match_area_px = matcher_.weight_area_px();
+  if (shades) seen.skin = shading_.seen();
+  if (shades) shading_.read_later();
+  solve.seen = &seen;
+  const PoseResult result = solver_.solve(solve);
+  if (shades) skin = shading_.samples();
+  return result;
+}
+
+// The same with vertices that are read.
+PoseResult PoseStage::solve_read(PoseInput& solve, bool matches, bool shades, std::vector<SkinSample>& skin) {
+  if (matches) matcher_.read_later();
+  if (shades) shading_.read_later();
+  if (solve.frame) visibility_.read_contour_later();
+  const PoseSolver::Prepared prepared = solver_.prepare(solve);  // a GPU is still at work on the rest
+  if (solve.frame) device_.finish();
+  const std::vector<int32_t> contour = solve.frame ? visibility_.contour_found() : std::vector<int32_t>{};
+  const Matches found = matches ? matcher_.found() : Matches{};
+  if (shades) skin = shading_.samples();
+  const std::vector<ShadedVertex> shaded = shades ? shading_.shaded(skin) : std::vector<ShadedVertex>{};
+  solve.contour_vertices = contour;
+  solve.matches = found.found;
+  solve.shaded = shaded;
+  PoseResult result = solver_.solve(solve, prepared);
+  result.missed_weight = found.missed_weight;
+  return result;
 }
 
 // The contour found on a rough pose is only a start: once more from where that solve ends.

@@ -63,6 +63,8 @@ class PoseStage {
   };
   Solution solve_in_rounds(const PoseStageInput& input, const Detections& detections, const Pose& initial,
                            const Pose* previous, int first_round = 0);
+  PoseResult solve_seen(PoseInput& solve, bool matches, bool shades, std::vector<SkinSample>& skin);
+  PoseResult solve_read(PoseInput& solve, bool matches, bool shades, std::vector<SkinSample>& skin);
   void find_contour(const PoseStageInput& input, const Pose& pose);
   std::vector<int32_t> read_contour(const PoseStageInput& input);
   bool matches(const PoseStageInput& input) const;

@@ -8,6 +8,7 @@
 #include "geometry/mesh.h"
 #include "livecap/error.h"
 #include "match/layout.h"
+#include "shared/exact_sum.h"
 
 namespace livecap {
 namespace {
@@ -17,16 +18,20 @@ constexpr double kLeastAlbedo = 0.02;
 constexpr double kLeastSeenPx = 60;
 constexpr size_t kLocal = 64;
 
-// Bones of long limbs; hands and feet have folds and nails.
-std::vector<bool> long_limbs(const Skeleton& skeleton) {
-  std::vector<bool> is_long(skeleton.n_bones(), false);
+constexpr int kLimbs = 8;
+
+// The number of each bone's limb, -1 where it is not a long one; hands and feet have folds and nails.
+std::vector<int> long_limbs(const Skeleton& skeleton) {
+  std::vector<int> limbs(skeleton.n_bones(), -1);
+  int limb = 0;
   for (const char* side : {"left_", "right_"}) {
     for (const char* joint : {"shoulder", "elbow", "hip", "knee"}) {
       const int bone = skeleton.bone_index(std::string(side) + joint);
-      if (bone >= 0) is_long[bone] = true;
+      if (bone >= 0) limbs[bone] = limb;
+      ++limb;
     }
   }
-  return is_long;
+  return limbs;
 }
 
 }  // namespace
@@ -47,19 +52,19 @@ SkinShading::SkinShading(ocl::DeviceContext& device, const Actor& actor, const C
     : options_(options),
       width_(camera.width),
       height_(camera.height),
-      n_bones_(actor.skeleton.n_bones()),
       focal_px_(float((camera.fx + camera.fy) / 2)),
       lights_{SkinLight(options.light), SkinLight(options.light)} {
   options.validate();
-  const std::vector<bool> is_long = long_limbs(actor.skeleton);
+  const std::vector<int> limb_of_bone = long_limbs(actor.skeleton);
   const std::vector<float> all_areas = vertex_areas(actor.mesh);
-  std::vector<int32_t> vertices;
+  std::vector<int32_t> vertices, limbs;
   std::vector<float> albedo, areas;
   std::vector<uint8_t> is_skin(actor.n_vertices(), 0);
   for (int i = 0; i < actor.n_vertices(); ++i) {
     const int label = actor.labels[i], bone = actor.skin.bones[4 * i];
-    if (label < kLeftArmLabel || label > kRightLegLabel || !is_long[bone]) continue;
-    skin_.push_back({i, bone, label >= kLeftLegLabel ? 1 : 0});
+    if (label < kLeftArmLabel || label > kRightLegLabel || limb_of_bone[bone] < 0) continue;
+    skin_.push_back({i, bone, limb_of_bone[bone], label >= kLeftLegLabel ? 1 : 0});
+    limbs.push_back(2 * skin_.back().limb + skin_.back().light);
     const float* c = &actor.colors[3 * i];
     vertices.push_back(i);
     albedo.push_back(float(std::max(
@@ -69,6 +74,7 @@ SkinShading::SkinShading(ocl::DeviceContext& device, const Actor& actor, const C
   }
   if (!usable()) return;
   vertices_ = {device, vertices};
+  limbs_ = {device, limbs};
   albedo_ = {device, albedo};
   areas_ = {device, areas};
   is_skin_ = {device, is_skin};
@@ -109,21 +115,32 @@ std::vector<SkinSample> SkinShading::samples() const {
 }
 
 std::vector<ShadedVertex> SkinShading::shaded(std::span<const SkinSample> samples) const {
-  std::vector<double> seen(n_bones_, 0.0);  // px^2
-  for (const SkinSample& s : samples) seen[skin_[s.index].bone] += s.area_px;
+  std::array<lc_exact_t, kLimbs> seen{};  // px^2
+  for (const SkinSample& s : samples) seen[skin_[s.index].limb] += LC_EXACT(s.area_px);
+  const SeenSkin by = this->seen();
   std::vector<ShadedVertex> shaded;
   for (const SkinSample& s : samples) {
     const SkinVertex& skin = skin_[s.index];
-    const SkinLight& light = lights_[skin.light];
-    if (!light.known()) continue;
-    ShadedVertex vertex;
-    vertex.vertex = skin.vertex;
-    for (size_t k = 0; k < vertex.light.size(); ++k) vertex.light[k] = float(light.light()[k] / light.deviation());
-    vertex.brightness = float(s.brightness / light.deviation());
-    vertex.weight = float(s.area_px / std::max(seen[skin.bone], double(options_.limb_area_px)));
-    shaded.push_back(vertex);
+    const SeenSkin::Light& light = by.lights[skin.light];
+    if (!light.is_known) continue;
+    const double limb_px = std::max(double(seen[skin.limb]) * LC_EXACT_UNIT, double(by.limb_area_px));
+    shaded.push_back({.vertex = skin.vertex,
+                      .light = light.light,
+                      .brightness = float(s.brightness / light.deviation),
+                      .weight = float(s.area_px / limb_px)});
   }
   return shaded;
+}
+
+SeenSkin SkinShading::seen() const {
+  SeenSkin seen{&samples_, &vertices_, &limbs_, options_.limb_area_px, {}};
+  for (size_t i = 0; i < lights_.size(); ++i) {
+    SeenSkin::Light& light = seen.lights[i];
+    light.is_known = lights_[i].known();
+    light.deviation = lights_[i].deviation();
+    for (size_t k = 0; k < light.light.size(); ++k) light.light[k] = float(lights_[i].light()[k] / light.deviation);
+  }
+  return seen;
 }
 
 double SkinShading::misfit(std::span<const SkinSample> samples, int bone, const Eigen::Matrix3d& turn,

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "actor/actor.h"
+#include "geometry/seen_vertices.h"
 #include "geometry/shaded_vertex.h"
 #include "image/device_frame.h"
 #include "match/skin_light.h"
@@ -56,6 +57,9 @@ class SkinShading {
   // What stage I fits to; nothing while the light is not known.
   std::vector<ShadedVertex> shaded(std::span<const SkinSample> samples) const;
 
+  // The same for a device that chooses by itself from what was measured.
+  SeenSkin seen() const;
+
   // Mean squared residual (in deviations; linear beyond huber of them) of the samples on a bone if that were turned;
   // turn: camera frame. 0 when next to nothing of it is seen or the light is not known.
   double misfit(std::span<const SkinSample> samples, int bone, const Eigen::Matrix3d& turn, double huber) const;
@@ -67,17 +71,19 @@ class SkinShading {
   struct SkinVertex {
     int32_t vertex;
     int bone;   // its strongest
+    int limb;   // the same among those with skin
     int light;  // index of lights_
   };
 
   SkinShadingOptions options_;
-  int width_, height_, n_bones_;
+  int width_, height_;
   float focal_px_;
   std::vector<SkinVertex> skin_;
   std::array<SkinLight, 2> lights_;  // on arms; on legs, which stand in the shadow of clothes
   std::vector<float> host_;
 
   ocl::Buffer<int32_t> vertices_;  // [skin_.size()]
+  ocl::Buffer<int32_t> limbs_;     // likewise, see SeenSkin
   ocl::Buffer<float> albedo_;      // likewise, linear
   ocl::Buffer<float> areas_;       // likewise, mm^2
   ocl::Buffer<uint8_t> is_skin_;   // [n_vertices]

@@ -63,6 +63,9 @@ class TextureMatcher {
   // In two parts: found() once a blocking read through the same queue has come after read_later().
   void read_later();
   Matches found() const;
+  // What there is to read, on the device: [LC_MATCH*n_vertices]; and the px^2 of a match of weight 1.
+  const ocl::Buffer<float>& matches() const { return matches_; }
+  float weight_area_px() const { return options_.weight_area_px; }
 
  private:
   MatchBox level_box(int level) const;

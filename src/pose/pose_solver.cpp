@@ -73,11 +73,18 @@ PoseSolver::Prepared PoseSolver::prepare(const PoseInput& input) const {
 
 PoseResult PoseSolver::solve(const PoseInput& input, const Prepared& prepared) {
   const KeypointTargets& targets = prepared.targets;
-  system_.set_frame(targets, input.frame, input.contour_vertices, input.displacement_rest, input.matches, input.shaded);
+  if (input.seen) {
+    system_.set_seen_frame(targets, input.frame, *input.seen, input.displacement_rest);
+  } else {
+    system_.set_frame(targets, input.frame, input.contour_vertices, input.displacement_rest, input.matches,
+                      input.shaded);
+  }
   system_.set_floor(input.floor, prepared.stands);
   PoseResult result;
   result.pose = input.initial;
-  if (!has_observation(targets) && system_.n_contour() == 0) {
+  const bool has_detections = has_observation(targets);
+  if (!has_detections) system_.read_choice();
+  if (!has_detections && system_.n_contour() == 0) {
     result.status = SolveStatus::kNoObservations;
     return result;
   }
@@ -86,10 +93,14 @@ PoseResult PoseSolver::solve(const PoseInput& input, const Prepared& prepared) {
   const PoseState start{input.initial, best_t_prime(targets, initial)};
   const int n_steps = input.n_steps > 0 ? input.n_steps : options_.steps;
   std::optional<PoseSteps> steps = system_.take_steps(start, n_steps, input.settled_px);
-  if (!steps) steps = take_steps(start, n_steps, input.settled_px);
+  if (!steps) {
+    system_.read_choice();
+    steps = take_steps(start, n_steps, input.settled_px);
+  }
   result.status = steps->status;
   result.step_energy = std::move(steps->step_energy);
   if (result.status != SolveStatus::kOk) return result;
+  result.missed_weight = input.seen ? system_.missed_weight() : 0;
   measure(steps->state, steps->residuals, targets, result);
   if (!std::isfinite(result.energy.total())) {
     result.status = SolveStatus::kNotFinite;

@@ -26,6 +26,7 @@ struct PoseInput {
   std::span<const int32_t> contour_vertices = {};  // B of the frame, template vertex indices
   std::span<const VertexMatch> matches = {};       // where the picture shows vertices of the skinned template
   std::span<const ShadedVertex> shaded = {};       // how bright it shows skin
+  const SeenVertices* seen = nullptr;              // instead of these three, where PoseSolver::chooses()
   const ocl::Buffer<float>* displacement_rest =
       nullptr;                   // [3n] mm added to the rest pose before skinning; may be nullptr
   const Floor* floor = nullptr;  // nullptr: none is known
@@ -59,6 +60,7 @@ struct PoseResult {
   double moved_px = 0;                                   // furthest that a keypoint went in the picture
   double silhouette_error_px = 0;                        // mean |distance| of the contour vertices in the picture
   int n_contour_visible = 0;
+  double missed_weight = 0;  // that the matches of PoseInput::seen fall short of perfect ones in
 };
 
 // The step of a system as Gauss-Newton takes it: damped and not further than PoseOptions::max_step_rad.
@@ -87,6 +89,9 @@ class PoseSolver {
   // the runs (ocl/groups_together.h): then within float rounding. Throws LogicError for inputs of wrong size.
   PoseResult solve(const PoseInput& input) { return solve(input, prepare(input)); }
   PoseResult solve(const PoseInput& input, const Prepared& prepared);
+
+  // Whether the device chooses from what it has seen; false for ever once it could not.
+  bool chooses() const { return system_.chooses(); }
 
   const PoseOptions& options() const { return options_; }
 

@@ -17,13 +17,14 @@ namespace {
 constexpr const char* kProgram = "pose/pose.cl";
 constexpr const char* kSkinnedProgram = "pose/skinned_records.cl";
 constexpr const char* kGpuProgram = "pose/gauss_newton.cl";
+constexpr const char* kChoiceProgram = "pose/choose.cl";
 constexpr int kTile = 8;
 // The bones of a contour row are packed into bytes.
 constexpr int kMaxBones = LC_POSE_NO_BONE;
 
 static_assert(LC_POSE_KEYPOINTS == kKeypointCount);
-static_assert(sizeof(PoseLayout) == 20 && sizeof(PoseContour) == 24 && sizeof(PoseInputs) == 28 &&
-              sizeof(PoseStepsArg) == 32);
+static_assert(sizeof(PoseLayout) == 20 && sizeof(PoseContour) == 24 && sizeof(PoseInputs) == 40 &&
+              sizeof(PoseChoice) == 32 && sizeof(PoseStepsArg) == 32);
 
 void require(bool ok, const std::string& message) {
   if (!ok) throw LogicError("pose: " + message);
@@ -92,7 +93,7 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
   step_host_.resize(LC_POSE_STEP_SIZE(layout_));
   gram_host_.resize(LC_POSE_GRAM_SIZE(layout_));
   inputs_ = PoseRowInputs(layout_, options, n_vertices_);
-  inputs_on_device_ = ocl::Buffer<float>(device, inputs_.most_words());
+  inputs_on_device_ = ocl::Buffer<float>(device, inputs_.words().size());
   links_ = ocl::Buffer<int32_t>(device, chain_links(points_));
   limits_ = ocl::Buffer<float>(device, limits);
   moves_ = ocl::Buffer<float>(device, moves);
@@ -112,13 +113,14 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
     takes_steps_ = device.info().has_double && local_bytes(layout_) <= device.info().local_memory_bytes;
     chain_ = ocl::Buffer<double>(device, chain_constants(layout_, points_));
     parts_ = ocl::Buffer<float>(device, most_parts * gram_.size());
-    results_ = ocl::Buffer<float>(
-        device, LC_POSE_RESULT_RESIDUALS(layout_) + n_point_rows_ + 2 * n_contour + 2 * n_matches + n_shaded);
+    most_rows_ = n_point_rows_ + 2 * n_contour + 2 * n_matches + n_shaded;
+    results_ = ocl::Buffer<float>(device, LC_POSE_RESULT_RESIDUALS(layout_) + most_rows_);
     results_.fill(0);
     const std::string option =
         format("-D LC_POSE_TAKES_STEPS=%d -D LC_POSE_SYSTEM_SIDE=%d", takes_steps_ ? 1 : 0, LC_POSE_SIDE(layout_));
     gauss_newton_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_gauss_newton", option);
     sum_parts_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_sum_parts", option);
+    if (takes_steps_) choose_kernel_ = ocl::Kernel(device, kChoiceProgram, "pose_choose");
     return;
   }
   point_records_ = ocl::Buffer<float>(device, size_t(LC_POSE_RECORD) * n_point_rows_);
@@ -142,11 +144,27 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
 void PoseSystem::set_frame(const KeypointTargets& targets, const DeviceFrame* frame,
                            std::span<const int32_t> contour_vertices, const ocl::Buffer<float>* displacement_rest,
                            std::span<const VertexMatch> matches, std::span<const ShadedVertex> shaded) {
-  inputs_.set_frame(targets, frame ? contour_vertices : std::span<const int32_t>{}, matches, shaded);
+  seen_.reset();
+  inputs_.set_targets(targets);
+  inputs_.set_vertices(frame ? contour_vertices : std::span<const int32_t>{}, matches, shaded);
+  set_picture(n_contour() > 0 ? frame : nullptr, displacement_rest);
+}
+
+void PoseSystem::set_seen_frame(const KeypointTargets& targets, const DeviceFrame* frame, const SeenVertices& seen,
+                                const ocl::Buffer<float>* displacement_rest) {
+  require(chooses(), "the device does not choose vertices");
+  seen_ = seen;
+  inputs_.set_targets(targets);
+  inputs_.set_lights(seen.skin.lights);
+  set_picture(frame, displacement_rest);
+}
+
+// frame: nullptr where no contour vertex is looked at in it.
+void PoseSystem::set_picture(const DeviceFrame* frame, const ocl::Buffer<float>* displacement_rest) {
   inputs_changed_ = true;
   frame_ = frame;
   displacement_ = displacement_rest;
-  if (n_contour() == 0) return;
+  if (!frame) return;
   if (frame->width != width_ || frame->height != height_)
     throw LogicError(
         format("pose: frame is %d x %d, the camera %d x %d", frame->width, frame->height, width_, height_));
@@ -169,7 +187,9 @@ void PoseSystem::upload(const PoseState& state) {
     write_step(layout_, points_, state, step_host_);
     step_.write_later(step_host_);
   }
-  inputs_on_device_.write_later(inputs_changed_ ? inputs_.words() : inputs_.words().first(n_start));
+  inputs_on_device_.write_later(!inputs_changed_ ? inputs_.words().first(n_start)
+                                : seen_          ? inputs_.words_given()
+                                                 : inputs_.words());
   inputs_changed_ = false;
 }
 
@@ -196,12 +216,7 @@ void PoseSystem::launch_records() {
 }
 
 PoseContour PoseSystem::contour_arg() const {
-  return {n_contour(),
-          width_,
-          height_,
-          displacement_ ? 1 : 0,
-          float(std::sqrt(contour_weight())),
-          float(options_.silhouette_huber_px)};
+  return {n_contour(), width_, height_, displacement_ ? 1 : 0, contour_root(), float(options_.silhouette_huber_px)};
 }
 
 // On CPUs.
@@ -218,17 +233,41 @@ void PoseSystem::launch_rows() {
                               step_, moves_, shading_records_, shading_residuals_, J_);
 }
 
+// From the inputs uploaded.
+void PoseSystem::launch_choice() {
+  const PoseWeights& weights = options_.weights;
+  const SeenSkin& skin = seen_->skin;
+  const bool has_contour = seen_->contour && frame_ && weights.silhouette > 0;
+  const bool has_matches = seen_->matches && weights.match > 0, has_skin = skin.samples && weights.shading > 0;
+  const PoseChoice choice{
+      {has_contour ? n_vertices_ : 0, has_matches ? n_vertices_ : 0, has_skin ? int(skin.vertices->size()) : 0},
+      {options_.max_contour_vertices, options_.max_matches, options_.max_shaded},
+      seen_->match_area_px,
+      skin.limb_area_px};
+  choose_kernel_.launch(
+      size_t(3) * LC_POSE_CHOICE_GROUP, LC_POSE_CHOICE_GROUP, inputs_.places(), choice,
+      has_contour ? *seen_->contour : links_, has_matches ? *seen_->matches : rest_, has_skin ? *skin.samples : rest_,
+      has_skin ? *skin.vertices : links_, has_skin ? *skin.limbs : links_, inputs_on_device_,
+      ocl::LocalMemory{sizeof(int64_t) * LC_POSE_CHOICE_GROUP}, ocl::LocalMemory{sizeof(double) * LC_POSE_LIMBS});
+}
+
+void PoseSystem::read_choice() {
+  if (!seen_) return;
+  inputs_on_device_.write_later(inputs_.words_given());
+  launch_choice();
+  inputs_on_device_.read(inputs_.words_read());
+  seen_.reset();
+  inputs_changed_ = true;
+}
+
 // On GPUs.
 void PoseSystem::launch_gauss_newton(size_t n_groups, const PoseStepsArg& steps) {
-  struct Counts {
-    int32_t matches, shaded;
-  };
   gauss_newton_kernel_.launch(
-      n_groups * LC_POSE_GROUP, LC_POSE_GROUP, layout_, pinhole_, Counts{n_matches(), n_shaded()}, contour_arg(),
-      float(options_.keypoint_2d_huber_px), float(options_.match_huber_px), float(options_.shading_huber),
-      float(std::sqrt(options_.weights.anatomic)), inputs_.places(), steps, inputs_on_device_, chain_, links_, moves_,
-      limits_, rest_, rest_normals_, displacement_ ? *displacement_ : rest_, bones_, weights_,
-      n_contour() > 0 ? frame_->signed_distance : rest_, step_, J_, parts_, gram_, results_, groups_.state(),
+      n_groups * LC_POSE_GROUP, LC_POSE_GROUP, layout_, pinhole_, contour_arg(), float(options_.keypoint_2d_huber_px),
+      float(options_.match_huber_px), float(options_.shading_huber), float(std::sqrt(options_.weights.anatomic)),
+      inputs_.places(), steps, inputs_on_device_, chain_, links_, moves_, limits_, rest_, rest_normals_,
+      displacement_ ? *displacement_ : rest_, bones_, weights_, frame_ ? frame_->signed_distance : rest_, step_, J_,
+      parts_, gram_, results_, groups_.state(),
       ocl::LocalMemory{sizeof(float) * LC_POSE_GROUP_ROWS * layout_.n_columns},
       ocl::LocalMemory{sizeof(float) * LC_POSE_NEAR_SIZE(layout_)},
       ocl::LocalMemory{takes_steps_ ? sizeof(double) * LC_POSE_LOCAL(layout_) : sizeof(double)});
@@ -251,6 +290,7 @@ void PoseSystem::launch_normal_equations(bool write_rows) {
 std::optional<PoseSteps> PoseSystem::take_steps(const PoseState& start, int n_steps, double settled_px) {
   if (!takes_steps_ || !groups_.work() || n_steps > LC_POSE_MOST_STEPS) return std::nullopt;
   upload(start);
+  if (seen_) launch_choice();
   launch_gauss_newton(groups_.n(), {.most = n_steps,
                                     .arrived = groups_.arrived(),
                                     .write_rows = 0,
@@ -259,11 +299,13 @@ std::optional<PoseSteps> PoseSystem::take_steps(const PoseState& start, int n_st
                                     .damping_largest = float(options_.damping_largest),
                                     .max_step_rad = float(options_.max_step_rad),
                                     .rank_threshold = float(kRankThreshold)});
-  read_results();
+  read_results(seen_ ? most_rows_ : n_rows() + n_contour());
   const auto told = [this](int place) { return std::bit_cast<int32_t>(results_host_[place]); };
   if (groups_.gave_up("pose", told(LC_POSE_RESULT_GAVE_UP(layout_)) != 0)) return std::nullopt;
   const int n_taken = told(LC_POSE_RESULT_TAKEN(layout_));
   groups_.launched(2 * size_t(n_taken));
+  if (seen_)
+    std::copy_n(results_host_.begin() + LC_POSE_RESULT_COUNTS(layout_), LC_POSE_COUNTS, inputs_.counts_read().begin());
   PoseSteps taken;
   std::vector<double> state(LC_POSE_STATE_SIZE(layout_));
   std::memcpy(state.data(), results_host_.data(), state.size() * sizeof(double));
@@ -284,8 +326,8 @@ std::optional<PoseSteps> PoseSystem::take_steps(const PoseState& start, int n_st
 }
 
 // Blocking.
-void PoseSystem::read_results() {
-  results_host_.resize(LC_POSE_RESULT_RESIDUALS(layout_) + n_rows() + n_contour());
+void PoseSystem::read_results(size_t n_rows) {
+  results_host_.resize(LC_POSE_RESULT_RESIDUALS(layout_) + n_rows);
   results_.read(results_host_);
 }
 
@@ -327,7 +369,7 @@ PoseResiduals PoseSystem::residuals(const PoseState& state) {
   upload(state);
   if (!is_cpu_) {
     launch_normal_equations(false);
-    read_results();
+    read_results(n_rows() + n_contour());
     return residuals_read();
   }
   PoseResiduals result;

@@ -10,6 +10,7 @@
 
 #include "actor/actor.h"
 #include "geometry/pinhole_arg.h"
+#include "geometry/seen_vertices.h"
 #include "geometry/shaded_vertex.h"
 #include "geometry/vertex_match.h"
 #include "image/device_frame.h"
@@ -63,6 +64,14 @@ class PoseSystem {
                  const ocl::Buffer<float>* displacement_rest, std::span<const VertexMatch> matches = {},
                  std::span<const ShadedVertex> shaded = {});
 
+  // The same for take_steps(), with vertices that the device chooses from `seen`, whose buffers live until the next
+  // call. Only where chooses().
+  void set_seen_frame(const KeypointTargets& targets, const DeviceFrame* frame, const SeenVertices& seen,
+                      const ocl::Buffer<float>* displacement_rest);
+  bool chooses() const { return takes_steps_ && groups_.work(); }
+  // What the device chose, for all but take_steps(). Blocking.
+  void read_choice();
+
   // stands: of each of soles() how sure it is to rest on the floor, 0..1. floor nullptr: none is known, as before the
   // first call. Holds until the next call.
   void set_floor(const Floor* floor, std::span<const double> stands);
@@ -82,17 +91,21 @@ class PoseSystem {
   int n_contour() const { return inputs_.n_contour(); }
   int n_matches() const { return inputs_.n_matches(); }
   int n_shaded() const { return inputs_.n_shaded(); }
-  // Weight of one contour row: lambda_silhouette times contour vertices per used vertex.
-  double contour_weight() const { return inputs_.contour_weight(); }
+  // Root of the weight of one contour row: lambda_silhouette times contour vertices per used vertex.
+  float contour_root() const { return inputs_.contour_root(); }
+  // What the matches fall short of perfect ones in weight, where the device chose them.
+  double missed_weight() const { return inputs_.missed_weight(); }
 
  private:
   void upload(const PoseState& state);
   void launch_records();
   void launch_rows();
+  void launch_choice();
   void launch_gauss_newton(size_t n_groups, const PoseStepsArg& steps);
   size_t n_parts() const;
   void launch_normal_equations(bool write_rows);
-  void read_results();
+  void read_results(size_t n_rows);
+  void set_picture(const DeviceFrame* frame, const ocl::Buffer<float>* displacement_rest);
   PoseResiduals residuals_read() const;
   PoseContour contour_arg() const;
 
@@ -110,7 +123,9 @@ class PoseSystem {
   const DeviceFrame* frame_ = nullptr;
   const ocl::Buffer<float>* displacement_ = nullptr;
   PoseRowInputs inputs_;
-  bool inputs_changed_ = true;  // since they were uploaded
+  bool inputs_changed_ = true;        // since they were uploaded
+  std::optional<SeenVertices> seen_;  // what the device is to choose from
+  size_t most_rows_ = 0;              // and distances_px
   std::vector<float> step_host_;
   std::vector<float> gram_host_;
   std::vector<float> results_host_;
@@ -149,6 +164,7 @@ class PoseSystem {
   ocl::Kernel gram_kernel_;
   ocl::Kernel gauss_newton_kernel_;  // GPUs, with sum_parts_kernel_
   ocl::Kernel sum_parts_kernel_;
+  ocl::Kernel choose_kernel_;  // with double precision
 };
 
 }  // namespace livecap

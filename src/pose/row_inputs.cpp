@@ -1,12 +1,14 @@
 #include "pose/row_inputs.h"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "base/text.h"
 #include "livecap/error.h"
+#include "pose/thinning.h"
 
 namespace livecap {
 namespace {
@@ -15,18 +17,16 @@ namespace {
 template <typename Weighted>
 std::vector<Weighted> thinned(std::span<const Weighted> all, int most) {
   if (all.size() <= size_t(most)) return {all.begin(), all.end()};
-  double total = 0;
-  for (const Weighted& one : all) total += one.weight;
-  const double share = total / most;
-  double sum = share / 2;
+  lc_exact_t total = 0, sum = 0;
+  for (const Weighted& one : all) total += LC_EXACT(one.weight);
+  const double share = double(total) / most;
   std::vector<Weighted> used;
   for (const Weighted& one : all) {
-    sum += one.weight;
-    const double n_shares = std::floor(sum / share);
-    if (!(n_shares >= 1) || used.size() == size_t(most)) continue;
-    sum -= n_shares * share;
+    const lc_exact_t before = std::exchange(sum, sum + LC_EXACT(one.weight));
+    const double n_shares = shares_until(sum, share) - shares_until(before, share);
+    if (!(n_shares >= 1)) continue;
     used.push_back(one);
-    used.back().weight = float(n_shares * share);
+    used.back().weight = float(n_shares * share * LC_EXACT_UNIT);
   }
   return used;
 }
@@ -35,16 +35,19 @@ std::vector<Weighted> thinned(std::span<const Weighted> all, int most) {
 
 PoseRowInputs::PoseRowInputs(const PoseLayout& layout, const PoseOptions& options, int n_vertices)
     : layout_(layout), options_(options), n_vertices_(n_vertices) {
-  places_.targets = 2 * LC_POSE_STATE_SIZE(layout);
-  places_.ground = places_.targets + LC_POSE_TARGET * kKeypointCount;
-  places_.contour_vertices = places_.ground + LC_POSE_GROUND_STANDS + layout.n_soles;
-  words_.assign(places_.contour_vertices, 0.0f);
-}
-
-size_t PoseRowInputs::most_words() const {
-  return size_t(places_.contour_vertices) + size_t(options_.max_contour_vertices) +
-         size_t(1 + LC_POSE_MATCH) * size_t(options_.max_matches) +
-         size_t(1 + LC_POSE_SHADED) * size_t(options_.max_shaded);
+  int end = 2 * LC_POSE_STATE_SIZE(layout);
+  const auto next = [&end](int n) { return std::exchange(end, end + n); };
+  places_ = {.choice = next(2 * LC_POSE_CHOICE_NUMBERS),
+             .lights = next(2 * LC_POSE_LIGHT),
+             .targets = next(LC_POSE_TARGET * kKeypointCount),
+             .ground = next(LC_POSE_GROUND_STANDS + layout.n_soles),
+             .counts = next(LC_POSE_COUNTS),
+             .contour_vertices = next(options.max_contour_vertices),
+             .match_vertices = next(options.max_matches),
+             .match_targets = next(LC_POSE_MATCH * options.max_matches),
+             .shaded_vertices = next(options.max_shaded),
+             .shaded_targets = next(LC_POSE_SHADED * options.max_shaded)};
+  words_.assign(end, 0.0f);
 }
 
 // The message of a check that is made for every vertex of every round is only written when it fails.
@@ -53,8 +56,7 @@ void PoseRowInputs::require_vertex(int vertex, const char* what) const {
     throw LogicError(format("pose: %s vertex %d of %d", what, vertex, n_vertices_));
 }
 
-void PoseRowInputs::set_frame(const KeypointTargets& targets, std::span<const int32_t> contour_vertices,
-                              std::span<const VertexMatch> matches, std::span<const ShadedVertex> shaded) {
+void PoseRowInputs::set_targets(const KeypointTargets& targets) {
   float* target = words_.data() + places_.targets;
   for (const KeypointTarget& t : targets) {
     for (double value :
@@ -63,46 +65,58 @@ void PoseRowInputs::set_frame(const KeypointTargets& targets, std::span<const in
           t.previous_position_mm.y(), t.previous_position_mm.z(), 0.0})
       *target++ = float(value);
   }
-  words_.resize(places_.contour_vertices);
-  n_contour_ = n_matches_ = n_shaded_ = 0;
-  contour_weight_ = 0;
-  const auto add = [this](int32_t vertex, const char* what) {
-    require_vertex(vertex, what);
-    words_.push_back(std::bit_cast<float>(vertex));
-  };
-  if (options_.weights.silhouette > 0) add_contour(contour_vertices);
+}
 
-  places_.match_vertices = int(words_.size());
-  const auto used_matches =
-      options_.weights.match > 0 ? thinned(matches, options_.max_matches) : std::vector<VertexMatch>{};
-  for (const VertexMatch& match : used_matches) add(match.vertex, "matched");
-  places_.match_targets = int(words_.size());
+void PoseRowInputs::set_vertices(std::span<const int32_t> contour_vertices, std::span<const VertexMatch> matches,
+                                 std::span<const ShadedVertex> shaded) {
+  const PoseWeights& weights = options_.weights;
+  set_contour(weights.silhouette > 0 ? contour_vertices : std::span<const int32_t>{});
+
+  const auto used_matches = weights.match > 0 ? thinned(matches, options_.max_matches) : std::vector<VertexMatch>{};
+  float* vertex = words_.data() + places_.match_vertices;
+  float* target = words_.data() + places_.match_targets;
   for (const VertexMatch& match : used_matches) {
-    const float root = float(std::sqrt(options_.weights.match * match.weight));
-    words_.insert(words_.end(), {match.u_px, match.v_px, root * match.a, root * match.b, root * match.c});
+    require_vertex(match.vertex, "matched");
+    *vertex++ = std::bit_cast<float>(match.vertex);
+    const float root = float(std::sqrt(weights.match * match.weight));
+    for (float value : {match.u_px, match.v_px, root * match.a, root * match.b, root * match.c}) *target++ = value;
   }
-  n_matches_ = int(used_matches.size());
+  set_count(LC_POSE_COUNT_MATCHES, used_matches.size());
 
-  places_.shaded_vertices = int(words_.size());
-  const auto used_shaded =
-      options_.weights.shading > 0 ? thinned(shaded, options_.max_shaded) : std::vector<ShadedVertex>{};
-  for (const ShadedVertex& skin : used_shaded) add(skin.vertex, "shaded");
-  places_.shaded_targets = int(words_.size());
+  const auto used_shaded = weights.shading > 0 ? thinned(shaded, options_.max_shaded) : std::vector<ShadedVertex>{};
+  vertex = words_.data() + places_.shaded_vertices;
+  target = words_.data() + places_.shaded_targets;
   for (const ShadedVertex& skin : used_shaded) {
-    words_.insert(words_.end(), skin.light.begin(), skin.light.end());
-    words_.insert(words_.end(), {skin.brightness, float(std::sqrt(options_.weights.shading * skin.weight))});
+    require_vertex(skin.vertex, "shaded");
+    *vertex++ = std::bit_cast<float>(skin.vertex);
+    target = std::copy(skin.light.begin(), skin.light.end(), target);
+    *target++ = skin.brightness;
+    *target++ = float(std::sqrt(weights.shading * skin.weight));
   }
-  n_shaded_ = int(used_shaded.size());
+  set_count(LC_POSE_COUNT_SHADED, used_shaded.size());
 }
 
 // Thinned evenly; the kept vertices stand for all of them.
-void PoseRowInputs::add_contour(std::span<const int32_t> vertices) {
+void PoseRowInputs::set_contour(std::span<const int32_t> vertices) {
   for (int32_t vertex : vertices) require_vertex(vertex, "contour");
   const size_t n = std::min(vertices.size(), size_t(options_.max_contour_vertices));
-  if (n == 0) return;
-  for (size_t i = 0; i < n; ++i) words_.push_back(std::bit_cast<float>(vertices[i * vertices.size() / n]));
-  n_contour_ = int(n);
-  contour_weight_ = options_.weights.silhouette * double(vertices.size()) / double(n);
+  for (size_t i = 0; i < n; ++i)
+    words_[places_.contour_vertices + i] = std::bit_cast<float>(vertices[i * vertices.size() / n]);
+  set_count(LC_POSE_COUNT_CONTOUR, n);
+  words_[places_.counts + LC_POSE_COUNT_CONTOUR_ROOT] =
+      n > 0 ? float(std::sqrt(options_.weights.silhouette * double(vertices.size()) / double(n))) : 0;
+}
+
+void PoseRowInputs::set_lights(std::span<const SeenSkin::Light> lights) {
+  const PoseWeights& weights = options_.weights;
+  std::array<double, LC_POSE_CHOICE_NUMBERS> numbers{weights.silhouette, weights.match, weights.shading};
+  for (size_t k = 0; k < lights.size(); ++k) {
+    numbers[LC_POSE_CHOICE_DEVIATIONS + k] = lights[k].deviation;
+    float* light = words_.data() + places_.lights + LC_POSE_LIGHT * k;
+    *light = std::bit_cast<float>(int32_t(lights[k].is_known));
+    std::copy(lights[k].light.begin(), lights[k].light.end(), light + 1);
+  }
+  std::memcpy(words_.data() + places_.choice, numbers.data(), sizeof(numbers));
 }
 
 void PoseRowInputs::set_floor(const Floor* floor, std::span<const double> stands) {

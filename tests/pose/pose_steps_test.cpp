@@ -6,6 +6,7 @@
 #include <random>
 
 #include "pose/pose_solver.h"
+#include "support/gpu_bodies.h"
 #include "support/pose_reference.h"
 #include "support/pose_scene.h"
 #include "support/test_device.h"
@@ -13,19 +14,6 @@
 
 namespace livecap {
 namespace {
-
-// Every device with double precision, with the kernel bodies for GPUs; a CPU as one unit, whose groups do not wait.
-template <typename Check>
-void on_every_gpu_body(Check&& check) {
-  test::on_every_device([&](ocl::DeviceContext& device) {
-    ocl::DeviceInfo info = device.info();
-    if (!info.has_double) return;
-    if (info.is_cpu) info.compute_units = 1;
-    info.is_cpu = false;
-    ocl::DeviceContext as_gpu(info);
-    check(as_gpu);
-  });
-}
 
 // With this many joints less; or more, each beside another one, so that something tells them apart.
 Actor actor_with(int n_more_joints) {
@@ -102,7 +90,7 @@ void expect_same(const PoseState& got, const PoseState& expected) {
 }
 
 TEST(PoseSteps, AreTheHosts) {
-  on_every_gpu_body([](ocl::DeviceContext& device) {
+  test::on_every_gpu_body([](ocl::DeviceContext& device) {
     Scene scene(device);
     scene.options.max_step_rad = 0.1;  // shortens the first ones
     PoseSystem system(device, scene.actor, scene.camera, scene.options);
@@ -127,7 +115,7 @@ TEST(PoseSteps, AreTheHosts) {
 
 // Of 36 unknowns two are eliminated at a time, in 48 rows: an odd number, and such as need the next 16.
 TEST(PoseSteps, AreTheHostsForAnyNumberOfJoints) {
-  on_every_gpu_body([](ocl::DeviceContext& device) {
+  test::on_every_gpu_body([](ocl::DeviceContext& device) {
     for (int n_more : {-1, 10, 11}) {
       Scene scene(device, n_more);
       SCOPED_TRACE(scene.actor.skeleton.n_dofs());
@@ -144,7 +132,7 @@ TEST(PoseSteps, AreTheHostsForAnyNumberOfJoints) {
 }
 
 TEST(PoseSteps, RepeatBitForBit) {
-  on_every_gpu_body([](ocl::DeviceContext& device) {
+  test::on_every_gpu_body([](ocl::DeviceContext& device) {
     const Scene scene(device);
     PoseSystem system(device, scene.actor, scene.camera, scene.options);
     scene.give(system);
@@ -161,7 +149,7 @@ TEST(PoseSteps, RepeatBitForBit) {
 
 // NaN, and a single point of the picture that six unknowns and more could all explain.
 TEST(PoseSteps, TellWhyTheyFail) {
-  on_every_gpu_body([](ocl::DeviceContext& device) {
+  test::on_every_gpu_body([](ocl::DeviceContext& device) {
     Scene scene(device);
     scene.options.damping_own = scene.options.damping_largest = 0;
     PoseSystem system(device, scene.actor, scene.camera, scene.options);

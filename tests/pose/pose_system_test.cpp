@@ -49,10 +49,10 @@ struct Scene {
     for (int k = 0; k < kKeypointCount; ++k) detections.keypoints[k].confidence = 0.3f + 0.03f * k;
   }
 
-  test::PoseReference reference(double contour_weight) const {
+  test::PoseReference reference(double contour_root) const {
     return {actor,    camera,
             options,  make_targets(actor, detections, &previous, options),
-            contour,  contour_weight,
+            contour,  contour_root * contour_root,
             distance, displacement,
             floor,    sole_points(actor),
             stands};
@@ -76,7 +76,7 @@ void with_system(Check&& check) {
           system.set_floor(&scene.floor, scene.stands);
           ASSERT_EQ(system.n_contour(), int(scene.contour.size()));
           ASSERT_FALSE(system.soles().empty());
-          check(system, scene.reference(system.contour_weight()), scene);
+          check(system, scene.reference(system.contour_root()), scene);
         }
       },
       test::Doubles::kAlsoWithout);
@@ -196,7 +196,7 @@ TEST(PoseSystem, ContourCountsAroundTheVectorWidth) {
           scene.contour.assign(all.begin(), all.begin() + n);
           system.set_frame(targets, &frame, scene.contour, nullptr);
           system.set_floor(&scene.floor, scene.stands);
-          const Eigen::VectorXd expected = scene.reference(system.contour_weight()).residuals(scene.state);
+          const Eigen::VectorXd expected = scene.reference(system.contour_root()).residuals(scene.state);
           const double energy = expected.squaredNorm();
           EXPECT_NEAR(system.assemble(scene.state).energy, energy, test::kPoseJacobian * energy) << n;
         }

@@ -1,0 +1,16 @@
+// Sums of weights that are the same in whatever order they are added, on host and device: of whole numbers of 2^-40.
+// They stay below 2^22. Read by both compilers.
+#ifndef LC_SHARED_EXACT_SUM_H
+#define LC_SHARED_EXACT_SUM_H
+
+#ifdef LC_DEVICE
+typedef long lc_exact_t;
+#else
+#include <cstdint>
+typedef int64_t lc_exact_t;
+#endif
+
+#define LC_EXACT(weight) ((lc_exact_t)((weight)*1099511627776.0f))
+#define LC_EXACT_UNIT 9.094947017729282e-13
+
+#endif

@@ -53,12 +53,13 @@ static long sum_before(long value, local long* sums, long* all) {
   return sums[id] - value;
 }
 
-// Of vertex i, 0 where it is not seen. Divisions are in double: in float they need not be rounded as the host's are.
+// Of vertex i, 0 where it is not seen. Divided in double, and by a double: floats, or doubles that were floats, are
+// divided less exactly than on the host.
 static float weight_of(const Seen* s, int i) {
   if (s->kind == CONTOUR) return s->contour[i] ? 1.0f : 0.0f;
   if (s->kind == MATCHES) {
     const float px = s->matches[LC_MATCH * i + 5];
-    return px > 0.0f ? (float)((double)px / (double)s->choice.match_area_px) : 0.0f;
+    return px > 0.0f ? (float)((double)px / s->numbers[LC_POSE_CHOICE_MATCH_AREA]) : 0.0f;
   }
   const float px = s->skin[LC_SKIN * i + 4];
   const int limb = s->skin_limbs[i];
@@ -90,31 +91,33 @@ static void write_chosen(const Seen* s, PoseInputs at, int i, int place, float w
 
 // Of what is seen.
 typedef struct {
-  long rank, sum;  // how many, and their weights (LC_EXACT), before a work-item's run
-  long n, total;   // in all
+  long place, sum;  // how many there are, and their weights (LC_EXACT), before a work-item's
+  long n, total;    // in all
 } Before;
 
-// How many of the vertices begin..end-1 are chosen; writes them from `place` on unless that is negative.
-static int choose(const Seen* s, PoseInputs at, int begin, int end, Before b, int place, global float* inputs) {
+// Chooses among the vertices `first` + begin..end-1, whose weights these are from `first` on. Returns how many; writes
+// them from `place` on unless that is negative.
+static int choose(const Seen* s, PoseInputs at, int first, int begin, int end, local const float* weights, Before b,
+                  int place, global float* inputs) {
   const int most = s->choice.most[s->kind];
   const double share = (double)b.total / (double)most;
   int n = 0;
   for (int i = begin; i < end; ++i) {
-    float weight = weight_of(s, i);
+    float weight = weights[i];
     if (!(weight > 0.0f)) continue;
     const long exact = LC_EXACT(weight);
     int is_chosen = 1;
     if (b.n > most && s->kind == CONTOUR) {
-      is_chosen = is_spread(b.rank, b.n, most);
+      is_chosen = is_spread(b.place, b.n, most);
     } else if (b.n > most) {
       const double n_shares = shares_until(b.sum + exact, share) - shares_until(b.sum, share);
       is_chosen = n_shares >= 1.0;
       weight = (float)(n_shares * share * LC_EXACT_UNIT);
     }
-    ++b.rank;
+    ++b.place;
     b.sum += exact;
     if (!is_chosen) continue;
-    if (place >= 0) write_chosen(s, at, i, place + n, weight, inputs);
+    if (place >= 0) write_chosen(s, at, first + i, place + n, weight, inputs);
     ++n;
   }
   return n;
@@ -122,14 +125,12 @@ static int choose(const Seen* s, PoseInputs at, int begin, int end, Before b, in
 
 // contour [n] 1 for contour vertices, matches [LC_MATCH*n], skin [LC_SKIN*n], of as many as `choice` says;
 // skin_vertices [n]; skin_limbs [n]: twice the limb and 1 for the second light. inputs: what is chosen by, and out what
-// is chosen, see layout.h.
+// is chosen, see layout.h. sums: [GROUP]; limb_px: [LC_POSE_LIMBS]; weights: [LC_POSE_CHOICE_RUN].
 kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void pose_choose(
     PoseInputs at, PoseChoice choice, global const int* restrict contour, global const float* restrict matches,
     global const float* restrict skin, global const int* restrict skin_vertices, global const int* restrict skin_limbs,
-    global float* inputs, local long* sums, local double* limb_px) {
-  const int id = get_local_id(0), kind = get_group_id(0);
-  const int run = (choice.n[kind] + GROUP - 1) / GROUP;
-  const int begin = min(id * run, choice.n[kind]), end = min(begin + run, choice.n[kind]);
+    global float* inputs, local long* sums, local double* limb_px, local float* weights) {
+  const int id = get_local_id(0), kind = get_group_id(0), n = choice.n[kind];
   const Seen seen = {kind,
                      choice,
                      contour,
@@ -149,29 +150,50 @@ kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void pose_choose(
   }
   barrier(CLK_LOCAL_MEM_FENCE);
 
-  Before before = {0, 0, 0, 0};
+  Before all = {0, 0, 0, 0};
   long missed = 0;  // px^2
-  for (int i = begin; i < end; ++i) {
+#pragma unroll 4
+  for (int i = id; i < n; i += GROUP) {
     const float weight = weight_of(&seen, i);
+    if (i < LC_POSE_CHOICE_RUN) weights[i] = weight;
     if (kind == MATCHES)
       missed += LC_EXACT(matches[LC_MATCH * i + 7]) - LC_EXACT(fmax(matches[LC_MATCH * i + 5], 0.0f));
-    if (!(weight > 0.0f)) continue;
-    ++before.rank;
-    before.sum += LC_EXACT(weight);
+    if (weight > 0.0f) ++all.n;
+    all.total += LC_EXACT(weight);
   }
-  before.rank = sum_before(before.rank, sums, &before.n);
-  before.sum = sum_before(before.sum, sums, &before.total);
+  sum_before(all.n, sums, &all.n);
+  sum_before(all.total, sums, &all.total);
   sum_before(missed, sums, &missed);
-  long all;
-  const int n_here = choose(&seen, at, begin, end, before, -1, inputs);
-  const int place = sum_before(n_here, sums, &all);
-  choose(&seen, at, begin, end, before, place, inputs);
+
+  int n_chosen = 0;
+  for (int first = 0; first < n; first += LC_POSE_CHOICE_RUN) {
+    const int n_here = min(n - first, LC_POSE_CHOICE_RUN), run = (n_here + GROUP - 1) / GROUP;
+    const int begin = min(id * run, n_here), end = min(begin + run, n_here);
+    for (int i = id; first > 0 && i < n_here; i += GROUP) weights[i] = weight_of(&seen, first + i);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    Before before = all;
+    long places = 0, sum = 0, added;
+    for (int i = begin; i < end; ++i) {
+      if (weights[i] > 0.0f) ++places;
+      sum += LC_EXACT(weights[i]);
+    }
+    before.place += sum_before(places, sums, &added);
+    all.place += added;
+    before.sum += sum_before(sum, sums, &added);
+    all.sum += added;
+    const int n_mine = choose(&seen, at, first, begin, end, weights, before, -1, inputs);
+    const int place = n_chosen + (int)sum_before(n_mine, sums, &added);
+    n_chosen += (int)added;
+    choose(&seen, at, first, begin, end, weights, before, place, inputs);
+    barrier(CLK_LOCAL_MEM_FENCE);
+  }
   if (id > 0) return;
-  inputs[at.counts + kind] = as_float((int)all);
+  inputs[at.counts + kind] = as_float(n_chosen);
   if (kind == CONTOUR)
     inputs[at.counts + LC_POSE_COUNT_CONTOUR_ROOT] =
-        all > 0 ? (float)sqrt(seen.numbers[CONTOUR] * (double)before.n / (double)all) : 0.0f;
+        n_chosen > 0 ? (float)sqrt(seen.numbers[CONTOUR] * (double)all.n / (double)n_chosen) : 0.0f;
   if (kind == MATCHES)
-    inputs[at.counts + LC_POSE_COUNT_MISSED] = (float)((double)missed * LC_EXACT_UNIT / (double)choice.match_area_px);
+    inputs[at.counts + LC_POSE_COUNT_MISSED] =
+        (float)((double)missed * LC_EXACT_UNIT / seen.numbers[LC_POSE_CHOICE_MATCH_AREA]);
 }
 #endif

@@ -96,17 +96,19 @@ typedef struct {
 // For choose.cl: its work-items; limbs with skin.
 #define LC_POSE_CHOICE_GROUP 512
 #define LC_POSE_LIMBS 8
-// Numbers: weights of the terms of the three kinds, and the lights' deviations.
+// Numbers: weights of the terms of the three kinds, the lights' deviations, the px^2 of a match of weight 1.
 #define LC_POSE_CHOICE_DEVIATIONS 3
-#define LC_POSE_CHOICE_NUMBERS 5
+#define LC_POSE_CHOICE_MATCH_AREA 5
+#define LC_POSE_CHOICE_NUMBERS 6
+// Vertices whose weights are in local memory at a time.
+#define LC_POSE_CHOICE_RUN 6144
 // A light: whether it is known (int), and itself (9) in deviations.
 #define LC_POSE_LIGHT 10
 
 typedef struct {
-  int n[3];             // vertices to choose from, of each kind: contour, matches, skin
-  int most[3];          // to choose
-  float match_area_px;  // a match that stands for so many px^2 has weight 1
-  float limb_area_px;   // a limb that shows so many px^2 or more has weight 1
+  int n[3];            // vertices to choose from, of each kind: contour, matches, skin
+  int most[3];         // to choose
+  float limb_area_px;  // a limb that shows so many px^2 or more has weight 1
 } PoseChoice;
 
 // The ground: normal xyz, offset (mm), root of the weight (0: none is known), Huber threshold (mm; 0 = quadratic

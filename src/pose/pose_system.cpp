@@ -24,7 +24,7 @@ constexpr int kMaxBones = LC_POSE_NO_BONE;
 
 static_assert(LC_POSE_KEYPOINTS == kKeypointCount);
 static_assert(sizeof(PoseLayout) == 20 && sizeof(PoseContour) == 24 && sizeof(PoseInputs) == 40 &&
-              sizeof(PoseChoice) == 32 && sizeof(PoseStepsArg) == 32);
+              sizeof(PoseChoice) == 28 && sizeof(PoseStepsArg) == 32);
 
 void require(bool ok, const std::string& message) {
   if (!ok) throw LogicError("pose: " + message);
@@ -155,7 +155,7 @@ void PoseSystem::set_seen_frame(const KeypointTargets& targets, const DeviceFram
   require(chooses(), "the device does not choose vertices");
   seen_ = seen;
   inputs_.set_targets(targets);
-  inputs_.set_lights(seen.skin.lights);
+  inputs_.set_choice(seen);
   set_picture(frame, displacement_rest);
 }
 
@@ -242,13 +242,13 @@ void PoseSystem::launch_choice() {
   const PoseChoice choice{
       {has_contour ? n_vertices_ : 0, has_matches ? n_vertices_ : 0, has_skin ? int(skin.vertices->size()) : 0},
       {options_.max_contour_vertices, options_.max_matches, options_.max_shaded},
-      seen_->match_area_px,
       skin.limb_area_px};
   choose_kernel_.launch(
       size_t(3) * LC_POSE_CHOICE_GROUP, LC_POSE_CHOICE_GROUP, inputs_.places(), choice,
       has_contour ? *seen_->contour : links_, has_matches ? *seen_->matches : rest_, has_skin ? *skin.samples : rest_,
       has_skin ? *skin.vertices : links_, has_skin ? *skin.limbs : links_, inputs_on_device_,
-      ocl::LocalMemory{sizeof(int64_t) * LC_POSE_CHOICE_GROUP}, ocl::LocalMemory{sizeof(double) * LC_POSE_LIMBS});
+      ocl::LocalMemory{sizeof(int64_t) * LC_POSE_CHOICE_GROUP}, ocl::LocalMemory{sizeof(double) * LC_POSE_LIMBS},
+      ocl::LocalMemory{sizeof(float) * LC_POSE_CHOICE_RUN});
 }
 
 void PoseSystem::read_choice() {

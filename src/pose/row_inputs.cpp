@@ -107,9 +107,11 @@ void PoseRowInputs::set_contour(std::span<const int32_t> vertices) {
       n > 0 ? float(std::sqrt(options_.weights.silhouette * double(vertices.size()) / double(n))) : 0;
 }
 
-void PoseRowInputs::set_lights(std::span<const SeenSkin::Light> lights) {
+void PoseRowInputs::set_choice(const SeenVertices& seen) {
   const PoseWeights& weights = options_.weights;
   std::array<double, LC_POSE_CHOICE_NUMBERS> numbers{weights.silhouette, weights.match, weights.shading};
+  numbers[LC_POSE_CHOICE_MATCH_AREA] = seen.match_area_px;
+  const auto& lights = seen.skin.lights;
   for (size_t k = 0; k < lights.size(); ++k) {
     numbers[LC_POSE_CHOICE_DEVIATIONS + k] = lights[k].deviation;
     float* light = words_.data() + places_.lights + LC_POSE_LIGHT * k;

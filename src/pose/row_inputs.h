@@ -28,7 +28,7 @@ class PoseRowInputs {
   void set_vertices(std::span<const int32_t> contour_vertices, std::span<const VertexMatch> matches,
                     std::span<const ShadedVertex> shaded);
   // By which the device chooses instead.
-  void set_lights(std::span<const SeenSkin::Light> lights);
+  void set_choice(const SeenVertices& seen);
   // stands: [n_soles]. floor nullptr: none is known, as before the first call. Throws LogicError for a wrong count.
   void set_floor(const Floor* floor, std::span<const double> stands);
 

@@ -2,14 +2,8 @@
 #ifndef LC_CLOTH_LAYOUT_H
 #define LC_CLOTH_LAYOUT_H
 
-// Work-items of the one work-group: 1 on a CPU, on a GPU what the host says.
-#ifndef LC_CLOTH_GROUP
-#if LC_CPU
-#define LC_CLOTH_GROUP 1
-#else
-#define LC_CLOTH_GROUP 256
-#endif
-#endif
+// Work-items of a work-group.
+#define LC_CLOTH_GROUP(is_cpu) ((is_cpu) ? 1 : 64)
 #define LC_CLOTH_LIMBS 6
 #define LC_CLOTH_LIMB_SIZE 14
 #define LC_CLOTH_TINY 1e-6f  // mm

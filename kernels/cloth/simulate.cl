@@ -1,18 +1,25 @@
 // One frame of hanging cloth by position based dynamics (Mueller et al. 2007) with many small steps (Macklin et al.
-// 2019), Jacobi instead of Gauss-Seidel: all of it in one launch, by one work-item on a CPU and one work-group on a
-// GPU. Rows are particles in SELL-16 slices (src/surface/sell.h); vectors are 3 planes, `stride` apart.
+// 2019), Jacobi instead of Gauss-Seidel: all of it in one launch, by one work-item on a CPU, on a GPU by work-groups
+// that wait for each other once a step. Rows are particles in SELL-16 slices (src/surface/sell.h); vectors are 3
+// planes, `stride` apart.
 #include "shared/lanes.h"
 //
 #include "cloth/layout.h"
+#include "shared/all_arrived.h"
 
 #if LC_CPU
 #define EACH_ROW(row, n_rows) for (int row = 0; row < (n_rows); row += LANES)
 #define EACH(i, n) for (int i = 0; i < (n); ++i)
 #define TOGETHER()
+#define FEW_AT_ONCE
 #else
-#define EACH_ROW(row, n_rows) for (int row = get_local_id(0); row < (n_rows); row += LC_CLOTH_GROUP)
+#define EACH_ROW(row, n_rows) for (int row = get_global_id(0); row < (n_rows); row += get_global_size(0))
 #define EACH(i, n) EACH_ROW(i, n)
-#define TOGETHER() barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE)
+#define TOGETHER()              \
+  arrived += get_num_groups(0); \
+  if (!all_arrived(state, arrived, &given_up)) return
+// What is loaded for several links at once is waited for once.
+#define FEW_AT_ONCE _Pragma("unroll 4")
 #endif
 
 // A cone with round ends: from, along, 1 / |along|^2, radius at `from`, what it changes by.
@@ -90,6 +97,7 @@ static inline void settle_row(int row, int stride, ClothStep step, global const 
   const Vec3 p = load3(ahead, row, stride);
   Vec3 moved = p;
   const int begin = slice_offsets[row / SLICE], end = slice_offsets[row / SLICE + 1];
+  FEW_AT_ONCE
   for (int base = begin; base < end; base += SLICE) {
     const int at = base + row % SLICE;
     const LaneInt j = LOAD(neighbors, at);
@@ -107,16 +115,22 @@ static inline void settle_row(int row, int stride, ClothStep step, global const 
 // first: not 0 where there is no frame before. vertices [n_rows]: of each particle; is_free [n_rows]: 1, or 0 for what
 // is fastened to the skinned surface. pulls, lengths [n_entries]: of the links (src/cloth/cloth_graph.h). limbs
 // [LC_CLOTH_LIMBS][LC_CLOTH_LIMB_SIZE]; reach: LC_CLOTH_LIMBS planes, no limb is thicker for a particle. State: before
-// and target (the skinned places of two frames), x, v, ahead. Moves n_moved vertices of skinned, start and start_before
+// and target (the skinned places of two frames), x, v; ahead: two times, since groups that are a step ahead write it
+// while others read. arrived, state: see all_arrived.h. Moves n_moved vertices of skinned, start and start_before
 // [3n]: moved [n_moved], as four particles each moved away from their targets, particles and weights [4*n_moved].
-kernel __attribute__((reqd_work_group_size(LC_CLOTH_GROUP, 1, 1))) void simulate_cloth(
-    int first, int n_steps, int n_rows, int stride, int n_moved, ClothStep step,
+kernel __attribute__((reqd_work_group_size(LC_CLOTH_GROUP(LC_CPU), 1, 1))) void simulate_cloth(
+    int first, int n_steps, int n_rows, int stride, int n_moved, int arrived, ClothStep step,
     global const int* restrict slice_offsets, global const int* restrict neighbors, global const float* restrict pulls,
     global const float* restrict lengths, global const int* restrict vertices, global const float* restrict is_free,
     global const float* restrict limbs, global const float* restrict reach, global const int* restrict moved,
     global const int* restrict particles, global const float* restrict weights, global float* before,
     global float* target, global float* x, global float* v, global float* ahead, global float* restrict skinned,
-    global float* restrict start, global float* restrict start_before) {
+    global float* restrict start, global float* restrict start_before, volatile global int* state) {
+#if LC_CPU
+  (void)arrived, (void)state;
+#else
+  local int given_up;
+#endif
   EACH_ROW(row, n_rows) {
     const Vec3 place = gather_vec3(skinned, LOAD(vertices, row));
     store3(first ? place : load3(target, row, stride), before, row, stride);
@@ -131,12 +145,13 @@ kernel __attribute__((reqd_work_group_size(LC_CLOTH_GROUP, 1, 1))) void simulate
     Limb now[LC_CLOTH_LIMBS];
     LC_UNROLL
     for (int i = 0; i < LC_CLOTH_LIMBS; ++i) now[i] = limb_at(limbs + LC_CLOTH_LIMB_SIZE * i, t);
-    EACH_ROW(row, n_rows) ahead_row(row, stride, step, t, is_free, before, target, x, v, ahead);
+    global float* there = ahead + k % 2 * 3 * stride;
+    EACH_ROW(row, n_rows) ahead_row(row, stride, step, t, is_free, before, target, x, v, there);
     TOGETHER();
     EACH_ROW(row, n_rows)
-    settle_row(row, stride, step, slice_offsets, neighbors, pulls, lengths, now, reach, ahead, x, v);
-    TOGETHER();
+    settle_row(row, stride, step, slice_offsets, neighbors, pulls, lengths, now, reach, there, x, v);
   }
+  TOGETHER();
   EACH(i, n_moved) {
     for (int a = 0; a < 3; ++a) {
       float by = 0.0f;

@@ -84,18 +84,22 @@ void SurfaceStage::launch(const DeviceFrame& picture) {
                 vertices_);
 }
 
-double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* picture) {
-  const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);
-  skinner_.set_pose(hanging_.dual_quats(posed));
+// Puts the template and the last displacements where the pose is; hanging cloth swings there.
+void SurfaceStage::place(const PosedSkeleton& posed, double seconds) {
   skinner_.skin(zero_, skinned_);
   skinner_.skin(displacement_rest_, start_);
   if (n_history_ >= 2) skinner_.skin(before_displacement_rest_, before_);
-  if (cloth_) {
-    const double passed = time_s > last_time_s_ ? time_s - last_time_s_ : kUnknownFrame;
-    if (passed > kLongestFrame) cloth_->reset();
-    cloth_->step(posed, std::clamp(passed, kShortestFrame, kLongestFrame), skinned_, start_, before_);
-    last_time_s_ = time_s;
-  }
+  if (cloth_) cloth_->step(posed, seconds, skinned_, start_, before_);
+}
+
+double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* picture) {
+  const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);
+  skinner_.set_pose(hanging_.dual_quats(posed));
+  const double passed = time_s > last_time_s_ ? time_s - last_time_s_ : kUnknownFrame;
+  last_time_s_ = time_s;
+  if (cloth_ && passed > kLongestFrame) cloth_->reset();
+  const double seconds = std::clamp(passed, kShortestFrame, kLongestFrame);
+  place(posed, seconds);
   if (!picture) {
     vertices_.copy_from(skinned_);
     return 0;
@@ -104,7 +108,9 @@ double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* p
   for (bool whole = false; !whole;) {
     launch(*picture);
     surface = solver_.result();
-    whole = !snapper_.gave_up() && surface;
+    const bool cloth_gave_up = cloth_ && cloth_->gave_up();
+    if (cloth_gave_up) place(posed, seconds);
+    whole = !snapper_.gave_up() && surface && !cloth_gave_up;
   }
   // The temporal terms compare displacements, not positions (docs/paper_map.md): `previous` is the warped start itself.
   if (options_.warp_displacements) {

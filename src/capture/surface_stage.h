@@ -39,6 +39,7 @@ class SurfaceStage {
   void reset();
 
  private:
+  void place(const PosedSkeleton& posed, double seconds);
   void launch(const DeviceFrame& picture);
 
   const Actor& actor_;

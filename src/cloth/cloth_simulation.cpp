@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/log.h"
+#include "base/round_up.h"
 #include "cloth/hanging_cloth.h"
 #include "cloth/layout.h"
 #include "geometry/segment.h"
@@ -19,9 +20,8 @@ using Vector3 = Eigen::Vector3d;
 
 static_assert(sizeof(ClothStep) == 24, "as the kernel has it");
 
-constexpr double kLongestStep = 0.1;   // s, for which a frame's springs are to be stable
-constexpr int kEnds = 6, kRadii = 2;   // values of a limb
-constexpr size_t kLargestGroup = 512;  // more would leave a particle's limbs too few registers
+constexpr double kLongestStep = 0.1;  // s, for which a frame's springs are to be stable
+constexpr int kEnds = 6, kRadii = 2;  // values of a limb
 
 // The limbs of both legs in their order: thigh, shin, and what lies between the middle of the hips and the hip.
 struct Limb {
@@ -76,7 +76,7 @@ void ClothOptions::validate() const {
 }
 
 ClothSimulation::ClothSimulation(ocl::DeviceContext& device, const Actor& actor, const ClothOptions& options)
-    : options_(options) {
+    : device_(&device), options_(options) {
   options.validate();
   const ClothGraph cloth = make_cloth_graph(actor, options.max_held_leg_weight);
   const Skeleton& skeleton = actor.skeleton;
@@ -97,11 +97,12 @@ ClothSimulation::ClothSimulation(ocl::DeviceContext& device, const Actor& actor,
   set_up_links(device, actor, cloth);
   set_up_limbs(device, actor, cloth);
   for (ocl::Buffer<float>* planes : {&before_, &target_, &x_, &v_, &ahead_}) {
-    *planes = ocl::Buffer<float>(device, size_t(3) * graph_.stride);
+    *planes = ocl::Buffer<float>(device, size_t(planes == &ahead_ ? 6 : 3) * graph_.stride);
     planes->fill(0);
   }
-  group_ = device.is_cpu() ? 1 : std::min<size_t>(kLargestGroup, device.info().max_work_group_size);
-  simulate_ = {device, "cloth/simulate.cl", "simulate_cloth", "-D LC_CLOTH_GROUP=" + std::to_string(group_)};
+  group_ = LC_CLOTH_GROUP(device.is_cpu());
+  groups_ = ocl::GroupsTogether(device, device.is_cpu() ? 1 : round_up(graph_.n_rows, group_) / group_);
+  simulate_ = {device, "cloth/simulate.cl", "simulate_cloth"};
 }
 
 void ClothSimulation::set_up_links(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth) {
@@ -199,11 +200,21 @@ void ClothSimulation::step(const PosedSkeleton& posed, double seconds, ocl::Buff
                        float(options_.stiffness * small),
                        float(1 - std::exp(-options_.damping * small)),
                        float(std::exp(-options_.air_drag * small))};
-  simulate_.launch(group_, group_, first_ ? 1 : 0, options_.steps, graph_.n_rows, graph_.stride, n_moved_, step,
-                   slice_offsets_, neighbors_, pulls_, lengths_, vertices_, is_free_, limbs_, reach_, moved_,
-                   particles_, weights_, before_, target_, x_, v_, ahead_, skinned, start, start_before);
+  simulate_.launch(groups_.n() * group_, group_, first_ ? 1 : 0, options_.steps, graph_.n_rows, graph_.stride, n_moved_,
+                   groups_.arrived(), step, slice_offsets_, neighbors_, pulls_, lengths_, vertices_, is_free_, limbs_,
+                   reach_, moved_, particles_, weights_, before_, target_, x_, v_, ahead_, skinned, start, start_before,
+                   groups_.state());
+  groups_.launched(options_.steps + 1);
+  if (groups_.n() > 1) groups_.read_later();
   limbs_before_ = now;
   first_ = false;
+}
+
+bool ClothSimulation::gave_up() {
+  if (!has_cloth() || !groups_.gave_up("cloth")) return false;
+  groups_ = ocl::GroupsTogether(*device_, 1);
+  reset();
+  return true;
 }
 
 }  // namespace livecap

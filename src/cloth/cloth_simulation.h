@@ -10,6 +10,7 @@
 #include "actor/actor.h"
 #include "cloth/cloth_graph.h"
 #include "ocl/buffer.h"
+#include "ocl/groups_together.h"
 #include "ocl/kernel.h"
 #include "surface/sell.h"
 
@@ -32,7 +33,7 @@ struct ClothOptions {
 
 class ClothSimulation {
  public:
-  // Keeps no reference to the actor. Throws ConfigError.
+  // Keeps no reference to the actor; the device must outlive it. Throws ConfigError.
   ClothSimulation(ocl::DeviceContext& device, const Actor& actor, const ClothOptions& options);
 
   // False for an actor without hanging cloth: step() does nothing then.
@@ -42,15 +43,20 @@ class ClothSimulation {
   void reset() { first_ = true; }
 
   // One frame, seconds after the last. skinned: [3n] mm, camera frame, V^S in, where hanging cloth is replaced by the
-  // simulated one. start, start_before [3n]: moved by as much. Throws LogicError unless seconds > 0.
+  // simulated one. start, start_before [3n]: moved by as much. Enqueued. Throws LogicError unless seconds > 0.
   void step(const PosedSkeleton& posed, double seconds, ocl::Buffer<float>& skinned, ocl::Buffer<float>& start,
             ocl::Buffer<float>& start_before);
+
+  // After the next blocking read: true once where a GPU's work-groups do not wait for each other. Then the buffers are
+  // to be made anew, for a step at rest.
+  bool gave_up();
 
  private:
   std::vector<float> limbs_at(const PosedSkeleton& posed) const;
   void set_up_links(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth);
   void set_up_limbs(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth);
 
+  ocl::DeviceContext* device_;
   ClothOptions options_;
   SellGraph graph_;                           // of particles
   std::array<std::array<int, 3>, 2> legs_{};  // hip, knee and ankle
@@ -61,7 +67,9 @@ class ClothSimulation {
   int n_moved_ = 0;
   ocl::Buffer<int32_t> slice_offsets_, neighbors_, vertices_, moved_, particles_;
   ocl::Buffer<float> pulls_, lengths_, is_free_, reach_, weights_, limbs_;
-  ocl::Buffer<float> before_, target_, x_, v_, ahead_;  // 3 planes each
+  ocl::Buffer<float> before_, target_, x_, v_;  // 3 planes each
+  ocl::Buffer<float> ahead_;                    // 6
+  ocl::GroupsTogether groups_;
   ocl::Kernel simulate_;
 };
 

@@ -59,7 +59,12 @@ std::vector<ocl::SelfTestResult> cloth_self_test(ocl::DeviceContext& device) {
   };
 
   cloth.step(posed, seconds, skinned, start, before);
-  const double at_rest = error(0, actor.n_vertices(), 0);
+  double at_rest = error(0, actor.n_vertices(), 0);
+  if (cloth.gave_up()) {
+    skinned.write(rest);
+    cloth.step(posed, seconds, skinned, start, before);
+    at_rest = error(0, actor.n_vertices(), 0);
+  }
   std::vector<float> moved = rest;
   for (size_t k = 0; k < moved.size(); k += 3) moved[k] += float(aside);
   skinned.write(moved);

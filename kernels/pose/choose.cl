@@ -37,14 +37,14 @@ static long px_of_limb(const Seen* s, int limb, int first) {
   return sum;
 }
 
-// The sum of the work-items before; all: of all. sums: [GROUP].
-static long sum_before(long value, local long* sums, long* all) {
+// Sums over the work-items before; all: over all of them. sums: [GROUP].
+static long2 sums_before(long2 value, local long2* sums, long2* all) {
   const int id = get_local_id(0);
   barrier(CLK_LOCAL_MEM_FENCE);
   sums[id] = value;
   for (int by = 1; by < GROUP; by *= 2) {
     barrier(CLK_LOCAL_MEM_FENCE);
-    const long before = id >= by ? sums[id - by] : 0;
+    const long2 before = id >= by ? sums[id - by] : (long2)(0);
     barrier(CLK_LOCAL_MEM_FENCE);
     sums[id] += before;
   }
@@ -89,38 +89,48 @@ static void write_chosen(const Seen* s, PoseInputs at, int i, int place, float w
   to[10] = root;
 }
 
-// Of what is seen.
+// A run of vertices that are neighbours; the runs of all work-items in turn are all of them.
 typedef struct {
-  long place, sum;  // how many there are, and their weights (LC_EXACT), before a work-item's
-  long n, total;    // in all
-} Before;
+  int begin, end;
+} Run;
 
-// Chooses among the vertices `first` + begin..end-1, whose weights these are from `first` on. Returns how many; writes
-// them from `place` on unless that is negative.
-static int choose(const Seen* s, PoseInputs at, int first, int begin, int end, local const float* weights, Before b,
-                  int place, global float* inputs) {
+// How many of a run are seen, and their weights (LC_EXACT). weights: see the kernel.
+static long2 seen_in(Run run, local const float* weights) {
+  long2 sum = 0;
+  for (int i = run.begin; i < run.end; ++i)
+    if (weights[i] > 0.0f) sum += (long2)(1, LC_EXACT(weights[i]));
+  return sum;
+}
+
+// Which of the vertices of a run are chosen, a bit each. before, all: see seen_in.
+static uint chosen_in(const Seen* s, Run run, local const float* weights, long2 before, long2 all) {
   const int most = s->choice.most[s->kind];
-  const double share = (double)b.total / (double)most;
-  int n = 0;
-  for (int i = begin; i < end; ++i) {
-    float weight = weights[i];
-    if (!(weight > 0.0f)) continue;
-    const long exact = LC_EXACT(weight);
+  const Shares shares = shares_of(all.y, most);
+  double n_before = shares_until(before.y, shares);
+  uint chosen = 0;
+  for (int i = run.begin; i < run.end; ++i) {
+    if (!(weights[i] > 0.0f)) continue;
     int is_chosen = 1;
-    if (b.n > most && s->kind == CONTOUR) {
-      is_chosen = is_spread(b.place, b.n, most);
-    } else if (b.n > most) {
-      const double n_shares = shares_until(b.sum + exact, share) - shares_until(b.sum, share);
-      is_chosen = n_shares >= 1.0;
-      weight = (float)(n_shares * share * LC_EXACT_UNIT);
+    if (all.x > most && s->kind == CONTOUR) {
+      is_chosen = is_spread(before.x, all.x, most);
+    } else if (all.x > most) {
+      const double n_until = shares_until(before.y + LC_EXACT(weights[i]), shares);
+      is_chosen = n_until - n_before >= 1.0;
+      n_before = n_until;
     }
-    ++b.place;
-    b.sum += exact;
-    if (!is_chosen) continue;
-    if (place >= 0) write_chosen(s, at, first + i, place + n, weight, inputs);
-    ++n;
+    before += (long2)(1, LC_EXACT(weights[i]));
+    chosen |= (uint)is_chosen << (i - run.begin);
   }
-  return n;
+  return chosen;
+}
+
+// The weight that a chosen vertex stands for. before: of it.
+static float weight_for(const Seen* s, float weight, long2 before, long2 all) {
+  const int most = s->choice.most[s->kind];
+  if (all.x <= most) return weight;
+  const Shares shares = shares_of(all.y, most);
+  const double n_shares = shares_until(before.y + LC_EXACT(weight), shares) - shares_until(before.y, shares);
+  return (float)(n_shares * shares.each * LC_EXACT_UNIT);
 }
 
 // contour [n] 1 for contour vertices, matches [LC_MATCH*n], skin [LC_SKIN*n], of as many as `choice` says;
@@ -129,7 +139,7 @@ static int choose(const Seen* s, PoseInputs at, int first, int begin, int end, l
 kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void pose_choose(
     PoseInputs at, PoseChoice choice, global const int* restrict contour, global const float* restrict matches,
     global const float* restrict skin, global const int* restrict skin_vertices, global const int* restrict skin_limbs,
-    global float* inputs, local long* sums, local double* limb_px, local float* weights) {
+    global float* inputs, local long2* sums, local double* limb_px, local float* weights) {
   const int id = get_local_id(0), kind = get_group_id(0), n = choice.n[kind];
   const Seen seen = {kind,
                      choice,
@@ -141,59 +151,54 @@ kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void pose_choose(
                      limb_px,
                      inputs + at.lights,
                      (global const double*)(inputs + at.choice)};
-  if (kind == SKIN) sums[id] = px_of_limb(&seen, id / PER_LIMB, id % PER_LIMB);
+  if (kind == SKIN) sums[id].x = px_of_limb(&seen, id / PER_LIMB, id % PER_LIMB);
   barrier(CLK_LOCAL_MEM_FENCE);
-  if (id < LC_POSE_LIMBS) {
+  if (kind == SKIN && id < LC_POSE_LIMBS) {
     long px = 0;
-    for (int k = 0; k < PER_LIMB; ++k) px += sums[PER_LIMB * id + k];
+    for (int k = 0; k < PER_LIMB; ++k) px += sums[PER_LIMB * id + k].x;
     limb_px[id] = fmax((double)px * LC_EXACT_UNIT, (double)choice.limb_area_px);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
 
-  Before all = {0, 0, 0, 0};
+  // As many at a time as `weights` holds: what is seen of all, then what is chosen.
   long missed = 0;  // px^2
-#pragma unroll 4
-  for (int i = id; i < n; i += GROUP) {
-    const float weight = weight_of(&seen, i);
-    if (i < LC_POSE_CHOICE_RUN) weights[i] = weight;
-    if (kind == MATCHES)
-      missed += LC_EXACT(matches[LC_MATCH * i + 7]) - LC_EXACT(fmax(matches[LC_MATCH * i + 5], 0.0f));
-    if (weight > 0.0f) ++all.n;
-    all.total += LC_EXACT(weight);
-  }
-  sum_before(all.n, sums, &all.n);
-  sum_before(all.total, sums, &all.total);
-  sum_before(missed, sums, &missed);
-
-  int n_chosen = 0;
-  for (int first = 0; first < n; first += LC_POSE_CHOICE_RUN) {
-    const int n_here = min(n - first, LC_POSE_CHOICE_RUN), run = (n_here + GROUP - 1) / GROUP;
-    const int begin = min(id * run, n_here), end = min(begin + run, n_here);
-    for (int i = id; first > 0 && i < n_here; i += GROUP) weights[i] = weight_of(&seen, first + i);
-    barrier(CLK_LOCAL_MEM_FENCE);
-    Before before = all;
-    long places = 0, sum = 0, added;
-    for (int i = begin; i < end; ++i) {
-      if (weights[i] > 0.0f) ++places;
-      sum += LC_EXACT(weights[i]);
+  long2 before = 0, all = 0, chosen = 0, added;
+  for (int step = 0; step < 2; ++step) {
+    long2 passed = 0;
+    for (int first = 0; first < n; first += LC_POSE_CHOICE_RUN) {
+      const int n_here = min(n - first, LC_POSE_CHOICE_RUN), each = (n_here + GROUP - 1) / GROUP;
+      const Run run = {min(id * each, n_here), min(id * each + each, n_here)};
+      if (step == 0 || n > LC_POSE_CHOICE_RUN) {
+        for (int i = id; i < n_here; i += GROUP) weights[i] = weight_of(&seen, first + i);
+        barrier(CLK_LOCAL_MEM_FENCE);
+        before = passed + sums_before(seen_in(run, weights), sums, &added);
+        passed += added;
+      }
+      if (step == 0) continue;
+      const uint bits = chosen_in(&seen, run, weights, before, all);
+      const long2 told = sums_before((long2)(popcount(bits), first == 0 ? missed : 0), sums, &added);
+      int place = (int)(chosen.x + told.x);
+      chosen += added;
+      long2 until = before;
+      for (int i = run.begin; i < run.end; ++i) {
+        if (bits >> (i - run.begin) & 1)
+          write_chosen(&seen, at, first + i, place++, weight_for(&seen, weights[i], until, all), inputs);
+        if (weights[i] > 0.0f) until += (long2)(1, LC_EXACT(weights[i]));
+      }
+      barrier(CLK_LOCAL_MEM_FENCE);
     }
-    before.place += sum_before(places, sums, &added);
-    all.place += added;
-    before.sum += sum_before(sum, sums, &added);
-    all.sum += added;
-    const int n_mine = choose(&seen, at, first, begin, end, weights, before, -1, inputs);
-    const int place = n_chosen + (int)sum_before(n_mine, sums, &added);
-    n_chosen += (int)added;
-    choose(&seen, at, first, begin, end, weights, before, place, inputs);
-    barrier(CLK_LOCAL_MEM_FENCE);
+    if (step > 0) break;
+    all = passed;
+    for (int i = id; kind == MATCHES && i < n; i += GROUP)
+      missed += LC_EXACT(matches[LC_MATCH * i + 7]) - LC_EXACT(fmax(matches[LC_MATCH * i + 5], 0.0f));
   }
   if (id > 0) return;
-  inputs[at.counts + kind] = as_float(n_chosen);
+  inputs[at.counts + kind] = as_float((int)chosen.x);
   if (kind == CONTOUR)
     inputs[at.counts + LC_POSE_COUNT_CONTOUR_ROOT] =
-        n_chosen > 0 ? (float)sqrt(seen.numbers[CONTOUR] * (double)all.n / (double)n_chosen) : 0.0f;
+        chosen.x > 0 ? (float)sqrt(seen.numbers[CONTOUR] * (double)all.x / (double)chosen.x) : 0.0f;
   if (kind == MATCHES)
     inputs[at.counts + LC_POSE_COUNT_MISSED] =
-        (float)((double)missed * LC_EXACT_UNIT / seen.numbers[LC_POSE_CHOICE_MATCH_AREA]);
+        (float)((double)chosen.y * LC_EXACT_UNIT / seen.numbers[LC_POSE_CHOICE_MATCH_AREA]);
 }
 #endif

@@ -9,10 +9,20 @@
 using std::floor;
 #endif
 
-// How many shares of a total weight there are in the sum of the weights (LC_EXACT) so far: a vertex stands for as many
-// as its own weight adds.
-static inline double shares_until(lc_exact_t sum, double share) {
-  return floor((double)sum / share + 0.5);
+// Of a total weight (LC_EXACT) in n equal shares. No sum of products: compilers may or may not round those twice.
+typedef struct {
+  lc_exact_t middle;
+  double each, per_weight;
+} Shares;
+
+static inline Shares shares_of(lc_exact_t total, int n) {
+  const Shares s = {total / n / 2, (double)total / (double)n, (double)n / (double)total};
+  return s;
+}
+
+// How many there are, rounded, in the sum of the weights so far: a vertex stands for as many as its own weight adds.
+static inline double shares_until(lc_exact_t sum, Shares s) {
+  return floor((double)(sum + s.middle) * s.per_weight);
 }
 
 // Whether the vertex at `place` of n_all is one of n that are spread evenly.

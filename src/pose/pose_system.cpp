@@ -247,7 +247,7 @@ void PoseSystem::launch_choice() {
       size_t(3) * LC_POSE_CHOICE_GROUP, LC_POSE_CHOICE_GROUP, inputs_.places(), choice,
       has_contour ? *seen_->contour : links_, has_matches ? *seen_->matches : rest_, has_skin ? *skin.samples : rest_,
       has_skin ? *skin.vertices : links_, has_skin ? *skin.limbs : links_, inputs_on_device_,
-      ocl::LocalMemory{sizeof(int64_t) * LC_POSE_CHOICE_GROUP}, ocl::LocalMemory{sizeof(double) * LC_POSE_LIMBS},
+      ocl::LocalMemory{2 * sizeof(int64_t) * LC_POSE_CHOICE_GROUP}, ocl::LocalMemory{sizeof(double) * LC_POSE_LIMBS},
       ocl::LocalMemory{sizeof(float) * LC_POSE_CHOICE_RUN});
 }
 

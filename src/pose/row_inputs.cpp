@@ -19,14 +19,14 @@ std::vector<Weighted> thinned(std::span<const Weighted> all, int most) {
   if (all.size() <= size_t(most)) return {all.begin(), all.end()};
   lc_exact_t total = 0, sum = 0;
   for (const Weighted& one : all) total += LC_EXACT(one.weight);
-  const double share = double(total) / most;
+  const Shares shares = shares_of(total, most);
   std::vector<Weighted> used;
   for (const Weighted& one : all) {
     const lc_exact_t before = std::exchange(sum, sum + LC_EXACT(one.weight));
-    const double n_shares = shares_until(sum, share) - shares_until(before, share);
+    const double n_shares = shares_until(sum, shares) - shares_until(before, shares);
     if (!(n_shares >= 1)) continue;
     used.push_back(one);
-    used.back().weight = float(n_shares * share * LC_EXACT_UNIT);
+    used.back().weight = float(n_shares * shares.each * LC_EXACT_UNIT);
   }
   return used;
 }

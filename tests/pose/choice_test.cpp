@@ -94,8 +94,22 @@ struct Picture {
   }
 };
 
-struct Scene {
+// So often, one body in another.
+Actor copies_of_test_actor(int n) {
   Actor actor = test::make_test_actor(0.7);
+  const Actor one = actor;
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  for (int k = 1; k < n; ++k) {
+    for (const int32_t corner : one.mesh.triangles) actor.mesh.triangles.push_back(corner + k * one.n_vertices());
+    append(actor.mesh.positions, one.mesh.positions);
+    append(actor.skin.bones, one.skin.bones);
+    append(actor.skin.weights, one.skin.weights);
+  }
+  return actor;
+}
+
+struct Scene {
+  Actor actor;
   Camera camera = test::portrait_camera();
   PoseOptions options;
   std::mt19937 rng{23};
@@ -104,34 +118,36 @@ struct Scene {
   PoseState start{test::disturbed(truth, rng, 0.15, 40), {20, -40, 3100}};
   DeviceFrame frame;
 
-  explicit Scene(ocl::DeviceContext& device) : frame(device, camera.width, camera.height) {
+  Scene(ocl::DeviceContext& device, int n_copies)
+      : actor(copies_of_test_actor(n_copies)), frame(device, camera.width, camera.height) {
     frame.signed_distance.write(test::smooth_distance(camera));
   }
   KeypointTargets targets() const { return make_targets(actor, detections, nullptr, options); }
 };
 
-// All there is; some of it thinned; most of it thinned, with weights above a share; nothing.
+// All there is; some of it thinned; most of it thinned, with weights above a share; nothing; more than the kernel looks
+// at in one go.
 struct Case {
   const char* name;
   double share;
   int most_contour, most_matches, most_shaded;
+  int n_copies = 1;
 };
-constexpr Case kCases[] = {{"all", 0.3, 4000, 4000, 4000},
-                           {"some", 0.6, 300, 301, 200},
-                           {"few", 0.9, 63, 33, 17},
-                           {"one", 0.9, 1, 1, 1},
-                           {"none", 0, 512, 768, 256}};
+constexpr Case kCases[] = {{"all", 0.3, 4000, 4000, 4000}, {"some", 0.6, 300, 301, 200},
+                           {"few", 0.9, 63, 33, 17},       {"one", 0.9, 1, 1, 1},
+                           {"none", 0, 512, 768, 256},     {"many", 0.4, 512, 4000, 256, 19}};
 
 TEST(PoseChoice, IsTheHosts) {
   test::on_every_gpu_body([](ocl::DeviceContext& device) {
     for (const Case& c : kCases) {
       for (const bool knows_light : {true, false}) {
         SCOPED_TRACE(c.name);
-        Scene scene(device);
+        Scene scene(device, c.n_copies);
         scene.options.max_contour_vertices = c.most_contour;
         scene.options.max_matches = c.most_matches;
         scene.options.max_shaded = c.most_shaded;
         const Picture picture(device, scene.actor.n_vertices(), scene.camera, c.share, knows_light);
+        if (c.n_copies > 1) ASSERT_GT(scene.actor.n_vertices(), 2 * LC_POSE_CHOICE_RUN);
         PoseSystem system(device, scene.actor, scene.camera, scene.options);
         system.set_frame(scene.targets(), &scene.frame, picture.contour_found(), nullptr, picture.matches_found(),
                          picture.shaded_found());
@@ -164,7 +180,7 @@ TEST(PoseChoice, IsTheHosts) {
 TEST(PoseChoice, IsReadWhereTheHostNeedsIt) {
   test::on_every_gpu_body(
       [](ocl::DeviceContext& device) {
-        const Scene scene(device);
+        const Scene scene(device, 1);
         const Picture picture(device, scene.actor.n_vertices(), scene.camera, 0.3, true);
         const std::vector<int32_t> contour = picture.contour_found();
         const std::vector<VertexMatch> matches = picture.matches_found();

@@ -4,6 +4,8 @@
 
 // Work-items of a work-group.
 #define LC_CLOTH_GROUP(is_cpu) ((is_cpu) ? 1 : 64)
+// Of these as many share a particle on a GPU.
+#define LC_CLOTH_PARTS 4
 #define LC_CLOTH_LIMBS 6
 #define LC_CLOTH_LIMB_SIZE 14
 #define LC_CLOTH_TINY 1e-6f  // mm

@@ -11,15 +11,17 @@
 #define EACH_ROW(row, n_rows) for (int row = 0; row < (n_rows); row += LANES)
 #define EACH(i, n) for (int i = 0; i < (n); ++i)
 #define TOGETHER()
-#define FEW_AT_ONCE
 #else
-#define EACH_ROW(row, n_rows) for (int row = get_global_id(0); row < (n_rows); row += get_global_size(0))
-#define EACH(i, n) EACH_ROW(i, n)
+// Work-items of a row, which share its links; the first of them does all else.
+#define PARTS LC_CLOTH_PARTS
+#define PART ((int)get_local_id(0) % PARTS)
+#define ROWS (LC_CLOTH_GROUP(LC_CPU) / PARTS)  // of a work-group at a time
+#define EACH_ROW(row, n_rows) \
+  for (int row = get_global_id(0) / PARTS; PART == 0 && row < (n_rows); row += get_global_size(0) / PARTS)
+#define EACH(i, n) for (int i = get_global_id(0); i < (n); i += get_global_size(0))
 #define TOGETHER()              \
   arrived += get_num_groups(0); \
   if (!all_arrived(state, arrived, &given_up)) return
-// What is loaded for several links at once is waited for once.
-#define FEW_AT_ONCE _Pragma("unroll 4")
 #endif
 
 // A cone with round ends: from, along, 1 / |along|^2, radius at `from`, what it changes by.
@@ -89,16 +91,11 @@ static inline void ahead_row(int row, int stride, ClothStep step, float t, globa
   store3(next, ahead, row, stride);
 }
 
-// Links, limbs, and the velocity that comes of them.
-static inline void settle_row(int row, int stride, ClothStep step, global const int* slice_offsets,
-                              global const int* neighbors, global const float* pulls, global const float* lengths,
-                              const Limb* limbs, global const float* reach, global const float* ahead, global float* x,
-                              global float* v) {
-  const Vec3 p = load3(ahead, row, stride);
-  Vec3 moved = p;
-  const int begin = slice_offsets[row / SLICE], end = slice_offsets[row / SLICE + 1];
-  FEW_AT_ONCE
-  for (int base = begin; base < end; base += SLICE) {
+// `moved` by the links of a particle at p: those of entries begin, begin + by, ... of its slice.
+static inline Vec3 linked(int row, int stride, Vec3 p, Vec3 moved, int begin, int end, int by,
+                          global const int* neighbors, global const float* pulls, global const float* lengths,
+                          global const float* ahead) {
+  for (int base = begin; base < end; base += by) {
     const int at = base + row % SLICE;
     const LaneInt j = LOAD(neighbors, at);
     const Vec3 link =
@@ -106,6 +103,12 @@ static inline void settle_row(int row, int stride, ClothStep step, global const 
     const REAL stretched = 1.0f - LOAD(lengths, at) / (norm3(link) + LC_CLOTH_TINY);
     moved = add3(moved, scale3(link, LOAD(pulls, at) * stretched));
   }
+  return moved;
+}
+
+// What the links moved, then limbs, and the velocity that comes of both.
+static inline void settle_row(int row, int stride, ClothStep step, Vec3 moved, const Limb* limbs,
+                              global const float* reach, global float* x, global float* v) {
   LC_UNROLL
   for (int k = 0; k < LC_CLOTH_LIMBS; ++k) moved = outside(moved, limbs[k], LOAD(reach, row + k * stride));
   store3(scale3(sub3(moved, load3(x, row, stride)), step.inverse_seconds), v, row, stride);
@@ -130,6 +133,7 @@ kernel __attribute__((reqd_work_group_size(LC_CLOTH_GROUP(LC_CPU), 1, 1))) void 
   (void)arrived, (void)state;
 #else
   local int given_up;
+  local float parts[3 * LC_CLOTH_GROUP(LC_CPU)];
 #endif
   EACH_ROW(row, n_rows) {
     const Vec3 place = gather_vec3(skinned, LOAD(vertices, row));
@@ -148,8 +152,30 @@ kernel __attribute__((reqd_work_group_size(LC_CLOTH_GROUP(LC_CPU), 1, 1))) void 
     global float* there = ahead + k % 2 * 3 * stride;
     EACH_ROW(row, n_rows) ahead_row(row, stride, step, t, is_free, before, target, x, v, there);
     TOGETHER();
-    EACH_ROW(row, n_rows)
-    settle_row(row, stride, step, slice_offsets, neighbors, pulls, lengths, now, reach, there, x, v);
+#if LC_CPU
+    EACH_ROW(row, n_rows) {
+      const Vec3 p = load3(there, row, stride);
+      const Vec3 moved = linked(row, stride, p, p, slice_offsets[row / SLICE], slice_offsets[row / SLICE + 1], SLICE,
+                                neighbors, pulls, lengths, there);
+      settle_row(row, stride, step, moved, now, reach, x, v);
+    }
+#else
+    for (int first_row = get_group_id(0) * ROWS; first_row < n_rows; first_row += get_num_groups(0) * ROWS) {
+      const int at = first_row + get_local_id(0) / PARTS, row = min(at, n_rows - 1);
+      const int begin = slice_offsets[row / SLICE], end = slice_offsets[row / SLICE + 1];
+      const Vec3 p = load3(there, row, stride);
+      Vec3 moved = PART == 0 ? p : vec3(0.0f, 0.0f, 0.0f);
+      moved = linked(row, stride, p, moved, begin + PART * SLICE, end, PARTS * SLICE, neighbors, pulls, lengths, there);
+      vstore3((float3)(moved.x, moved.y, moved.z), get_local_id(0), parts);
+      barrier(CLK_LOCAL_MEM_FENCE);
+      for (int i = 1; PART == 0 && i < PARTS; ++i) {
+        const float3 other = vload3(get_local_id(0) + i, parts);
+        moved = add3(moved, vec3(other.x, other.y, other.z));
+      }
+      barrier(CLK_LOCAL_MEM_FENCE);
+      if (PART == 0 && at < n_rows) settle_row(row, stride, step, moved, now, reach, x, v);
+    }
+#endif
   }
   TOGETHER();
   EACH(i, n_moved) {

@@ -101,7 +101,8 @@ ClothSimulation::ClothSimulation(ocl::DeviceContext& device, const Actor& actor,
     planes->fill(0);
   }
   group_ = LC_CLOTH_GROUP(device.is_cpu());
-  groups_ = ocl::GroupsTogether(device, device.is_cpu() ? 1 : round_up(graph_.n_rows, group_) / group_);
+  const size_t n_items = LC_CLOTH_PARTS * size_t(graph_.n_rows);
+  groups_ = ocl::GroupsTogether(device, device.is_cpu() ? 1 : round_up(n_items, group_) / group_);
   simulate_ = {device, "cloth/simulate.cl", "simulate_cloth"};
 }
 

@@ -4,13 +4,6 @@
 #define LC_SURFACE_PCG_ROWS_H
 #include "surface/system.h"
 
-// On a GPU what several links need is loaded before the first of it is waited for.
-#if LC_CPU
-#define LINKS_AT_ONCE
-#else
-#define LINKS_AT_ONCE _Pragma("unroll 4")
-#endif
-
 // q = A p; returns p . q. blocks: 6 planes; edges: see regularizer_system.cl.
 static inline REAL apply_row(int row, int stride, float w_smooth, global const int* slice_offsets,
                              global const int* neighbors, global const float* edge_weights, global const float* edges,
@@ -25,7 +18,6 @@ static inline REAL apply_row(int row, int stride, float w_smooth, global const i
   REAL qz = xz * x + yz * y + LOAD(blocks, row + 5 * stride) * z;
   int begin = slice_offsets[row / SLICE];
   int end = slice_offsets[row / SLICE + 1];
-  LINKS_AT_ONCE
   for (int base = begin; base < end; base += SLICE) {
     int at = base + row % SLICE;
     int e = 3 * base + row % SLICE;

@@ -101,7 +101,9 @@ typedef struct {
 #define LC_POSE_CHOICE_MATCH_AREA 5
 #define LC_POSE_CHOICE_NUMBERS 6
 // Vertices whose weights are in local memory at a time.
-#define LC_POSE_CHOICE_RUN 6144
+#define LC_POSE_CHOICE_RUN 5632
+// Its local memory, in bytes.
+#define LC_POSE_CHOICE_LOCAL (16 * LC_POSE_CHOICE_GROUP + 8 * LC_POSE_LIMBS + 4 * LC_POSE_CHOICE_RUN)
 // A light: whether it is known (int), and itself (9) in deviations.
 #define LC_POSE_LIGHT 10
 

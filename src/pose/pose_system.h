@@ -68,7 +68,7 @@ class PoseSystem {
   // call. Only where chooses().
   void set_seen_frame(const KeypointTargets& targets, const DeviceFrame* frame, const SeenVertices& seen,
                       const ocl::Buffer<float>* displacement_rest);
-  bool chooses() const { return takes_steps_ && groups_.work(); }
+  bool chooses() const { return chooses_ && groups_.work(); }
   // What the device chose, for all but take_steps(). Blocking.
   void read_choice();
 
@@ -130,6 +130,7 @@ class PoseSystem {
   std::vector<float> gram_host_;
   std::vector<float> results_host_;
   bool takes_steps_ = false;  // whether the device has what chain and solve there need
+  bool chooses_ = false;      // likewise, for choose.cl
   ocl::GroupsTogether groups_;
 
   ocl::Buffer<float> step_;  // as the host makes it
@@ -164,7 +165,7 @@ class PoseSystem {
   ocl::Kernel gram_kernel_;
   ocl::Kernel gauss_newton_kernel_;  // GPUs, with sum_parts_kernel_
   ocl::Kernel sum_parts_kernel_;
-  ocl::Kernel choose_kernel_;  // with double precision
+  ocl::Kernel choose_kernel_;  // where chooses_
 };
 
 }  // namespace livecap

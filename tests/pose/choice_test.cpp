@@ -176,6 +176,17 @@ TEST(PoseChoice, IsTheHosts) {
   });
 }
 
+// The kernel has larger work-groups than the steps.
+TEST(PoseChoice, IsTheHostsWhereWorkGroupsAreSmall) {
+  test::on_every_gpu_body([](ocl::DeviceContext& device) {
+    ocl::DeviceInfo info = device.info();
+    info.max_work_group_size = LC_POSE_CHOICE_GROUP / 2;
+    ocl::DeviceContext small(info);
+    const Scene scene(small, 1);
+    EXPECT_FALSE(PoseSystem(small, scene.actor, scene.camera, scene.options).chooses());
+  });
+}
+
 // Where a wait is given up, and where nothing is detected.
 TEST(PoseChoice, IsReadWhereTheHostNeedsIt) {
   test::on_every_gpu_body(

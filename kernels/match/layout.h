@@ -25,8 +25,9 @@ typedef struct {
 // match; correlation of the two patches; px^2 that the vertex stands for, of every visible one, matched or not.
 #define LC_MATCH 8
 
-// How bright a vertex of skin is, in floats: its normal, brightness by albedo, px^2 that it stands for, 0 = not seen.
-#define LC_SKIN 5
+// How bright a vertex of skin is, in floats: its normal, brightness by albedo, px^2 that it stands for (0 = not seen,
+// negative where the picture shows something of another colour), red and blue by albedo, each by the brightness.
+#define LC_SKIN 7
 // All pixels so far around the vertex are averaged, and must be of skin.
 #define LC_SKIN_RADIUS 2
 

@@ -7,17 +7,24 @@
 // A CPU looks at no pixel after one that does not count; the looks of a GPU wait for none before.
 #define LOOKS_ON(counts) (!LC_CPU || (counts))
 
-// sRGB to linear, roughly: the square.
-static inline float linear_light(global const uchar* restrict rgb, int at) {
-  const float r = (float)rgb[3 * at], g = (float)rgb[3 * at + 1], b = (float)rgb[3 * at + 2];
-  return (LC_RED_LUMINANCE * r * r + LC_GREEN_LUMINANCE * g * g + LC_BLUE_LUMINANCE * b * b) * (1.0f / 65025.0f);
+// sRGB to linear, roughly: the square. Red, green, blue.
+static inline float3 linear_light(global const uchar* restrict rgb, int at) {
+  const float3 c = (float3)((float)rgb[3 * at], (float)rgb[3 * at + 1], (float)rgb[3 * at + 2]);
+  return c * c * (1.0f / 65025.0f);
 }
 
-// One work-item per vertex of skin: vertices, albedo (linear), areas (mm^2) [n]; is_skin [n_vertices] 1 for them.
+static inline float luminance(float3 light) {
+  return LC_RED_LUMINANCE * light.x + LC_GREEN_LUMINANCE * light.y + LC_BLUE_LUMINANCE * light.z;
+}
+
+// One work-item per vertex of skin: vertices, limbs (geometry/seen_vertices.h), areas (mm^2) [n], albedo [3*n] linear;
+// is_skin [n_vertices] 1 for them. tints: red and blue of skin in the first light, then in the second; off_tint: how
+// far from these something else begins, for either light.
 // positions, normals [3*n_vertices], visible [n_vertices]; projected, ids, depth, triangles of raster/depth.h. distance
 // [width*height] px, positive outside of the silhouette; rgb [3*width*height]. Out: samples [LC_SKIN*n].
 kernel void skin_brightness(int n, int width, int height, float focal_px, float min_facing, float depth_range_mm,
-                            global const int* restrict vertices, global const float* restrict albedo,
+                            float4 tints, float2 off_tint, global const int* restrict vertices,
+                            global const int* restrict limbs, global const float* restrict albedo,
                             global const float* restrict areas, global const uchar* restrict is_skin,
                             global const float* restrict positions, global const float* restrict normals,
                             global const int* restrict visible, global const float* restrict projected,
@@ -36,7 +43,7 @@ kernel void skin_brightness(int n, int width, int height, float focal_px, float 
   const float4 q = vload4(v, projected);
   const int x = convert_int_rte(q.x), y = convert_int_rte(q.y);
   if (x < RADIUS || y < RADIUS || x >= width - RADIUS || y >= height - RADIUS) return;
-  float sum = 0.0f;
+  float3 sum = (float3)(0.0f);
   int counts = 1;
 #if !LC_CPU
 #pragma unroll
@@ -50,7 +57,15 @@ kernel void skin_brightness(int n, int width, int height, float focal_px, float 
     sum += linear_light(rgb, at);
   }
   if (!counts) return;
-  const float mean = sum / (float)(SIDE * SIDE);
-  vstore4((float4)(normal.x, normal.y, normal.z, mean / albedo[i]), 0, out);
-  out[4] = areas[i] * facing * focal_px * focal_px / (p.z * p.z);
+  const float3 mean = sum * (1.0f / (float)(SIDE * SIDE)), skin = vload3(i, albedo);
+  const float brightness = luminance(mean) / luminance(skin);
+  const float area_px = areas[i] * facing * focal_px * focal_px / (p.z * p.z);
+  const float each = brightness > 0.0f ? 1.0f / brightness : 0.0f;
+  const float red = mean.x / skin.x * each, blue = mean.z / skin.z * each;
+  const float2 tint = limbs[i] % 2 ? tints.zw : tints.xy;
+  const float off = fmax(fabs(red - tint.x), fabs(blue - tint.y));
+  vstore4((float4)(normal.x, normal.y, normal.z, brightness), 0, out);
+  out[4] = off <= (limbs[i] % 2 ? off_tint.y : off_tint.x) ? area_px : -area_px;
+  out[5] = red;
+  out[6] = blue;
 }

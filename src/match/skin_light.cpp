@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <vector>
 
 #include "base/text.h"
@@ -18,6 +20,7 @@ constexpr double kPrior[] = {0, 0.3, 0.3, 0.3, 1, 1, 1, 1, 1};
 constexpr double kDoubtful = 2;
 constexpr double kDeviationPerMedian = 1.48;  // of a normal distribution
 constexpr double kDeviationRate = 0.1;        // a frame's share of the deviation's running mean
+constexpr double kTintRate = 0.1;             // likewise of the tint's
 
 SkinLight::Harmonics harmonics_of(const Eigen::Vector3d& n) {
   const reference::Harmonics h = reference::harmonics(reference::vec3(n.x(), n.y(), n.z()));
@@ -42,6 +45,7 @@ void SkinLightOptions::validate() const {
   positive("least_deviation", least_deviation);
   positive("full_area_px", full_area_px);
   positive("least_samples", least_samples);
+  positive("off_tint", off_tint);
 }
 
 SkinLight::SkinLight(const SkinLightOptions& options) : options_(options) {
@@ -62,7 +66,24 @@ void SkinLight::fit() {
   light_ = system.ldlt().solve(sums_);
 }
 
-void SkinLight::learn(std::span<const SkinSample> samples) {
+double SkinLight::off_tint() const {
+  return knows_tint_ ? options_.off_tint : std::numeric_limits<float>::max();
+}
+
+void SkinLight::learn_tint(std::span<const SkinSample> samples) {
+  for (int k = 0; k < 2; ++k) {
+    std::vector<double> seen;
+    for (const SkinSample& s : samples) seen.push_back(s.tint[k]);
+    tint_[k] += (knows_tint_ ? kTintRate : 1) * (median(std::move(seen)) - tint_[k]);
+  }
+  knows_tint_ = true;
+}
+
+void SkinLight::learn(std::span<const SkinSample> all) {
+  if (all.size() < size_t(options_.least_samples)) return;
+  learn_tint(all);
+  std::vector<SkinSample> samples;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(samples), [](const SkinSample& s) { return s.area_px > 0; });
   if (samples.size() < size_t(options_.least_samples)) return;
   const auto deviation_now = [&] {
     std::vector<double> errors;
@@ -72,7 +93,6 @@ void SkinLight::learn(std::span<const SkinSample> samples) {
   };
   double area = 0;
   for (const SkinSample& s : samples) area += s.area_px;
-  if (!(area > 0)) return;
   const bool first = frames_ == 0;
   const double keep = std::exp(-1 / options_.memory_frames);
   const double share = std::min(1.0, area / options_.full_area_px);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/luminance.h"
 #include "base/text.h"
 #include "geometry/mesh.h"
 #include "livecap/error.h"
@@ -14,7 +13,7 @@ namespace livecap {
 namespace {
 
 constexpr int kLeftArmLabel = 14, kLeftLegLabel = 16, kRightLegLabel = 17;
-constexpr double kLeastAlbedo = 0.02;
+constexpr float kLeastAlbedo = 0.02;
 constexpr double kLeastSeenPx = 60;
 constexpr size_t kLocal = 64;
 
@@ -67,8 +66,7 @@ SkinShading::SkinShading(ocl::DeviceContext& device, const Actor& actor, const C
     limbs.push_back(2 * skin_.back().limb + skin_.back().light);
     const float* c = &actor.colors[3 * i];
     vertices.push_back(i);
-    albedo.push_back(float(std::max(
-        kLeastAlbedo, kRedLuminance * c[0] * c[0] + kGreenLuminance * c[1] * c[1] + kBlueLuminance * c[2] * c[2])));
+    for (int k = 0; k < 3; ++k) albedo.push_back(std::max(kLeastAlbedo, c[k] * c[k]));
     areas.push_back(all_areas[i]);
     is_skin[i] = 1;
   }
@@ -90,9 +88,20 @@ void SkinShading::measure(const DeviceFrame& frame, const DepthRasterizer& raste
     throw LogicError(
         format("shading: frame is %d x %d, the camera %d x %d", frame.width, frame.height, width_, height_));
   const int n = int(skin_.size());
-  kernel_.launch(n, kLocal, n, width_, height_, focal_px_, options_.min_facing, options_.depth_range_mm, vertices_,
-                 albedo_, areas_, is_skin_, positions, normals, visible, raster.projected(), raster.triangle_ids(),
-                 raster.depth(), raster.triangles(), frame.signed_distance, frame.rgb, samples_);
+  struct {
+    float red_blue[4];
+  } tints;
+  struct {
+    float of[2];
+  } off_tint;
+  for (int i = 0; i < 2; ++i) {
+    for (int k = 0; k < 2; ++k) tints.red_blue[2 * i + k] = float(lights_[i].tint()[k]);
+    off_tint.of[i] = float(lights_[i].off_tint());
+  }
+  kernel_.launch(n, kLocal, n, width_, height_, focal_px_, options_.min_facing, options_.depth_range_mm, tints,
+                 off_tint, vertices_, limbs_, albedo_, areas_, is_skin_, positions, normals, visible,
+                 raster.projected(), raster.triangle_ids(), raster.depth(), raster.triangles(), frame.signed_distance,
+                 frame.rgb, samples_);
 }
 
 std::vector<SkinSample> SkinShading::read() {
@@ -109,20 +118,20 @@ std::vector<SkinSample> SkinShading::samples() const {
   if (!usable()) return samples;
   for (int i = 0; i < int(skin_.size()); ++i) {
     const float* s = &host_[size_t(LC_SKIN) * i];
-    if (s[4] > 0) samples.push_back({i, {s[0], s[1], s[2]}, s[3], s[4]});
+    if (s[4] != 0) samples.push_back({i, {s[0], s[1], s[2]}, s[3], s[4], {s[5], s[6]}});
   }
   return samples;
 }
 
 std::vector<ShadedVertex> SkinShading::shaded(std::span<const SkinSample> samples) const {
   std::array<lc_exact_t, kLimbs> seen{};  // px^2
-  for (const SkinSample& s : samples) seen[skin_[s.index].limb] += LC_EXACT(s.area_px);
+  for (const SkinSample& s : samples) seen[skin_[s.index].limb] += LC_EXACT(std::max(0.0f, s.area_px));
   const SeenSkin by = this->seen();
   std::vector<ShadedVertex> shaded;
   for (const SkinSample& s : samples) {
     const SkinVertex& skin = skin_[s.index];
     const SeenSkin::Light& light = by.lights[skin.light];
-    if (!light.is_known) continue;
+    if (!light.is_known || !(s.area_px > 0)) continue;
     const double limb_px = std::max(double(seen[skin.limb]) * LC_EXACT_UNIT, double(by.limb_area_px));
     shaded.push_back({.vertex = skin.vertex,
                       .light = light.light,
@@ -148,7 +157,7 @@ double SkinShading::misfit(std::span<const SkinSample> samples, int bone, const 
   double sum = 0, seen = 0;
   for (const SkinSample& s : samples) {
     const SkinVertex& skin = skin_[s.index];
-    if (skin.bone != bone || !lights_[skin.light].known()) continue;
+    if (skin.bone != bone || !(s.area_px > 0) || !lights_[skin.light].known()) continue;
     const double r = std::abs(lights_[skin.light].residual(turn * s.normal.cast<double>(), s.brightness));
     sum += s.area_px * (r > huber ? huber * (2 * r - huber) : r * r);
     seen += s.area_px;

@@ -84,8 +84,8 @@ class SkinShading {
 
   ocl::Buffer<int32_t> vertices_;  // [skin_.size()]
   ocl::Buffer<int32_t> limbs_;     // likewise, see SeenSkin
-  ocl::Buffer<float> albedo_;      // likewise, linear
-  ocl::Buffer<float> areas_;       // likewise, mm^2
+  ocl::Buffer<float> albedo_;      // [3*skin_.size()] linear
+  ocl::Buffer<float> areas_;       // [skin_.size()] mm^2
   ocl::Buffer<uint8_t> is_skin_;   // [n_vertices]
   ocl::Buffer<float> samples_;     // [LC_SKIN*skin_.size()], see match/layout.h
   ocl::Kernel kernel_;

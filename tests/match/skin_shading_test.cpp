@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -51,12 +52,16 @@ Actor square(double tilt = 0) {
   return actor;
 }
 
-// The whole picture of this grey; the silhouette covers all of it, or its upper half.
-std::vector<SkinSample> measure(ocl::DeviceContext& device, const Actor& actor, SkinShading& shading, int grey,
+using Rgb = std::array<uint8_t, 3>;
+
+// The whole picture of this colour; the silhouette covers all of it, or its upper half.
+std::vector<SkinSample> measure(ocl::DeviceContext& device, const Actor& actor, SkinShading& shading, Rgb rgb,
                                 bool upper_half_only = false) {
   const Camera camera = square_camera();
   DeviceFrame frame(device, camera.width, camera.height);
-  frame.rgb.write(std::vector<uint8_t>(frame.rgb.size(), uint8_t(grey)));
+  std::vector<uint8_t> pixels(frame.rgb.size());
+  for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = rgb[i % 3];
+  frame.rgb.write(pixels);
   std::vector<float> distance;
   for (int y = 0; y < camera.height; ++y)
     distance.insert(distance.end(), camera.width, upper_half_only ? float(y - 80) : -80.0f);
@@ -69,6 +74,11 @@ std::vector<SkinSample> measure(ocl::DeviceContext& device, const Actor& actor, 
   visibility.find_visible(positions, normals, raster);
   shading.measure(frame, raster, positions, normals, visibility.visible());
   return shading.read();
+}
+
+std::vector<SkinSample> measure(ocl::DeviceContext& device, const Actor& actor, SkinShading& shading, int grey,
+                                bool upper_half_only = false) {
+  return measure(device, actor, shading, Rgb{uint8_t(grey), uint8_t(grey), uint8_t(grey)}, upper_half_only);
 }
 
 TEST(SkinShading, BrightnessIsLinearLightByAlbedoOfSkinAlone) {
@@ -88,6 +98,34 @@ TEST(SkinShading, BrightnessIsLinearLightByAlbedoOfSkinAlone) {
     EXPECT_GT(area, 5.5 * 14 * 56);
     EXPECT_LT(area, 8 * 15 * 57);
     EXPECT_LT(measure(device, actor, shading, 102, true).size(), samples.size() * 0.55);
+  });
+}
+
+// Once the skin's tint is known, a picture of another tint does not show skin: by red and blue, each by itself.
+TEST(SkinShading, WhatHasAnotherColourIsNoSkin) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
+    const Actor actor = square();
+    SkinShading shading(device, actor, square_camera(), SkinShadingOptions{});
+    for (int f = 0; f < 10; ++f) shading.learn(measure(device, actor, shading, {102, 102, 102}));
+    const auto n_shaded = [&](Rgb rgb) { return shading.shaded(measure(device, actor, shading, rgb)).size(); };
+    const size_t all = n_shaded({102, 102, 102});
+    EXPECT_GT(all, 100u);
+    EXPECT_EQ(n_shaded({60, 60, 60}), all);  // in the shade
+    EXPECT_EQ(n_shaded({105, 102, 99}), all);
+    EXPECT_EQ(n_shaded({140, 102, 102}), 0u);
+    EXPECT_EQ(n_shaded({102, 102, 60}), 0u);
+    EXPECT_EQ(n_shaded({0, 0, 0}), 0u);
+    const std::vector<SkinSample> seen = measure(device, actor, shading, {140, 102, 60});
+    ASSERT_EQ(seen.size(), all);
+    const double r = 140. * 140 / 65025, g = 102. * 102 / 65025, b = 60. * 60 / 65025;
+    const double y = 0.299 * r + 0.587 * g + 0.114 * b;
+    for (const SkinSample& s : seen) {
+      EXPECT_LT(s.area_px, 0);
+      EXPECT_NEAR(s.brightness, y / 0.25, 1e-5);
+      EXPECT_NEAR(s.tint.x(), r / y, 1e-5);
+      EXPECT_NEAR(s.tint.y(), b / y, 1e-5);
+    }
+    EXPECT_EQ(shading.misfit(seen, 1, Eigen::Matrix3d::Identity(), 2), 0);
   });
 }
 

@@ -42,7 +42,8 @@ struct Picture {
       skin_vertices.push_back(i);
       skin_limbs.push_back(2 * limb + limb % 2);
       const bool is_seen = in_0_1(rng) < share;
-      for (const float value : {0.0f, 0.0f, -1.0f, 0.2f + in_0_1(rng), is_seen ? 9 * in_0_1(rng) : 0.0f})
+      const float seen_px = (in_0_1(rng) < 0.1f ? -9 : 9) * in_0_1(rng);  // negative: of another colour
+      for (const float value : {0.0f, 0.0f, -1.0f, 0.2f + in_0_1(rng), is_seen ? seen_px : 0.0f, 1.0f, 1.0f})
         skin_values.push_back(value);
     }
     for (SeenSkin::Light& light : lights) {
@@ -82,7 +83,7 @@ struct Picture {
   std::vector<ShadedVertex> shaded_found() const {
     std::map<int, double> limb_px;
     const auto px = [&](size_t i) { return skin_values[LC_SKIN * i + 4]; };
-    for (size_t i = 0; i < skin_limbs.size(); ++i) limb_px[skin_limbs[i] / 2] += px(i);
+    for (size_t i = 0; i < skin_limbs.size(); ++i) limb_px[skin_limbs[i] / 2] += std::max(0.0f, px(i));
     std::vector<ShadedVertex> found;
     for (size_t i = 0; i < skin_limbs.size(); ++i) {
       const SeenSkin::Light& light = lights[skin_limbs[i] % 2];

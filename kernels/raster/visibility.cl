@@ -111,11 +111,12 @@ static inline int is_at_outline(int x, int y, float z, int width, int height, in
 
 // The lanes from vertex `first` on: 1 where vertex i lies on an edge between a front and a back face (or on an open
 // edge of the mesh) and is_at_outline. Only such vertices project onto the outline itself; others near it would be
-// pulled outwards by their distance to it. fan_offsets [n+1], fan_triangles [fan_offsets[n]]; on_open_edge [n]; faces:
-// sides [n_triangles], on GPUs corners [3*n_triangles].
+// pulled outwards by their distance to it. fan_offsets [n+1], fan_triangles [fan_offsets[n]]; candidates [n]: 1 on an
+// open edge, 0 elsewhere, -1 for vertices that are not asked for; faces: sides [n_triangles], on GPUs corners
+// [3*n_triangles].
 static inline LaneInt contour_lanes(int first, int n, int width, int height, int radius_px, float tolerance_mm,
                                     global const float* restrict projected, global const int* restrict fan_offsets,
-                                    global const int* restrict fan_triangles, global const int* restrict on_open_edge,
+                                    global const int* restrict fan_triangles, global const int* restrict candidates,
                                     global const int* restrict faces, global const float* restrict depth) {
   const LaneInt i = lane_rows(first, n);
   const VertexPixel q = vertex_pixel(i, width, height, projected);
@@ -129,8 +130,8 @@ static inline LaneInt contour_lanes(int first, int n, int width, int height, int
       front |= is_one && side > 0;
       back |= is_one && side < 0;
     }
-    const LaneInt open = gather_int(on_open_edge, i) != 0;
-    const LaneInt bends = q.is_in_image && ((front && back) || (open && (front || back)));
+    const LaneInt candidate = gather_int(candidates, i);
+    const LaneInt bends = q.is_in_image && candidate >= 0 && ((front && back) || (candidate > 0 && (front || back)));
 #if LC_CPU
     int x[LANES], y[LANES], at_outline[LANES];
     float z[LANES];
@@ -163,13 +164,13 @@ kernel void visible_vertices(int n, int width, int height, float tolerance_mm, g
 // Out: contour [n].
 kernel void contour_vertices(int n, int width, int height, int radius_px, float tolerance_mm,
                              global const float* restrict projected, global const int* restrict fan_offsets,
-                             global const int* restrict fan_triangles, global const int* restrict on_open_edge,
+                             global const int* restrict fan_triangles, global const int* restrict candidates,
                              global const int* restrict faces, global const float* restrict depth,
                              global int* restrict contour) {
   const int first = FIRST_ROW;
   if (first >= n) return;
   store_rows(contour_lanes(first, n, width, height, radius_px, tolerance_mm, projected, fan_offsets, fan_triangles,
-                           on_open_edge, faces, depth),
+                           candidates, faces, depth),
              contour, first, n);
 }
 
@@ -178,7 +179,7 @@ kernel void contour_vertices(int n, int width, int height, int radius_px, float 
 kernel void visible_and_contour(int n, int width, int height, int radius_px, float2 tolerances_mm,
                                 global const float* restrict positions, global const float* restrict normals,
                                 global const float* restrict projected, global const int* restrict fan_offsets,
-                                global const int* restrict fan_triangles, global const int* restrict on_open_edge,
+                                global const int* restrict fan_triangles, global const int* restrict candidates,
                                 global const int* restrict faces, global const float* restrict depth,
                                 global int* restrict visible, global int* restrict contour) {
   const int first = FIRST_ROW;
@@ -186,7 +187,7 @@ kernel void visible_and_contour(int n, int width, int height, int radius_px, flo
   store_rows(visible_lanes(first, n, width, height, tolerances_mm.x, positions, normals, projected, depth), visible,
              first, n);
   store_rows(contour_lanes(first, n, width, height, radius_px, tolerances_mm.y, projected, fan_offsets, fan_triangles,
-                           on_open_edge, faces, depth),
+                           candidates, faces, depth),
              contour, first, n);
 }
 

@@ -42,7 +42,8 @@ void VisibilityOptions::validate() const {
 }
 
 SurfaceVisibility::SurfaceVisibility(ocl::DeviceContext& device, const Mesh& mesh, const VisibilityOptions& options)
-    : options_(options),
+    : device_(device),
+      options_(options),
       n_vertices_(mesh.n_vertices()),
       n_triangles_(mesh.n_triangles()),
       is_cpu_(device.is_cpu()),
@@ -51,7 +52,8 @@ SurfaceVisibility::SurfaceVisibility(ocl::DeviceContext& device, const Mesh& mes
   const TriangleFans fans = triangle_fans(n_vertices_, mesh.triangles);
   fan_offsets_ = ocl::Buffer<int32_t>(device, fans.offsets);
   fan_triangles_ = ocl::Buffer<int32_t>(device, fans.triangles);
-  on_open_edge_ = ocl::Buffer<int32_t>(device, open_edge_vertices(mesh));
+  on_open_edge_ = open_edge_vertices(mesh);
+  all_candidates_ = ocl::Buffer<int32_t>(device, on_open_edge_);
   visible_ = ocl::Buffer<int32_t>(device, n_vertices_);
   contour_ = ocl::Buffer<int32_t>(device, n_vertices_);
   contour_read_.assign(n_vertices_, 0);
@@ -79,18 +81,29 @@ void SurfaceVisibility::find_visible(const ocl::Buffer<float>& positions_camera,
                          positions_camera, normals, raster.projected(), raster.depth(), visible_);
 }
 
-void SurfaceVisibility::find_contour(const DepthRasterizer& raster) {
+ocl::Buffer<int32_t> SurfaceVisibility::contour_candidates(std::span<const uint8_t> among) const {
+  if (among.size() != size_t(n_vertices_))
+    throw LogicError(format("visibility: %zu marks for %d vertices", among.size(), n_vertices_));
+  std::vector<int32_t> candidates = on_open_edge_;
+  for (int i = 0; i < n_vertices_; ++i) {
+    if (!among[i]) candidates[i] = -1;
+  }
+  return {device_, candidates};
+}
+
+void SurfaceVisibility::find_contour(const DepthRasterizer& raster, const ocl::Buffer<int32_t>& candidates) {
   require(raster);
   contour_kernel_.launch(over_vertices(), n_vertices_, raster.width(), raster.height(), options_.contour_radius_px,
-                         options_.contour_tolerance_mm, raster.projected(), fan_offsets_, fan_triangles_, on_open_edge_,
+                         options_.contour_tolerance_mm, raster.projected(), fan_offsets_, fan_triangles_, candidates,
                          raster.facing() ? *raster.facing() : raster.triangles(), raster.depth(), contour_);
 }
 
 void SurfaceVisibility::find_visible_and_contour(const ocl::Buffer<float>& positions_camera,
-                                                 const ocl::Buffer<float>& normals, const DepthRasterizer& raster) {
+                                                 const ocl::Buffer<float>& normals, const DepthRasterizer& raster,
+                                                 const ocl::Buffer<int32_t>& candidates) {
   if (is_cpu_) {
     find_visible(positions_camera, normals, raster);
-    find_contour(raster);
+    find_contour(raster, candidates);
     return;
   }
   require(raster);
@@ -100,8 +113,8 @@ void SurfaceVisibility::find_visible_and_contour(const ocl::Buffer<float>& posit
   };
   both_kernel_.launch(over_vertices(), n_vertices_, raster.width(), raster.height(), options_.contour_radius_px,
                       Tolerances{options_.depth_tolerance_mm, options_.contour_tolerance_mm}, positions_camera, normals,
-                      raster.projected(), fan_offsets_, fan_triangles_, on_open_edge_, raster.triangles(),
-                      raster.depth(), visible_, contour_);
+                      raster.projected(), fan_offsets_, fan_triangles_, candidates, raster.triangles(), raster.depth(),
+                      visible_, contour_);
 }
 
 ocl::Range SurfaceVisibility::over_vertices() const {

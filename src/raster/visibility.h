@@ -2,6 +2,7 @@
 // "Dense Photometric Alignment" and "Dense Silhouette Alignment".
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "geometry/mesh.h"
@@ -28,10 +29,17 @@ class SurfaceVisibility {
   // positions_camera, normals: [3*n_vertices] mm and unit, camera frame.
   void find_visible(const ocl::Buffer<float>& positions_camera, const ocl::Buffer<float>& normals,
                     const DepthRasterizer& raster);
-  void find_contour(const DepthRasterizer& raster);
+  void find_contour(const DepthRasterizer& raster) { find_contour(raster, all_candidates_); }
+  void find_contour(const DepthRasterizer& raster, const ocl::Buffer<int32_t>& candidates);
   // One after the other, on GPUs in one launch.
   void find_visible_and_contour(const ocl::Buffer<float>& positions_camera, const ocl::Buffer<float>& normals,
-                                const DepthRasterizer& raster);
+                                const DepthRasterizer& raster) {
+    find_visible_and_contour(positions_camera, normals, raster, all_candidates_);
+  }
+  void find_visible_and_contour(const ocl::Buffer<float>& positions_camera, const ocl::Buffer<float>& normals,
+                                const DepthRasterizer& raster, const ocl::Buffer<int32_t>& candidates);
+  // For these: contour vertices are only looked for where `among` [n_vertices] is not 0. Throws LogicError.
+  ocl::Buffer<int32_t> contour_candidates(std::span<const uint8_t> among) const;
 
   const ocl::Buffer<int32_t>& visible() const { return visible_; }  // [n_vertices] 0 or 1
   const ocl::Buffer<int32_t>& contour() const { return contour_; }  // [n_vertices] 0 or 1
@@ -46,14 +54,16 @@ class SurfaceVisibility {
   void require(const ocl::Buffer<float>& positions_camera, const ocl::Buffer<float>& normals) const;
   ocl::Range over_vertices() const;
 
+  ocl::DeviceContext& device_;
   VisibilityOptions options_;
   int n_vertices_;
   int n_triangles_;
   bool is_cpu_;
   int lanes_;
-  ocl::Buffer<int32_t> fan_offsets_;    // [n+1] triangles around each vertex, compressed rows
-  ocl::Buffer<int32_t> fan_triangles_;  // [3*n_triangles]
-  ocl::Buffer<int32_t> on_open_edge_;   // [n]
+  ocl::Buffer<int32_t> fan_offsets_;     // [n+1] triangles around each vertex, compressed rows
+  ocl::Buffer<int32_t> fan_triangles_;   // [3*n_triangles]
+  std::vector<int32_t> on_open_edge_;    // [n]
+  ocl::Buffer<int32_t> all_candidates_;  // the same, see kernels/raster/visibility.cl
   ocl::Buffer<int32_t> visible_;
   std::vector<int32_t> contour_read_;  // [n] what was read of contour_
   ocl::Buffer<int32_t> contour_;

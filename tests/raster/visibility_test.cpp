@@ -186,6 +186,30 @@ TEST(Visibility, OpenEdgesAreContour) {
   });
 }
 
+TEST(Visibility, OnlyCandidatesAreContour) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
+    for (const Mesh& mesh : {test::sphere({0, 0, 1500}, 300, 45, 71), test::random_triangles(40, 3)}) {
+      const Camera camera = camera_of(220, 211, 400);
+      std::vector<uint8_t> among(mesh.n_vertices());
+      for (size_t i = 0; i < among.size(); ++i) among[i] = i % 3 != 0;
+      std::vector<int32_t> expected = look(device, mesh, camera).contour;
+      ASSERT_GT(expected.size(), 20u);
+      std::erase_if(expected, [&](int32_t i) { return !among[i]; });
+      DepthRasterizer raster(device, mesh, camera.width, camera.height);
+      SurfaceVisibility visibility(device, mesh);
+      const ocl::Buffer<int32_t> candidates = visibility.contour_candidates(among);
+      const ocl::Buffer<float> positions(device, mesh.positions);
+      const ocl::Buffer<float> normals(device, vertex_normals(mesh.positions, mesh.triangles));
+      raster.render(positions, camera);
+      visibility.find_contour(raster, candidates);
+      EXPECT_EQ(visibility.read_contour(), expected);
+      visibility.find_visible_and_contour(positions, normals, raster, candidates);
+      EXPECT_EQ(visibility.read_contour(), expected);
+      EXPECT_THROW(visibility.contour_candidates(std::vector<uint8_t>(7)), LogicError);
+    }
+  });
+}
+
 TEST(Visibility, SmallMeshesAndWrongBuffers) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const Camera camera = camera_of(20, 20, 30);

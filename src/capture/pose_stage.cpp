@@ -23,6 +23,11 @@ std::vector<float> matched_share(const Actor& actor, const TrackerOptions& optio
   return share;
 }
 
+std::vector<uint8_t> is_matched(const Actor& actor, const TrackerOptions& options) {
+  const std::vector<float> share = matched_share(actor, options);
+  return {share.begin(), share.end()};
+}
+
 }  // namespace
 
 PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
@@ -42,7 +47,8 @@ PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camer
       zero_(device, size_t(3) * actor.n_vertices()),
       skinned_(device, size_t(3) * actor.n_vertices()),
       normals_(device, size_t(3) * actor.n_vertices()),
-      matched_share_(device, matched_share(actor, options)) {
+      matched_share_(device, matched_share(actor, options)),
+      refining_candidates_(visibility.contour_candidates(is_matched(actor, options))) {
   for (ocl::Buffer<float>* buffer : {&zero_, &skinned_, &normals_}) buffer->fill(0);
 }
 
@@ -94,10 +100,14 @@ std::vector<int32_t> PoseStage::read_contour(const PoseStageInput& input) {
 }
 
 // And which vertices the camera sees; there is a silhouette.
-void PoseStage::find_contour_and_visible(const Pose& pose) {
+void PoseStage::find_contour_and_visible(const Pose& pose, bool refining) {
   render(pose);
   skinner_.normals(skinned_, normals_);
-  visibility_.find_visible_and_contour(skinned_, normals_, rasterizer_);
+  if (refining) {
+    visibility_.find_visible_and_contour(skinned_, normals_, rasterizer_, refining_candidates_);
+  } else {
+    visibility_.find_visible_and_contour(skinned_, normals_, rasterizer_);
+  }
 }
 
 void PoseStage::find_matches(int level) {
@@ -121,7 +131,7 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
     const Pose from = solution.pose.pose;
     const bool shades = level == 0 && shading(input);
     if (n_levels > 0 || shades) {
-      find_contour_and_visible(from);
+      find_contour_and_visible(from, refining);
     } else {
       find_contour(input, from);
     }
@@ -134,6 +144,7 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
                     .frame = has_contour ? &input.frame : nullptr,
                     .floor = floor_.floor(),
                     .arms_3d = refining ? options_.refined_arms_3d : 1,
+                    .doubt_3d_mm = refining ? options_.refined_doubt_3d_mm : 0,
                     .n_steps = previous ? options_.pose.steps : options_.pose.first_steps,
                     .settled_px = level == 0 ? options_.settled_last_step_px : options_.settled_step_px};
     solution.pose = solver_.chooses() ? solve_seen(solve, n_levels > 0, shades, solution.skin)

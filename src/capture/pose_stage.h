@@ -69,7 +69,7 @@ class PoseStage {
   std::vector<int32_t> read_contour(const PoseStageInput& input);
   bool matches(const PoseStageInput& input) const;
   bool shading(const PoseStageInput& input) const;
-  void find_contour_and_visible(const Pose& pose);
+  void find_contour_and_visible(const Pose& pose, bool refining);
   void find_matches(int level);
   void try_exchanged_legs(const PoseStageInput& input, const Pose& predicted, const Pose& previous,
                           const std::vector<KeypointDetections>& alternatives, Solution& best);
@@ -94,10 +94,11 @@ class PoseStage {
   SkinShading shading_;
   FloorFinder floor_;
   PoseSolver solver_;
-  ocl::Buffer<float> zero_;           // [3n] always zero
-  ocl::Buffer<float> skinned_;        // [3n]
-  ocl::Buffer<float> normals_;        // [3n]
-  ocl::Buffer<float> matched_share_;  // [n] 1 for vertices that are matched
+  ocl::Buffer<float> zero_;                   // [3n] always zero
+  ocl::Buffer<float> skinned_;                // [3n]
+  ocl::Buffer<float> normals_;                // [3n]
+  ocl::Buffer<float> matched_share_;          // [n] 1 for vertices that are matched
+  ocl::Buffer<int32_t> refining_candidates_;  // the same for contour vertices of the last rounds
   std::vector<SkinSample> last_skin_;
   int exchanged_frames_ = 0;  // since the detections last agreed with the prediction
 };

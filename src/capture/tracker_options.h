@@ -46,6 +46,9 @@ struct TrackerOptions {
   // lengths in the picture tell better.
   int refining_rounds = 2;
   double refined_arms_3d = 0.1;
+  // A detection counts half there where it is so far from the body (pose/targets.h), and what is not matched because it
+  // hangs is no contour either.
+  double refined_doubt_3d_mm = 60;
   // Where several starts compete, what could not be matched costs like a match so far away.
   double missed_px = 2;
   // A body that faces so much elsewhere than the detections is solved from there as well (pose/other_starts.h).

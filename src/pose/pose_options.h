@@ -12,8 +12,8 @@ namespace livecap {
 struct PoseWeights {
   double keypoint_2d = 460;  // lambda_2D
   double keypoint_3d = 28;   // lambda_3D
-  double silhouette = 600;   // lambda_silhouette; the paper: 200
-  double match = 1600;       // lambda_match; not in the paper
+  double silhouette = 850;   // lambda_silhouette; the paper: 200
+  double match = 1000;       // lambda_match; not in the paper
   double shading = 3e4;      // lambda_shading; not in the paper
   double floor = 200;        // lambda_floor; not in the paper
   double temporal = 1.5;     // lambda_temporal

@@ -66,6 +66,7 @@ PoseSolver::Prepared PoseSolver::prepare(const PoseInput& input) const {
   Prepared prepared{make_targets(actor_, input.detections, input.previous, options_), {}, keypoints(input.initial)};
   for (int k : {kLeftElbow, kRightElbow, kLeftWrist, kRightWrist, kLeftHand, kRightHand})
     prepared.targets[k].weight_3d *= input.arms_3d;
+  if (input.doubt_3d_mm > 0) doubt_far_detections(prepared.targets, prepared.keypoints_mm, input.doubt_3d_mm);
   if (input.floor)
     prepared.stands = standing(system_.soles(), actor_.skeleton, *input.floor, input.initial, input.previous);
   return prepared;

@@ -31,6 +31,7 @@ struct PoseInput {
       nullptr;                   // [3n] mm added to the rest pose before skinning; may be nullptr
   const Floor* floor = nullptr;  // nullptr: none is known
   double arms_3d = 1;            // factor of lambda_i of E_3D of elbows, wrists and hands
+  double doubt_3d_mm = 0;        // see doubt_far_detections(), at `initial`; 0: detections are not doubted
   int n_steps = 0;               // 0: PoseOptions::steps
   double settled_px = 0;         // no further step after one that moves no keypoint so far in the picture
 };

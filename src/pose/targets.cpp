@@ -65,4 +65,13 @@ Eigen::Vector3d best_t_prime(const KeypointTargets& targets,
   return total > 0 ? Eigen::Vector3d(sum / total) : Eigen::Vector3d::Zero();
 }
 
+void doubt_far_detections(KeypointTargets& targets, const std::array<Eigen::Vector3d, kKeypointCount>& positions,
+                          double scale_mm) {
+  const Eigen::Vector3d t_prime = best_t_prime(targets, positions);
+  for (int k = 0; k < kKeypointCount; ++k) {
+    const Eigen::Vector3d r_mm = positions[k] - targets[k].detection_mm - t_prime;
+    targets[k].weight_3d /= 1 + r_mm.squaredNorm() / (scale_mm * scale_mm);
+  }
+}
+
 }  // namespace livecap

@@ -47,4 +47,10 @@ KeypointTargets make_targets(const Actor& actor, const Detections& detections, c
 Eigen::Vector3d best_t_prime(const KeypointTargets& targets,
                              const std::array<Eigen::Vector3d, kKeypointCount>& positions);
 
+// Divides each lambda_i of E_3D by 1 + (r / scale_mm)^2, r: how far the keypoint is from its detection (with
+// best_t_prime) at these positions. A detection's depth of a limb is off by 60 to 100 mm at times, for many frames on
+// end, and squared it would outweigh all that the picture tells.
+void doubt_far_detections(KeypointTargets& targets, const std::array<Eigen::Vector3d, kKeypointCount>& positions,
+                          double scale_mm);
+
 }  // namespace livecap

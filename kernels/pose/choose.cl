@@ -181,7 +181,7 @@ kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void pose_choose(
       chosen += added;
       long2 until = before;
       for (int i = run.begin; i < run.end; ++i) {
-        if (bits >> (i - run.begin) & 1)
+        if ((bits >> (i - run.begin) & 1) && place < choice.most[kind])  // sums that overflow may choose more
           write_chosen(&seen, at, first + i, place++, weight_for(&seen, weights[i], until, all), inputs);
         if (weights[i] > 0.0f) until += (long2)(1, LC_EXACT(weights[i]));
       }
@@ -193,6 +193,7 @@ kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void pose_choose(
       missed += LC_EXACT(matches[LC_MATCH * i + 7]) - LC_EXACT(fmax(matches[LC_MATCH * i + 5], 0.0f));
   }
   if (id > 0) return;
+  chosen.x = min(chosen.x, (long)choice.most[kind]);
   inputs[at.counts + kind] = as_float((int)chosen.x);
   if (kind == CONTOUR)
     inputs[at.counts + LC_POSE_COUNT_CONTOUR_ROOT] =

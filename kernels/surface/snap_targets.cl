@@ -37,7 +37,7 @@ kernel void snap_targets(int n, int n_rows, int stride, int width, int height, f
   if (has_parts && on_other_part(part_image, width, height, uv, vertex_part[vertex])) return;
   DistanceSample d = sample_distance(signed_distance, width, height, uv);
   Vec3 normal = vec3(normals[3 * vertex], normals[3 * vertex + 1], normals[3 * vertex + 2]);
-  if (silhouette_direction(d.value, d.gradient, project_direction(q, normal)) < 0.0f) return;
+  if (silhouette_direction(d.value, d.gradient, project_direction(q, normal)) <= 0.0f) return;
 
   for (int k = 0; k < MAX_WALK_STEPS && fabs(d.value) > WALK_TOLERANCE_PX; ++k) {
     float slope2 = d.gradient.x * d.gradient.x + d.gradient.y * d.gradient.y;

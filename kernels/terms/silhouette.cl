@@ -20,12 +20,12 @@ LC_FN SilhouetteRow silhouette_row(Vec3 v, Pinhole cam, REAL distance, Vec2 grad
 }
 
 // The directional weight b_i. z = -grad I_DT is the direction towards the nearest silhouette contour; inside, the
-// signed gradient points there itself. normal_px: the vertex normal projected to the image (any length). Outside always
-// +1; inside -1 when the normal points away from z (the contour found is the wrong one).
+// signed gradient points there itself. normal_px: the vertex normal projected to the image (any length). Where it
+// points the other way, the contour found is another one: inside -1; outside 0 (the paper: 1), since it belongs to
+// another part, as a hand's beside a skirt, and would draw the vertex over to it.
 LC_FN REAL silhouette_direction(REAL distance, Vec2 gradient_px, Vec2 normal_px) {
-  REAL inside =
-      normal_px.x * gradient_px.x + normal_px.y * gradient_px.y < LC_LIT(0.0) ? (REAL)LC_LIT(-1.0) : (REAL)LC_LIT(1.0);
-  return distance > LC_LIT(0.0) ? (REAL)LC_LIT(1.0) : inside;
+  const REAL other = distance > LC_LIT(0.0) ? (REAL)LC_LIT(0.0) : (REAL)LC_LIT(-1.0);
+  return normal_px.x * gradient_px.x + normal_px.y * gradient_px.y < LC_LIT(0.0) ? other : (REAL)LC_LIT(1.0);
 }
 
 // x = v; params = fx, fy, cx, cy, then the image as a plane: value, du, dv at pixel (u0, v0), and b.

@@ -46,8 +46,8 @@ struct TrackerOptions {
   // lengths in the picture tell better.
   int refining_rounds = 2;
   double refined_arms_3d = 0.1;
-  // A detection counts half there where it is so far from the body (pose/targets.h), and what is not matched because it
-  // hangs is no contour either.
+  // What is not matched because it hangs is no contour in them either, and a detection counts half where it is so far
+  // from the body (pose/targets.h); 0: it is not doubted. (An actor without texture has no such rounds.)
   double refined_doubt_3d_mm = 60;
   // Where several starts compete, what could not be matched costs like a match so far away.
   double missed_px = 2;

@@ -73,7 +73,10 @@ double SkinLight::off_tint() const {
 void SkinLight::learn_tint(std::span<const SkinSample> samples) {
   for (int k = 0; k < 2; ++k) {
     std::vector<double> seen;
-    for (const SkinSample& s : samples) seen.push_back(s.tint[k]);
+    for (const SkinSample& s : samples) {
+      if (s.brightness > 0) seen.push_back(s.tint[k]);
+    }
+    if (seen.empty()) return;
     tint_[k] += (knows_tint_ ? kTintRate : 1) * (median(std::move(seen)) - tint_[k]);
   }
   knows_tint_ = true;

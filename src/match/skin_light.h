@@ -34,7 +34,7 @@ class SkinLight {
   explicit SkinLight(const SkinLightOptions& options);
 
   // The samples of a frame whose pose is believed. Those of another colour only count for the tint: it follows when a
-  // camera changes its white balance.
+  // camera changes its white balance. Most of them must be of skin.
   void learn(std::span<const SkinSample> all);
 
   bool known() const { return frames_ >= options_.least_frames; }

@@ -118,7 +118,7 @@ std::vector<SkinSample> SkinShading::samples() const {
   if (!usable()) return samples;
   for (int i = 0; i < int(skin_.size()); ++i) {
     const float* s = &host_[size_t(LC_SKIN) * i];
-    if (s[4] != 0) samples.push_back({i, {s[0], s[1], s[2]}, s[3], s[4], {s[5], s[6]}});
+    if (s[4] > 0 || s[4] < 0) samples.push_back({i, {s[0], s[1], s[2]}, s[3], s[4], {s[5], s[6]}});
   }
   return samples;
 }

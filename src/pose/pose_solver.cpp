@@ -63,9 +63,14 @@ PoseSolver::PoseSolver(ocl::DeviceContext& device, const Actor& actor, const Ski
     : actor_(actor), camera_(camera), options_(options), system_(device, actor, skin, camera, options) {}
 
 PoseSolver::Prepared PoseSolver::prepare(const PoseInput& input) const {
-  Prepared prepared{make_targets(actor_, input.detections, input.previous, options_), {}, keypoints(input.initial)};
+  Prepared prepared{.targets = make_targets(actor_, input.detections, input.previous, options_),
+                    .undoubted_3d = {},
+                    .doubt_3d_mm = input.doubt_3d_mm,
+                    .stands = {},
+                    .keypoints_mm = keypoints(input.initial)};
   for (int k : {kLeftElbow, kRightElbow, kLeftWrist, kRightWrist, kLeftHand, kRightHand})
     prepared.targets[k].weight_3d *= input.arms_3d;
+  for (int k = 0; k < kKeypointCount; ++k) prepared.undoubted_3d[k] = prepared.targets[k].weight_3d;
   if (input.doubt_3d_mm > 0) doubt_far_detections(prepared.targets, prepared.keypoints_mm, input.doubt_3d_mm);
   if (input.floor)
     prepared.stands = standing(system_.soles(), actor_.skeleton, *input.floor, input.initial, input.previous);
@@ -102,7 +107,7 @@ PoseResult PoseSolver::solve(const PoseInput& input, const Prepared& prepared) {
   result.step_energy = std::move(steps->step_energy);
   if (result.status != SolveStatus::kOk) return result;
   result.missed_weight = input.seen ? system_.missed_weight() : 0;
-  measure(steps->state, steps->residuals, targets, result);
+  measure(steps->state, steps->residuals, prepared, result);
   if (!std::isfinite(result.energy.total())) {
     result.status = SolveStatus::kNotFinite;
     return result;
@@ -138,8 +143,9 @@ PoseSteps PoseSolver::take_steps(const PoseState& start, int n_steps, double set
   return steps;
 }
 
-void PoseSolver::measure(const PoseState& state, const PoseResiduals& residuals, const KeypointTargets& targets,
+void PoseSolver::measure(const PoseState& state, const PoseResiduals& residuals, const Prepared& prepared,
                          PoseResult& result) const {
+  const KeypointTargets& targets = prepared.targets;
   const auto energy = [&](int first, int n) {
     double sum = 0;
     for (int i = first; i < first + n; ++i) sum += double(residuals.rows[i]) * residuals.rows[i];
@@ -148,7 +154,10 @@ void PoseSolver::measure(const PoseState& state, const PoseResiduals& residuals,
   for (int k = 0; k < kKeypointCount; ++k) {
     const int row = k * LC_POSE_ROWS_PER_KEYPOINT;
     result.energy.keypoint_2d += energy(row + LC_POSE_ROW_2D, 2);
-    result.energy.keypoint_3d += energy(row + LC_POSE_ROW_3D, 3);
+    if (targets[k].weight_3d > 0)
+      result.energy.keypoint_3d +=
+          prepared.undoubted_3d[k] *
+          cauchy_cost(energy(row + LC_POSE_ROW_3D, 3) / targets[k].weight_3d, prepared.doubt_3d_mm);
     result.energy.temporal += energy(row + LC_POSE_ROW_TEMPORAL, 3);
   }
   const int n_dofs = actor_.skeleton.n_dofs(), n_soles = int(system_.soles().size());

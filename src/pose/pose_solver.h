@@ -39,7 +39,7 @@ struct PoseInput {
 // Weighted, as in the paper's E_pose.
 struct PoseEnergies {
   double keypoint_2d = 0;
-  double keypoint_3d = 0;
+  double keypoint_3d = 0;  // with doubt: of cauchy_cost(), whatever it was doubted by at the start
   double silhouette = 0;
   double match = 0;
   double shading = 0;
@@ -78,9 +78,11 @@ class PoseSolver {
              const PoseOptions& options);
 
   // What a solve needs but what the picture shows of vertices: may be made while that is looked for. previous, floor,
-  // initial, detections and arms_3d of the input count.
+  // initial, detections, arms_3d and doubt_3d_mm of the input count.
   struct Prepared {
     KeypointTargets targets;
+    std::array<double, kKeypointCount> undoubted_3d;  // their weight_3d before doubt
+    double doubt_3d_mm = 0;
     std::vector<double> stands;                                // of the soles; empty without a floor
     std::array<Eigen::Vector3d, kKeypointCount> keypoints_mm;  // of the initial pose
   };
@@ -100,7 +102,7 @@ class PoseSolver {
   using KeypointPositions = std::array<Eigen::Vector3d, kKeypointCount>;
   KeypointPositions keypoints(const Pose& pose) const;
   PoseSteps take_steps(const PoseState& start, int n_steps, double settled_px);
-  void measure(const PoseState& state, const PoseResiduals& residuals, const KeypointTargets& targets,
+  void measure(const PoseState& state, const PoseResiduals& residuals, const Prepared& prepared,
                PoseResult& result) const;
 
   const Actor& actor_;

@@ -24,7 +24,7 @@ std::vector<Weighted> thinned(std::span<const Weighted> all, int most) {
   for (const Weighted& one : all) {
     const lc_exact_t before = std::exchange(sum, sum + LC_EXACT(one.weight));
     const double n_shares = shares_until(sum, shares) - shares_until(before, shares);
-    if (!(n_shares >= 1)) continue;
+    if (!(n_shares >= 1) || used.size() == size_t(most)) continue;
     used.push_back(one);
     used.back().weight = float(n_shares * shares.each * LC_EXACT_UNIT);
   }

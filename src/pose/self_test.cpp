@@ -30,7 +30,7 @@ reference::Vec3 to_vec3(const Eigen::Vector3d& v) {
   return reference::vec3(v.x(), v.y(), v.z());
 }
 
-// The host's rows. The distance image is the plane 0.5 u - 0.25 v + 40: positive for every vertex, so that all b are 1.
+// The host's rows. The distance image is the plane 60 - 0.5 u + 0.25 v: positive for every vertex, so that b is 1 or 0.
 Eigen::VectorXd host_rows(const Actor& actor, const Camera& camera, const PoseOptions& options,
                           const KeypointTargets& targets, const std::vector<VertexMatch>& matches,
                           const std::vector<ShadedVertex>& shaded, const Floor& floor, double stands,
@@ -76,7 +76,7 @@ Eigen::VectorXd host_rows(const Actor& actor, const Camera& camera, const PoseOp
   };
   for (int i = 0; i < actor.n_vertices(); ++i) {
     const reference::Vec2 uv = reference::project_point(skinned(i), cam).uv;
-    rows.push_back(std::sqrt(options.weights.silhouette) * (0.5 * uv.x - 0.25 * uv.y + 40));
+    rows.push_back(std::sqrt(options.weights.silhouette) * (60 - 0.5 * uv.x + 0.25 * uv.y));
   }
   for (const VertexMatch& m : matches) {
     const auto row = reference::match_row(skinned(m.vertex), cam, {m.u_px, m.v_px}, m.a, m.b, m.c);
@@ -139,7 +139,7 @@ std::vector<ocl::SelfTestResult> pose_self_test(ocl::DeviceContext& device) {
   DeviceFrame frame(device, camera.width, camera.height);
   std::vector<float> distance;
   for (int v = 0; v < camera.height; ++v)
-    for (int u = 0; u < camera.width; ++u) distance.push_back(0.5f * u - 0.25f * v + 40.0f);
+    for (int u = 0; u < camera.width; ++u) distance.push_back(60.0f - 0.5f * u + 0.25f * v);
   frame.signed_distance.write(distance);
   const std::vector<int32_t> contour = {0, 1, 2, 3, 4};
 
@@ -165,6 +165,7 @@ std::vector<ocl::SelfTestResult> pose_self_test(ocl::DeviceContext& device) {
          host_rows(actor, camera, options, targets, matches, shaded, floor, stands, moved(state, -step))) /
         2e-5;
   }
+  expected_J.row(system.n_point_rows() + 3).setZero();  // its normal points down the plane: b = 0
   std::vector<ocl::SelfTestResult> results;
   const PoseState expected_step = moved(state, damped_step(equations, options).delta);
   if (const std::optional<PoseSteps> step = system.take_steps(state, 1, 0))

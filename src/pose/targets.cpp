@@ -74,4 +74,9 @@ void doubt_far_detections(KeypointTargets& targets, const std::array<Eigen::Vect
   }
 }
 
+double cauchy_cost(double r_squared, double scale) {
+  const double scale_squared = scale * scale;
+  return scale_squared > 0 ? scale_squared * std::log1p(r_squared / scale_squared) : r_squared;
+}
+
 }  // namespace livecap

@@ -93,6 +93,7 @@ ocl::Buffer<int32_t> SurfaceVisibility::contour_candidates(std::span<const uint8
 
 void SurfaceVisibility::find_contour(const DepthRasterizer& raster, const ocl::Buffer<int32_t>& candidates) {
   require(raster);
+  if (candidates.size() != size_t(n_vertices_)) throw LogicError("visibility: contour candidates of another mesh");
   contour_kernel_.launch(over_vertices(), n_vertices_, raster.width(), raster.height(), options_.contour_radius_px,
                          options_.contour_tolerance_mm, raster.projected(), fan_offsets_, fan_triangles_, candidates,
                          raster.facing() ? *raster.facing() : raster.triangles(), raster.depth(), contour_);

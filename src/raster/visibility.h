@@ -22,7 +22,7 @@ struct VisibilityOptions {
 
 class SurfaceVisibility {
  public:
-  // Keeps no reference to the mesh.
+  // Keeps no reference to the mesh; device outlives this.
   SurfaceVisibility(ocl::DeviceContext& device, const Mesh& mesh, const VisibilityOptions& options = {});
 
   // These read what `raster` rendered last, which must be the same positions. Enqueued in order, nothing blocks.
@@ -38,7 +38,7 @@ class SurfaceVisibility {
   }
   void find_visible_and_contour(const ocl::Buffer<float>& positions_camera, const ocl::Buffer<float>& normals,
                                 const DepthRasterizer& raster, const ocl::Buffer<int32_t>& candidates);
-  // For these: contour vertices are only looked for where `among` [n_vertices] is not 0. Throws LogicError.
+  // Candidates for find_contour: where `among` [n_vertices] is not 0. Throws LogicError.
   ocl::Buffer<int32_t> contour_candidates(std::span<const uint8_t> among) const;
 
   const ocl::Buffer<int32_t>& visible() const { return visible_; }  // [n_vertices] 0 or 1

@@ -134,10 +134,10 @@ class Bench {
     kernel("silhouette_system.cl", "silhouette_system")
         .launch(rows_, 64, graph_.n, rows_, stride_, kWidth, kHeight, 10.0f, 0, PinholeArg{100, 100, 16, 16},
                 ocl::Buffer<int32_t>(device_, graph_.order),
-                ocl::Buffer<int32_t>(device_, std::vector<int32_t>{0, 1, 0}), ocl::Buffer<float>(device_, vertices_),
-                ocl::Buffer<float>(device_, distance), ocl::Buffer<uint8_t>(device_, 1),
-                ocl::Buffer<int32_t>(device_, 3), ocl::Buffer<float>(device_, graph_.planes(vertices_, 3)), blocks, rhs,
-                energy);
+                ocl::Buffer<int32_t>(device_, std::vector<int32_t>{0, 1, 0}),
+                ocl::Buffer<float>(device_, Floats{1, 0, 0, 1, 0, 0, 1, 0, 0}), ocl::Buffer<float>(device_, distance),
+                ocl::Buffer<uint8_t>(device_, 1), ocl::Buffer<int32_t>(device_, 3),
+                ocl::Buffer<float>(device_, graph_.planes(vertices_, 3)), blocks, rhs, energy);
     Floats found = at(rhs, 1, 3);
     found.push_back(at(energy, 1, 1)[0]);
     found.push_back(at(energy, 0, 1)[0]);
@@ -261,9 +261,9 @@ class Bench {
     kernel("snap_targets.cl", "snap_targets")
         .launch(rows_, 64, graph_.n, rows_, stride_, kWidth, kHeight, 3.0f, 15.0f, 0, PinholeArg{100, 100, 16, 16},
                 order, ocl::Buffer<float>(device_, graph_.planes({2, 2, 50}, 1)),
-                ocl::Buffer<int32_t>(device_, std::vector<int32_t>{0, 1, 1}), ocl::Buffer<float>(device_, vertices_),
-                ocl::Buffer<float>(device_, distance), ocl::Buffer<uint8_t>(device_, 1),
-                ocl::Buffer<int32_t>(device_, 3), vertices, moves, rings);
+                ocl::Buffer<int32_t>(device_, std::vector<int32_t>{0, 1, 1}),
+                ocl::Buffer<float>(device_, Floats{1, 0, 0, 1, 0, 0, 1, 0, 0}), ocl::Buffer<float>(device_, distance),
+                ocl::Buffer<uint8_t>(device_, 1), ocl::Buffer<int32_t>(device_, 3), vertices, moves, rings);
     expect("snap_targets",
            {at(moves, 1, 2)[0], at(moves, 1, 2)[1], at(rings, 0, 1)[0], at(rings, 1, 1)[0], at(rings, 2, 1)[0]},
            {-20, 0, 1000, 0, 2000});

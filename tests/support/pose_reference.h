@@ -74,8 +74,8 @@ struct PoseReference {
            fx * fy * at(x + 1, y + 1);
   }
 
-  // The paper's rule: z = -grad |distance|; -1 when inside and the projected normal points against z.
-  // `margin` gets how far from the switch the vertex is.
+  // The paper's rule: z = -grad |distance|; -1 when inside and the projected normal points against z. And 0 when
+  // outside and it points along z: to the contour of another part. `margin` gets how far from the switch the vertex is.
   double direction(int vertex, const PosedSkeleton& posed, double& margin) const {
     const SkinnedVertex v = skin(vertex, posed);
     const std::vector<float> normals = vertex_normals_;
@@ -88,7 +88,7 @@ struct PoseReference {
     const Eigen::Vector2d z = value > 0 ? Eigen::Vector2d(-gradient) : gradient;
     const Eigen::Vector2d n_px = (project(v.position + h * n) - px) / h;
     margin = std::min(std::abs(value), std::abs(n_px.dot(z)));
-    return value <= 0 && n_px.dot(z) < 0 ? -1 : 1;
+    return value <= 0 ? (n_px.dot(z) < 0 ? -1 : 1) : (n_px.dot(z) > 0 ? 0 : 1);
   }
 
   // In PoseSystem's row order.

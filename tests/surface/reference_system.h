@@ -105,8 +105,9 @@ inline ReferenceSystem reference_system(const Scene& s, const SurfaceOptions& o,
             (bilinear_distance(s, uv.x() + h, uv.y()) - bilinear_distance(s, uv.x() - h, uv.y())) / (2 * h),
             (bilinear_distance(s, uv.x(), uv.y() + h) - bilinear_distance(s, uv.x(), uv.y() - h)) / (2 * h));
         const Eigen::Vector2d normal = D * point(s.normals, i);
-        // The paper: b = -1 inside when the normal points away from the direction to the contour, else +1.
-        const double b = d <= 0 && normal.dot(g) < 0 ? -1.0 : 1.0;
+        // The paper: b = -1 inside when the normal points away from the direction to the contour, else +1. And 0
+        // outside when the normal points to the contour: it is another part's.
+        const double b = normal.dot(g) >= 0 ? 1.0 : d <= 0 ? -1.0 : 0.0;
         const double w = std::sqrt(double(o.w_silhouette));
         const int k = row(w * d);
         for (int a = 0; a < 3; ++a) J.emplace_back(k, 3 * i + a, w * b * (g.x() * D(0, a) + g.y() * D(1, a)));

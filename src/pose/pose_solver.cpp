@@ -157,7 +157,7 @@ void PoseSolver::measure(const PoseState& state, const PoseResiduals& residuals,
     if (targets[k].weight_3d > 0)
       result.energy.keypoint_3d +=
           prepared.undoubted_3d[k] *
-          cauchy_cost(energy(row + LC_POSE_ROW_3D, 3) / targets[k].weight_3d, prepared.doubt_3d_mm);
+          doubted_cost(energy(row + LC_POSE_ROW_3D, 3) / targets[k].weight_3d, prepared.doubt_3d_mm);
     result.energy.temporal += energy(row + LC_POSE_ROW_TEMPORAL, 3);
   }
   const int n_dofs = actor_.skeleton.n_dofs(), n_soles = int(system_.soles().size());

@@ -39,7 +39,7 @@ struct PoseInput {
 // Weighted, as in the paper's E_pose.
 struct PoseEnergies {
   double keypoint_2d = 0;
-  double keypoint_3d = 0;  // with doubt: of cauchy_cost(), whatever it was doubted by at the start
+  double keypoint_3d = 0;  // with doubt: of doubted_cost()
   double silhouette = 0;
   double match = 0;
   double shading = 0;

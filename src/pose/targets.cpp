@@ -74,9 +74,8 @@ void doubt_far_detections(KeypointTargets& targets, const std::array<Eigen::Vect
   }
 }
 
-double cauchy_cost(double r_squared, double scale) {
-  const double scale_squared = scale * scale;
-  return scale_squared > 0 ? scale_squared * std::log1p(r_squared / scale_squared) : r_squared;
+double doubted_cost(double r_squared, double scale) {
+  return scale > 0 ? r_squared / (1 + r_squared / (scale * scale)) : r_squared;
 }
 
 }  // namespace livecap

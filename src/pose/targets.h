@@ -49,12 +49,13 @@ Eigen::Vector3d best_t_prime(const KeypointTargets& targets,
 
 // Divides each lambda_i of E_3D by 1 + (r / scale_mm)^2, r: how far the keypoint is from its detection (with
 // best_t_prime) at these positions. A detection's depth of a limb is off by 60 to 100 mm at times, for many frames on
-// end, and squared it would outweigh all that the picture tells. What is minimised so is sum_i lambda_i
-// cauchy_cost(r_i): by that, poses from different starts are compared.
+// end, and squared it would outweigh all that the picture tells.
 void doubt_far_detections(KeypointTargets& targets, const std::array<Eigen::Vector3d, kKeypointCount>& positions,
                           double scale_mm);
 
-// scale^2 log(1 + r^2 / scale^2): the cost whose weight that is. r^2 where scale is 0.
-double cauchy_cost(double r_squared, double scale);
+// r^2 / (1 + r^2 / scale^2), r^2 where scale is 0 (Geman and McClure): by this, the same function for all, poses from
+// different starts are compared. It ends at scale^2, so that the picture tells which of two poses is right when both
+// are far from a detection; Cauchy's cost, which the weight above minimises, grows without end.
+double doubted_cost(double r_squared, double scale);
 
 }  // namespace livecap

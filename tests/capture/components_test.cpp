@@ -87,7 +87,7 @@ TEST(Components, AFloorThatIsGivenCountsBeforeOneIsLearned) {
 TEST(Components, AFloorThatFeetNeverRestOnIsToldOnce) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
   const test::ScratchFolder scratch;
-  SynthOptions synth = test::small_sequence(42, 2);
+  SynthOptions synth = test::small_sequence(60, 2);  // it takes 31 frames in which a foot rests elsewhere
   synth.motions = {"squat"};
   synth.floor = true;
   write_sequence(synth, scratch / "sequence");

@@ -374,6 +374,30 @@ TEST(PoseSolver, NanGivesThePredictionAndAStatus) {
       test::Doubles::kAlsoWithout);
 }
 
+// A knee whose depth the network has wrong by 300 mm: doubted, it takes the body less than half as far along.
+TEST(PoseSolver, ADoubtedDetectionHasLessOfASay) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const Actor actor = test::make_test_actor(0.7);
+    const Camera camera = test::portrait_camera();
+    std::mt19937 rng(11);
+    const Pose truth = test::random_true_pose(actor, rng, 0.3);
+    Detections detections = test::exact_detections(actor, camera, truth, 0.9);
+    detections.keypoints[kLeftKnee].z_mm += 300;
+    PoseOptions options;
+    options.rebone = false;
+    PoseSolver solver(device, actor, camera, options);
+    const auto expected = keypoint_positions(actor, forward_kinematics(actor.skeleton, truth));
+    const auto error_mm = [&](double doubt_3d_mm) {
+      const PoseResult result =
+          solver.solve({.detections = detections, .initial = truth, .doubt_3d_mm = doubt_3d_mm, .n_steps = 20});
+      EXPECT_EQ(result.status, SolveStatus::kOk);
+      const auto found = keypoint_positions(actor, forward_kinematics(actor.skeleton, result.pose));
+      return (found[kLeftKnee] - expected[kLeftKnee]).norm();
+    };
+    EXPECT_LT(error_mm(60), 0.5 * error_mm(0));
+  });
+}
+
 TEST(PoseSolver, DefaultWeightsAreTheTermTables) {
   const PoseWeights weights;
   EXPECT_EQ(weights.keypoint_2d, find_term("keypoint_2d")->paper_weight);

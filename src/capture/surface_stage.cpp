@@ -17,7 +17,8 @@ constexpr double kUnknownFrame = 1 / 30.0;  // where time does not rise
 
 SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
                            const TrackerOptions& options, DepthRasterizer& rasterizer, SurfaceVisibility& visibility)
-    : actor_(actor),
+    : device_(device),
+      actor_(actor),
       camera_(camera),
       options_(options),
       hanging_(actor, options.hanging),
@@ -101,6 +102,8 @@ double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* p
   const double seconds = std::clamp(passed, kShortestFrame, kLongestFrame);
   place(posed, seconds);
   if (!picture) {
+    if (cloth_) device_.finish();  // gave_up() knows then
+    if (cloth_ && cloth_->gave_up()) place(posed, seconds);
     vertices_.copy_from(skinned_);
     return 0;
   }

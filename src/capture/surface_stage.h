@@ -42,6 +42,7 @@ class SurfaceStage {
   void place(const PosedSkeleton& posed, double seconds);
   void launch(const DeviceFrame& picture);
 
+  ocl::DeviceContext& device_;
   const Actor& actor_;
   Camera camera_;
   TrackerOptions options_;

@@ -2,8 +2,12 @@
 #ifndef LC_CLOTH_LAYOUT_H
 #define LC_CLOTH_LAYOUT_H
 
-// Work-items of a work-group.
-#define LC_CLOTH_GROUP(is_cpu) ((is_cpu) ? 1 : 64)
+// Work-items of a work-group; on a GPU less where it is one of many, at most so many where it is alone.
+#ifndef LC_CLOTH_GPU_GROUP
+#define LC_CLOTH_GPU_GROUP 64
+#endif
+#define LC_CLOTH_GROUP(is_cpu) ((is_cpu) ? 1 : LC_CLOTH_GPU_GROUP)
+#define LC_CLOTH_GROUP_ALONE 512
 // Of these as many share a particle on a GPU.
 #define LC_CLOTH_PARTS 4
 #define LC_CLOTH_LIMBS 6

@@ -20,6 +20,7 @@ using Vector3 = Eigen::Vector3d;
 
 static_assert(sizeof(ClothStep) == 24, "as the kernel has it");
 
+constexpr const char *kProgram = "cloth/simulate.cl", *kKernel = "simulate_cloth";
 constexpr double kLongestStep = 0.1;  // s, for which a frame's springs are to be stable
 constexpr int kEnds = 6, kRadii = 2;  // values of a limb
 
@@ -103,7 +104,7 @@ ClothSimulation::ClothSimulation(ocl::DeviceContext& device, const Actor& actor,
   group_ = LC_CLOTH_GROUP(device.is_cpu());
   const size_t n_items = LC_CLOTH_PARTS * size_t(graph_.n_rows);
   groups_ = ocl::GroupsTogether(device, device.is_cpu() ? 1 : round_up(n_items, group_) / group_);
-  simulate_ = {device, "cloth/simulate.cl", "simulate_cloth"};
+  simulate_ = {device, kProgram, kKernel};
 }
 
 void ClothSimulation::set_up_links(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth) {
@@ -214,6 +215,9 @@ void ClothSimulation::step(const PosedSkeleton& posed, double seconds, ocl::Buff
 bool ClothSimulation::gave_up() {
   if (!has_cloth() || !groups_.gave_up("cloth")) return false;
   groups_ = ocl::GroupsTogether(*device_, 1);
+  group_ =
+      std::min<size_t>(LC_CLOTH_GROUP_ALONE, device_->info().max_work_group_size / LC_CLOTH_PARTS * LC_CLOTH_PARTS);
+  simulate_ = {*device_, kProgram, kKernel, "-D LC_CLOTH_GPU_GROUP=" + std::to_string(group_)};
   reset();
   return true;
 }

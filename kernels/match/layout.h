@@ -24,10 +24,17 @@ typedef struct {
 // One vertex's match, in floats: u, v (px); root of the distance's weight a, b, c (see VertexMatch); weight, 0 = no
 // match; correlation of the two patches; px^2 that the vertex stands for, of every visible one, matched or not.
 #define LC_MATCH 8
+#define LC_MATCH_WEIGHT_PX 5
+#define LC_MATCH_SEEN_PX 7
 
 // How bright a vertex of skin is, in floats: its normal, brightness by albedo, px^2 that it stands for (0 = not seen,
 // negative where the picture shows something of another colour), red and blue by albedo, each by the brightness.
 #define LC_SKIN 7
+#define LC_SKIN_BRIGHTNESS 3
+#define LC_SKIN_PX 4
+#define LC_SKIN_TINT 5
+// Limbs that skin is on.
+#define LC_SKIN_LIMBS 8
 // All pixels so far around the vertex are averaged, and must be of skin.
 #define LC_SKIN_RADIUS 2
 

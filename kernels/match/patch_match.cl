@@ -193,7 +193,7 @@ static inline void write_match(Aligned m, PatchOptions options, float u, float v
   const float b = wxy / a;
   const float c = sqrt(fmax(wyy - b * b, 0.0f));
 
-  const float scale = (float)(1 << options.level), wanted = out[7];
+  const float scale = (float)(1 << options.level), wanted = out[LC_MATCH_SEEN_PX];
   vstore8((float8)(u + m.dx * scale, v + m.dy * scale, a, b, c, m.correlation * wanted, m.correlation, wanted), 0, out);
 }
 
@@ -221,7 +221,7 @@ kernel void match_patches(int n, MatchBox box, PatchOptions options, int at, flo
     if (!visible[i] || !(share[i] > 0.0f)) continue;
     const float3 p = vload3(i, positions), normal = vload3(i, normals);
     const float facing = -(p.x * normal.x + p.y * normal.y + p.z * normal.z) / sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
-    out[7] = share[i] * areas[i] * fmax(facing, 0.0f) * focal_px * focal_px / (p.z * p.z);
+    out[LC_MATCH_SEEN_PX] = share[i] * areas[i] * fmax(facing, 0.0f) * focal_px * focal_px / (p.z * p.z);
     const int x = ((int)LC_RINT(projected[4 * i]) - box.x) >> options.level;
     const int y = ((int)LC_RINT(projected[4 * i + 1]) - box.y) >> options.level;
     if (!has_patch(&level, x, y)) continue;

@@ -65,7 +65,7 @@ kernel void skin_brightness(int n, int width, int height, float focal_px, float 
   const float2 tint = limbs[i] % 2 ? tints.zw : tints.xy;
   const float off = fmax(fabs(red - tint.x), fabs(blue - tint.y));
   vstore4((float4)(normal.x, normal.y, normal.z, brightness), 0, out);
-  out[4] = off <= (limbs[i] % 2 ? off_tint.y : off_tint.x) ? area_px : -area_px;
-  out[5] = red;
-  out[6] = blue;
+  out[LC_SKIN_PX] = off <= (limbs[i] % 2 ? off_tint.y : off_tint.x) ? area_px : -area_px;
+  out[LC_SKIN_TINT] = red;
+  out[LC_SKIN_TINT + 1] = blue;
 }

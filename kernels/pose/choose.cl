@@ -6,12 +6,13 @@
 #include "match/layout.h"
 #include "pose/layout.h"
 #include "pose/thinning.h"
+#include "shared/seen_weight.h"
 
 #define GROUP LC_POSE_CHOICE_GROUP
 #define CONTOUR 0
 #define MATCHES 1
 #define SKIN 2
-#define PER_LIMB (GROUP / LC_POSE_LIMBS)  // work-items
+#define PER_LIMB (GROUP / LC_SKIN_LIMBS)  // work-items
 
 // Of one kind; see the kernel.
 typedef struct {
@@ -22,7 +23,7 @@ typedef struct {
   global const float* skin;
   global const int* skin_vertices;
   global const int* skin_limbs;
-  local const double* limb_px;  // that each limb shows, but at least choice.limb_area_px
+  local const double* limb_px;  // of a weight of 1, of each limb
   global const float* lights;
   global const double* numbers;
 } Seen;
@@ -31,7 +32,7 @@ typedef struct {
 static long px_of_limb(const Seen* s, int limb, int first) {
   long sum = 0;
   for (int i = first; i < s->choice.n[SKIN]; i += PER_LIMB) {
-    const float px = s->skin[LC_SKIN * i + 4];
+    const float px = s->skin[LC_SKIN * i + LC_SKIN_PX];
     if (s->skin_limbs[i] / 2 == limb && px > 0.0f) sum += LC_EXACT(px);
   }
   return sum;
@@ -53,18 +54,17 @@ static long2 sums_before(long2 value, local long2* sums, long2* all) {
   return sums[id] - value;
 }
 
-// Of vertex i, 0 where it is not seen. Divided in double, and by a double: floats, or doubles that were floats, are
-// divided less exactly than on the host.
+// Of vertex i, 0 where it is not seen.
 static float weight_of(const Seen* s, int i) {
   if (s->kind == CONTOUR) return s->contour[i] ? 1.0f : 0.0f;
   if (s->kind == MATCHES) {
-    const float px = s->matches[LC_MATCH * i + 5];
-    return px > 0.0f ? (float)((double)px / s->numbers[LC_POSE_CHOICE_MATCH_AREA]) : 0.0f;
+    const float px = s->matches[LC_MATCH * i + LC_MATCH_WEIGHT_PX];
+    return px > 0.0f ? seen_weight(px, s->numbers[LC_POSE_CHOICE_MATCH_AREA]) : 0.0f;
   }
-  const float px = s->skin[LC_SKIN * i + 4];
+  const float px = s->skin[LC_SKIN * i + LC_SKIN_PX];
   const int limb = s->skin_limbs[i];
   const int is_known = as_int(s->lights[LC_POSE_LIGHT * (limb % 2)]);
-  return px > 0.0f && is_known ? (float)((double)px / s->limb_px[limb / 2]) : 0.0f;
+  return px > 0.0f && is_known ? seen_weight(px, s->limb_px[limb / 2]) : 0.0f;
 }
 
 // What rows are made of (layout.h): vertex i as the place-th of its kind.
@@ -73,7 +73,7 @@ static void write_chosen(const Seen* s, PoseInputs at, int i, int place, float w
     inputs[at.contour_vertices + place] = as_float(i);
     return;
   }
-  const float root = (float)sqrt(s->numbers[s->kind] * (double)weight);
+  const float root = row_root(s->numbers[s->kind], weight);
   if (s->kind == MATCHES) {
     global const float* match = s->matches + LC_MATCH * i;
     global float* to = inputs + at.match_targets + LC_POSE_MATCH * place;
@@ -85,7 +85,7 @@ static void write_chosen(const Seen* s, PoseInputs at, int i, int place, float w
   global float* to = inputs + at.shaded_targets + LC_POSE_SHADED * place;
   inputs[at.shaded_vertices + place] = as_float(s->skin_vertices[i]);
   for (int k = 0; k < LC_POSE_LIGHT - 1; ++k) to[k] = s->lights[LC_POSE_LIGHT * light + 1 + k];
-  to[9] = (float)((double)s->skin[LC_SKIN * i + 3] / s->numbers[LC_POSE_CHOICE_DEVIATIONS + light]);
+  to[9] = in_deviations(s->skin[LC_SKIN * i + LC_SKIN_BRIGHTNESS], s->numbers[LC_POSE_CHOICE_DEVIATIONS + light]);
   to[10] = root;
 }
 
@@ -135,7 +135,7 @@ static float weight_for(const Seen* s, float weight, long2 before, long2 all) {
 
 // contour [n] 1 for contour vertices, matches [LC_MATCH*n], skin [LC_SKIN*n], of as many as `choice` says;
 // skin_vertices [n]; skin_limbs [n]: twice the limb and 1 for the second light. inputs: what is chosen by, and out what
-// is chosen, see layout.h. sums: [GROUP]; limb_px: [LC_POSE_LIMBS]; weights: [LC_POSE_CHOICE_RUN].
+// is chosen, see layout.h. sums: [GROUP]; limb_px: [LC_SKIN_LIMBS]; weights: [LC_POSE_CHOICE_RUN].
 kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void pose_choose(
     PoseInputs at, PoseChoice choice, global const int* restrict contour, global const float* restrict matches,
     global const float* restrict skin, global const int* restrict skin_vertices, global const int* restrict skin_limbs,
@@ -153,10 +153,10 @@ kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void pose_choose(
                      (global const double*)(inputs + at.choice)};
   if (kind == SKIN) sums[id].x = px_of_limb(&seen, id / PER_LIMB, id % PER_LIMB);
   barrier(CLK_LOCAL_MEM_FENCE);
-  if (kind == SKIN && id < LC_POSE_LIMBS) {
+  if (kind == SKIN && id < LC_SKIN_LIMBS) {
     long px = 0;
     for (int k = 0; k < PER_LIMB; ++k) px += sums[PER_LIMB * id + k].x;
-    limb_px[id] = fmax((double)px * LC_EXACT_UNIT, (double)choice.limb_area_px);
+    limb_px[id] = limb_px_of_one(px, choice.limb_area_px);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
 
@@ -190,14 +190,15 @@ kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void pose_choose(
     if (step > 0) break;
     all = passed;
     for (int i = id; kind == MATCHES && i < n; i += GROUP)
-      missed += LC_EXACT(matches[LC_MATCH * i + 7]) - LC_EXACT(fmax(matches[LC_MATCH * i + 5], 0.0f));
+      missed += LC_EXACT(matches[LC_MATCH * i + LC_MATCH_SEEN_PX]) -
+                LC_EXACT(fmax(matches[LC_MATCH * i + LC_MATCH_WEIGHT_PX], 0.0f));
   }
   if (id > 0) return;
   chosen.x = min(chosen.x, (long)choice.most[kind]);
   inputs[at.counts + kind] = as_float((int)chosen.x);
   if (kind == CONTOUR)
     inputs[at.counts + LC_POSE_COUNT_CONTOUR_ROOT] =
-        chosen.x > 0 ? (float)sqrt(seen.numbers[CONTOUR] * (double)all.x / (double)chosen.x) : 0.0f;
+        contour_row_root(seen.numbers[CONTOUR], (double)all.x, (double)chosen.x);
   if (kind == MATCHES)
     inputs[at.counts + LC_POSE_COUNT_MISSED] =
         (float)((double)chosen.y * LC_EXACT_UNIT / seen.numbers[LC_POSE_CHOICE_MATCH_AREA]);

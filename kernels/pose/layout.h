@@ -7,6 +7,7 @@
 // vectors from the root's origin t: floats keep more of them.
 #ifndef LC_POSE_LAYOUT_H
 #define LC_POSE_LAYOUT_H
+#include "match/layout.h"
 
 #define LC_POSE_KEYPOINTS 23
 #define LC_POSE_ROWS_PER_KEYPOINT 8
@@ -93,9 +94,8 @@ typedef struct {
 #define LC_POSE_COUNT_MISSED 4
 #define LC_POSE_COUNTS 5
 
-// For choose.cl: its work-items; limbs with skin.
+// For choose.cl: its work-items.
 #define LC_POSE_CHOICE_GROUP 512
-#define LC_POSE_LIMBS 8
 // Numbers: weights of the terms of the three kinds, the lights' deviations, the px^2 of a match of weight 1.
 #define LC_POSE_CHOICE_DEVIATIONS 3
 #define LC_POSE_CHOICE_MATCH_AREA 5
@@ -103,7 +103,7 @@ typedef struct {
 // Vertices whose weights are in local memory at a time.
 #define LC_POSE_CHOICE_RUN 5632
 // Its local memory, in bytes.
-#define LC_POSE_CHOICE_LOCAL (16 * LC_POSE_CHOICE_GROUP + 8 * LC_POSE_LIMBS + 4 * LC_POSE_CHOICE_RUN)
+#define LC_POSE_CHOICE_LOCAL (16 * LC_POSE_CHOICE_GROUP + 8 * LC_SKIN_LIMBS + 4 * LC_POSE_CHOICE_RUN)
 // A light: whether it is known (int), and itself (9) in deviations.
 #define LC_POSE_LIGHT 10
 

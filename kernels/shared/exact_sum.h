@@ -1,5 +1,5 @@
 // Sums of weights that are the same in whatever order they are added, on host and device: of whole numbers of 2^-40.
-// They stay below 2^22. Read by both compilers.
+// Above 2^23 they would wrap around. Read by both compilers.
 #ifndef LC_SHARED_EXACT_SUM_H
 #define LC_SHARED_EXACT_SUM_H
 
@@ -11,6 +11,8 @@ typedef int64_t lc_exact_t;
 #endif
 
 #define LC_EXACT(weight) ((lc_exact_t)((weight)*1099511627776.0f))
+// Pictures of more px are too large for sums of px^2 of all that they may show.
+#define LC_EXACT_MOST_PX 8388608
 #define LC_EXACT_UNIT 9.094947017729282e-13
 
 #endif

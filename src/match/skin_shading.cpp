@@ -8,6 +8,7 @@
 #include "livecap/error.h"
 #include "match/layout.h"
 #include "shared/exact_sum.h"
+#include "shared/seen_weight.h"
 
 namespace livecap {
 namespace {
@@ -16,8 +17,6 @@ constexpr int kLeftArmLabel = 14, kLeftLegLabel = 16, kRightLegLabel = 17;
 constexpr float kLeastAlbedo = 0.02;
 constexpr double kLeastSeenPx = 60;
 constexpr size_t kLocal = 64;
-
-constexpr int kLimbs = 8;
 
 // The number of each bone's limb, -1 where it is not a long one; hands and feet have folds and nails.
 std::vector<int> long_limbs(const Skeleton& skeleton) {
@@ -118,25 +117,29 @@ std::vector<SkinSample> SkinShading::samples() const {
   if (!usable()) return samples;
   for (int i = 0; i < int(skin_.size()); ++i) {
     const float* s = &host_[size_t(LC_SKIN) * i];
-    if (s[4] > 0 || s[4] < 0) samples.push_back({i, {s[0], s[1], s[2]}, s[3], s[4], {s[5], s[6]}});
+    const float px = s[LC_SKIN_PX];
+    if (px > 0 || px < 0)
+      samples.push_back({i, {s[0], s[1], s[2]}, s[LC_SKIN_BRIGHTNESS], px, {s[LC_SKIN_TINT], s[LC_SKIN_TINT + 1]}});
   }
   return samples;
 }
 
 std::vector<ShadedVertex> SkinShading::shaded(std::span<const SkinSample> samples) const {
-  std::array<lc_exact_t, kLimbs> seen{};  // px^2
-  for (const SkinSample& s : samples) seen[skin_[s.index].limb] += LC_EXACT(std::max(0.0f, s.area_px));
+  std::array<lc_exact_t, LC_SKIN_LIMBS> seen{};  // px^2
+  for (const SkinSample& s : samples) {
+    lc_exact_t& px = seen[skin_[s.index].limb];
+    px = std::min(px + LC_EXACT(std::max(0.0f, s.area_px)), LC_EXACT(float(LC_EXACT_MOST_PX / 2)));
+  }
   const SeenSkin by = this->seen();
   std::vector<ShadedVertex> shaded;
   for (const SkinSample& s : samples) {
     const SkinVertex& skin = skin_[s.index];
     const SeenSkin::Light& light = by.lights[skin.light];
     if (!light.is_known || !(s.area_px > 0)) continue;
-    const double limb_px = std::max(double(seen[skin.limb]) * LC_EXACT_UNIT, double(by.limb_area_px));
     shaded.push_back({.vertex = skin.vertex,
                       .light = light.light,
-                      .brightness = float(s.brightness / light.deviation),
-                      .weight = float(s.area_px / limb_px)});
+                      .brightness = in_deviations(s.brightness, light.deviation),
+                      .weight = seen_weight(s.area_px, limb_px_of_one(seen[skin.limb], by.limb_area_px))});
   }
   return shaded;
 }

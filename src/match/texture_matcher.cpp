@@ -7,6 +7,7 @@
 #include "base/round_up.h"
 #include "base/text.h"
 #include "livecap/error.h"
+#include "shared/seen_weight.h"
 
 namespace livecap {
 namespace {
@@ -65,7 +66,8 @@ void MatchOptions::validate() const {
   positive("softness", softness);
   positive("max_move_px", max_move_px);
   positive("depth_range_mm", depth_range_mm);
-  positive("weight_area_px", weight_area_px);
+  if (!(weight_area_px >= 1) || !std::isfinite(weight_area_px))  // sums of weights must not wrap around (exact_sum.h)
+    throw ConfigError(format("match option weight_area_px is %g; it must be finite and at least 1", weight_area_px));
   if (!(min_correlation > 0 && min_correlation < 1))
     throw ConfigError(format("match option min_correlation is %g; it must be between 0 and 1", min_correlation));
 }
@@ -213,11 +215,12 @@ Matches TextureMatcher::found() const {
   double matched = 0, visible = 0;
   for (int i = 0; i < n_vertices_; ++i) {
     const float* m = &host_[size_t(LC_MATCH) * i];
-    if (m[7] == 0 && m[5] == 0) continue;
-    visible += m[7];
-    if (!(m[5] > 0)) continue;
-    matched += m[5];
-    matches.found.push_back({i, m[0], m[1], m[2], m[3], m[4], m[5] / options_.weight_area_px});
+    const float px = m[LC_MATCH_WEIGHT_PX], seen_px = m[LC_MATCH_SEEN_PX];
+    if (seen_px == 0 && px == 0) continue;
+    visible += seen_px;
+    if (!(px > 0)) continue;
+    matched += px;
+    matches.found.push_back({i, m[0], m[1], m[2], m[3], m[4], seen_weight(px, options_.weight_area_px)});
   }
   matches.missed_weight = (visible - matched) / options_.weight_area_px;
   return matches;

@@ -10,6 +10,7 @@
 #include "geometry/mesh.h"
 #include "livecap/error.h"
 #include "ocl/lanes.h"
+#include "shared/exact_sum.h"
 
 namespace livecap {
 namespace {
@@ -120,7 +121,8 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
         format("-D LC_POSE_TAKES_STEPS=%d -D LC_POSE_SYSTEM_SIDE=%d", takes_steps_ ? 1 : 0, LC_POSE_SIDE(layout_));
     gauss_newton_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_gauss_newton", option);
     sum_parts_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_sum_parts", option);
-    chooses_ = takes_steps_ && device.info().max_work_group_size >= LC_POSE_CHOICE_GROUP &&
+    chooses_ = takes_steps_ && size_t(width_) * height_ <= LC_EXACT_MOST_PX &&
+               device.info().max_work_group_size >= LC_POSE_CHOICE_GROUP &&
                device.info().local_memory_bytes >= LC_POSE_CHOICE_LOCAL;
     if (chooses_) choose_kernel_ = ocl::Kernel(device, kChoiceProgram, "pose_choose");
     return;
@@ -249,7 +251,7 @@ void PoseSystem::launch_choice() {
       size_t(3) * LC_POSE_CHOICE_GROUP, LC_POSE_CHOICE_GROUP, inputs_.places(), choice,
       has_contour ? *seen_->contour : links_, has_matches ? *seen_->matches : rest_, has_skin ? *skin.samples : rest_,
       has_skin ? *skin.vertices : links_, has_skin ? *skin.limbs : links_, inputs_on_device_,
-      ocl::LocalMemory{2 * sizeof(int64_t) * LC_POSE_CHOICE_GROUP}, ocl::LocalMemory{sizeof(double) * LC_POSE_LIMBS},
+      ocl::LocalMemory{2 * sizeof(int64_t) * LC_POSE_CHOICE_GROUP}, ocl::LocalMemory{sizeof(double) * LC_SKIN_LIMBS},
       ocl::LocalMemory{sizeof(float) * LC_POSE_CHOICE_RUN});
 }
 

@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "livecap/error.h"
 #include "pose/thinning.h"
+#include "shared/seen_weight.h"
 
 namespace livecap {
 namespace {
@@ -78,7 +79,7 @@ void PoseRowInputs::set_vertices(std::span<const int32_t> contour_vertices, std:
   for (const VertexMatch& match : used_matches) {
     require_vertex(match.vertex, "matched");
     *vertex++ = std::bit_cast<float>(match.vertex);
-    const float root = float(std::sqrt(weights.match * match.weight));
+    const float root = row_root(weights.match, match.weight);
     for (float value : {match.u_px, match.v_px, root * match.a, root * match.b, root * match.c}) *target++ = value;
   }
   set_count(LC_POSE_COUNT_MATCHES, used_matches.size());
@@ -91,7 +92,7 @@ void PoseRowInputs::set_vertices(std::span<const int32_t> contour_vertices, std:
     *vertex++ = std::bit_cast<float>(skin.vertex);
     target = std::copy(skin.light.begin(), skin.light.end(), target);
     *target++ = skin.brightness;
-    *target++ = float(std::sqrt(weights.shading * skin.weight));
+    *target++ = row_root(weights.shading, skin.weight);
   }
   set_count(LC_POSE_COUNT_SHADED, used_shaded.size());
 }
@@ -104,10 +105,11 @@ void PoseRowInputs::set_contour(std::span<const int32_t> vertices) {
     words_[places_.contour_vertices + i] = std::bit_cast<float>(vertices[i * vertices.size() / n]);
   set_count(LC_POSE_COUNT_CONTOUR, n);
   words_[places_.counts + LC_POSE_COUNT_CONTOUR_ROOT] =
-      n > 0 ? float(std::sqrt(options_.weights.silhouette * double(vertices.size()) / double(n))) : 0;
+      contour_row_root(options_.weights.silhouette, double(vertices.size()), double(n));
 }
 
 void PoseRowInputs::set_choice(const SeenVertices& seen) {
+  std::ranges::fill(counts_read(), 0.0f);  // nothing is known of what it will choose
   const PoseWeights& weights = options_.weights;
   std::array<double, LC_POSE_CHOICE_NUMBERS> numbers{weights.silhouette, weights.match, weights.shading};
   numbers[LC_POSE_CHOICE_MATCH_AREA] = seen.match_area_px;

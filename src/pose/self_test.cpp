@@ -1,11 +1,14 @@
 // Known-answer test of the pose stage's kernels: a two-bone actor, its residuals in double on the host, and their
 // central differences as Jacobian.
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
 #include "base/text.h"
 #include "geometry/reference.h"
+#include "match/layout.h"
 #include "pose/pose_solver.h"
+#include "shared/seen_weight.h"
 
 namespace livecap {
 namespace {
@@ -119,6 +122,40 @@ Eigen::VectorXd step_between(const PoseState& from, const PoseState& to) {
   return step;
 }
 
+// Rows of what the device chose of pictures' vertices against those of what the host chose of the same.
+ocl::SelfTestResult check_choice(ocl::DeviceContext& device, PoseSystem& system, const KeypointTargets& targets,
+                                 const DeviceFrame& frame, const PoseState& state) {
+  constexpr float kMatchArea = 25, kLimbArea = 400;
+  SeenVertices seen;
+  const ocl::Buffer<int32_t> contour(device, {1, 0, 1, 0, 1}), skin_vertices(device, {1, 4}), limbs(device, {0, 3});
+  std::vector<float> matches(5 * LC_MATCH, 0.0f), skin(2 * LC_SKIN, 0.0f);
+  std::vector<VertexMatch> found;
+  std::vector<ShadedVertex> shaded;
+  for (const int i : {1, 3}) {
+    float* m = &matches[size_t(LC_MATCH) * i];
+    for (int k = 0; k < 5; ++k) m[k] = 20 + 3 * k - i;
+    m[LC_MATCH_WEIGHT_PX] = 10 * i;
+    m[LC_MATCH_SEEN_PX] = 40;
+    found.push_back({i, m[0], m[1], m[2], m[3], m[4], seen_weight(m[LC_MATCH_WEIGHT_PX], kMatchArea)});
+  }
+  for (int i = 0; i < 2; ++i) {
+    skin[LC_SKIN * i + LC_SKIN_BRIGHTNESS] = 0.5f + i;
+    skin[LC_SKIN * i + LC_SKIN_PX] = 300 + 200 * i;
+    seen.skin.lights[i] = {true, {0.5f, 0.25f, -1, 0.5f, 0.125f * i}, 0.1};
+    shaded.push_back({i == 0 ? 1 : 4, seen.skin.lights[i].light, in_deviations(0.5f + i, 0.1),
+                      seen_weight(300 + 200 * i, std::max(300 + 200 * i, int(kLimbArea)))});
+  }
+  const ocl::Buffer<float> match_buffer(device, matches), skin_buffer(device, skin);
+  seen = {&contour, &match_buffer, kMatchArea, {&skin_buffer, &skin_vertices, &limbs, kLimbArea, seen.skin.lights}};
+  system.set_frame(targets, &frame, std::vector<int32_t>{0, 2, 4}, nullptr, found, shaded);
+  const std::vector<float> expected = system.residuals(state).rows;
+  system.set_seen_frame(targets, &frame, seen, nullptr);
+  system.read_choice();
+  ocl::SelfTestResult result{"pose/choose.cl pose_choose", system.residuals(state).rows == expected, {}};
+  if (!result.ok) result.detail = "it chooses other vertices than the host, or weighs them otherwise";
+  return result;
+}
+
 }  // namespace
 
 std::vector<ocl::SelfTestResult> pose_self_test(ocl::DeviceContext& device) {
@@ -186,6 +223,7 @@ std::vector<ocl::SelfTestResult> pose_self_test(ocl::DeviceContext& device) {
                 expected_J.bottomRows(J.rows() - n)),
         compare("pose/gram.cl pose_gram", equations.JtJ, expected_J.transpose() * expected_J)})
     results.push_back(result);
+  if (system.chooses()) results.push_back(check_choice(device, system, targets, frame, state));
   return results;
 }
 

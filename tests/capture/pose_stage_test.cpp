@@ -3,7 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
+#include "cloth/hanging_cloth.h"
 #include "support/builtin_actor.h"
+#include "support/gpu_bodies.h"
 #include "support/pose_scene.h"
 #include "support/test_device.h"
 
@@ -36,6 +41,111 @@ TEST(PoseStage, HangingClothIsNotFastenedToTheLegs) {
     };
     EXPECT_EQ(drawn, drawn_with(hanging_weights(actor, options.hanging)));
     EXPECT_NE(drawn, drawn_with(actor.skin));
+  });
+}
+
+// The built-in skirt in front of grey, in the colours of its vertices: what the camera and a perfect network see.
+struct Seen {
+  const Actor& actor = test::builtin_actor("skirt");
+  Camera camera = test::portrait_camera();
+  DepthRasterizer rasterizer;
+  SurfaceVisibility visibility;
+  DeviceFrame frame;
+
+  explicit Seen(ocl::DeviceContext& device)
+      : rasterizer(device, actor.mesh, camera.width, camera.height),
+        visibility(device, actor.mesh, {}),
+        frame(device, camera.width, camera.height) {}
+
+  // Through a stage whose picture it becomes.
+  Silhouette take_picture(PoseStage& stage, const Pose& pose) {
+    stage.render(pose);
+    const std::vector<int32_t> ids = rasterizer.triangle_ids().read_all();
+    ImageRgb picture{camera.width, camera.height, std::vector<uint8_t>(3 * ids.size(), 128)};
+    for (size_t at = 0; at < ids.size(); ++at)
+      for (int k = 0; ids[at] >= 0 && k < 3; ++k) {
+        const auto color = [&](int corner) { return actor.colors[3 * actor.mesh.triangles[3 * ids[at] + corner] + k]; };
+        picture.pixels[3 * at + k] = uint8_t(255 * (color(0) + color(1) + color(2)) / 3);
+      }
+    Silhouette silhouette = make_silhouette(rasterizer.read_mask());
+    frame.upload(silhouette, picture);
+    return silhouette;
+  }
+};
+
+Pose turned(const Actor& actor, int frame) {
+  Pose pose = test::standing_pose(actor, 0.3 + 0.03 * frame);
+  for (int k = 0; k < actor.skeleton.n_dofs(); ++k)
+    if (actor.skeleton.dofs[k].name == "left_hip_x") pose.angles_rad[k] = -0.1 * frame;
+  return pose;
+}
+
+// Poses and energies of some frames, each tracked from the truth of the one before.
+std::vector<PoseResult> track(ocl::DeviceContext& device, int n_frames) {
+  Seen seen(device);
+  TrackerOptions options;
+  options.shading.light.least_frames = 0.5;
+  PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
+  std::vector<PoseResult> results;
+  for (int frame = 1; frame <= n_frames; ++frame) {
+    const Pose before = turned(seen.actor, frame - 1), truth = turned(seen.actor, frame);
+    const Silhouette silhouette = seen.take_picture(stage, truth);
+    const Detections detections = test::exact_detections(seen.actor, seen.camera, truth, 0.97);
+    const PoseStageInput input{detections, silhouette, seen.frame};
+    stage.set_picture(input);
+    results.push_back(stage.solve_tracked(input, before, before));
+    EXPECT_EQ(results.back().status, SolveStatus::kOk);
+    stage.learn(&before, results.back().pose, detections);
+  }
+  return results;
+}
+
+// The rounds of a frame come to the same bits whether the device chooses or the host of what it reads.
+TEST(PoseStage, WhatTheDeviceChoosesIsWhatIsRead) {
+  test::on_every_gpu_body([](ocl::DeviceContext& device) {
+    ocl::DeviceInfo info = device.info();
+    info.max_work_group_size = LC_POSE_CHOICE_GROUP / 2;
+    ocl::DeviceContext reads(info);
+    const Actor& actor = test::builtin_actor("skirt");
+    ASSERT_TRUE(PoseSolver(device, actor, test::portrait_camera(), {}).chooses());
+    ASSERT_FALSE(PoseSolver(reads, actor, test::portrait_camera(), {}).chooses());
+    const std::vector<PoseResult> got = track(device, 2), expected = track(reads, 2);
+    EXPECT_GT(expected[0].energy.match, 0);
+    EXPECT_GT(expected[0].energy.silhouette, 0);
+    EXPECT_GT(expected[1].energy.shading, 0) << "the light is known by then";
+    for (int frame = 0; frame < 2; ++frame) {
+      EXPECT_EQ(got[frame].pose.angles_rad, expected[frame].pose.angles_rad);
+      EXPECT_EQ(got[frame].pose.root_translation_mm, expected[frame].pose.root_translation_mm);
+      EXPECT_EQ(got[frame].step_energy, expected[frame].step_energy);
+      EXPECT_EQ(got[frame].n_contour_visible, expected[frame].n_contour_visible);
+      EXPECT_NEAR(got[frame].missed_weight, expected[frame].missed_weight, 1e-4 * expected[frame].missed_weight);
+    }
+  });
+}
+
+// Of vertices that are not matched because they hang.
+int n_hanging_contour(ocl::DeviceContext& device, int refining_rounds) {
+  Seen seen(device);
+  TrackerOptions options;
+  options.refining_rounds = refining_rounds;
+  PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
+  const Pose before = turned(seen.actor, 0), truth = turned(seen.actor, 1);
+  const Silhouette silhouette = seen.take_picture(stage, truth);
+  const Detections detections = test::exact_detections(seen.actor, seen.camera, truth);
+  const PoseStageInput input{detections, silhouette, seen.frame};
+  stage.set_picture(input);
+  EXPECT_EQ(stage.solve_tracked(input, before, before).status, SolveStatus::kOk);
+  const std::vector<float> legs = leg_weights(seen.actor);
+  const std::vector<int32_t> contour = seen.visibility.read_contour();
+  return std::count_if(contour.begin(), contour.end(), [&](int32_t i) {
+    return seen.actor.rigidity[i] < options.min_matched_rigidity && legs[i] >= options.max_matched_leg_weight;
+  });
+}
+
+TEST(PoseStage, HangingClothIsNoContourInTheLastRounds) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    EXPECT_EQ(n_hanging_contour(device, TrackerOptions{}.refining_rounds), 0);
+    EXPECT_GT(n_hanging_contour(device, 0), 0);
   });
 }
 

@@ -8,6 +8,7 @@
 
 #include "cloth/hanging_cloth.h"
 #include "support/builtin_actor.h"
+#include "support/gpu_bodies.h"
 #include "support/pose_scene.h"
 #include "support/test_device.h"
 #include "support/tolerances.h"
@@ -89,6 +90,21 @@ TEST(SurfaceStage, ASkirtSwingsByTheFramesTimes) {
     EXPECT_EQ(behind_after(1e-6), behind_after(1 / 240.0)) << "time stamps of bunched frames hardly differ";
     EXPECT_LT(behind_after(1), kAsideMm / 8) << "after a gap it begins at rest";
   });
+}
+
+// There a CPU's work-groups of GPU kernels do not wait for each other: what the picture would tell too late.
+TEST(SurfaceStage, WithoutPictureClothIsWholeWhereGroupsDoNotWait) {
+  const auto places = [](int units) {
+    std::vector<std::vector<float>> frames;
+    test::on_every_gpu_body(
+        [&](ocl::DeviceContext& device) {
+          Scene scene(device, true);
+          for (int frame = 0; frame < 3; ++frame) frames.push_back(scene.at(frame * kAsideMm, frame * kFrame));
+        },
+        units);
+    return frames;
+  };
+  EXPECT_EQ(places(3), places(1));
 }
 
 }  // namespace

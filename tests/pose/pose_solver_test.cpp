@@ -458,7 +458,7 @@ TEST(PoseSolver, SelfTestPassesOnEveryDevice) {
   test::on_every_device_and_body(
       [](ocl::DeviceContext& device) {
         const auto results = pose_self_test(device);
-        EXPECT_EQ(results.size(), device.is_cpu() || !device.info().has_double ? 7u : 8u);
+        EXPECT_EQ(results.size(), device.is_cpu() || !device.info().has_double ? 7u : 9u);
         for (const auto& result : results) EXPECT_TRUE(result.ok) << result.kernel << ": " << result.detail;
       },
       test::Doubles::kAlsoWithout);

@@ -4,6 +4,38 @@
 #define LC_SURFACE_PCG_ROWS_H
 #include "surface/system.h"
 
+// Symmetric, of 6 planes.
+typedef struct {
+  REAL xx, xy, xz, yy, yz, zz;
+} Block;
+
+static inline Block load_block(global const float* planes, int row, int stride) {
+  const Block block = {LOAD(planes, row),
+                       LOAD(planes, row + stride),
+                       LOAD(planes, row + 2 * stride),
+                       LOAD(planes, row + 3 * stride),
+                       LOAD(planes, row + 4 * stride),
+                       LOAD(planes, row + 5 * stride)};
+  return block;
+}
+
+static inline Vec3 times_block(Block a, Vec3 v) {
+  const REAL x = a.xx * v.x + a.xy * v.y + a.xz * v.z;
+  const REAL y = a.xy * v.x + a.yy * v.y + a.yz * v.z;
+  const REAL z = a.xz * v.x + a.yz * v.y + a.zz * v.z;
+  return vec3(x, y, z);
+}
+
+// q without what a link draws from p of the vertex at its other end. k: w_smooth times the link's weight; e: its edge,
+// see regularizer_system.cl.
+static inline Vec3 without_link(Vec3 q, REAL k, Vec3 e, Vec3 p) {
+  const REAL along = e.x * p.x + e.y * p.y + e.z * p.z;
+  q.x -= k * p.x + e.x * along;
+  q.y -= k * p.y + e.y * along;
+  q.z -= k * p.z + e.z * along;
+  return q;
+}
+
 // q = A p; returns p . q. blocks: 6 planes; edges: see regularizer_system.cl.
 static inline REAL apply_row(int row, int stride, float w_smooth, global const int* slice_offsets,
                              global const int* neighbors, global const float* edge_weights, global const float* edges,
@@ -11,11 +43,8 @@ static inline REAL apply_row(int row, int stride, float w_smooth, global const i
   global const float* px = p;
   global const float* py = p + stride;
   global const float* pz = p + 2 * stride;
-  REAL x = LOAD(px, row), y = LOAD(py, row), z = LOAD(pz, row);
-  REAL xy = LOAD(blocks, row + stride), xz = LOAD(blocks, row + 2 * stride), yz = LOAD(blocks, row + 4 * stride);
-  REAL qx = LOAD(blocks, row) * x + xy * y + xz * z;
-  REAL qy = xy * x + LOAD(blocks, row + 3 * stride) * y + yz * z;
-  REAL qz = xz * x + yz * y + LOAD(blocks, row + 5 * stride) * z;
+  const Vec3 own = vec3(LOAD(px, row), LOAD(py, row), LOAD(pz, row));
+  Vec3 moved = times_block(load_block(blocks, row, stride), own);
   int begin = slice_offsets[row / SLICE];
   int end = slice_offsets[row / SLICE + 1];
   for (int base = begin; base < end; base += SLICE) {
@@ -23,17 +52,13 @@ static inline REAL apply_row(int row, int stride, float w_smooth, global const i
     int e = 3 * base + row % SLICE;
     LaneInt j = LOAD(neighbors, at);
     REAL k = w_smooth * LOAD(edge_weights, at);
-    REAL jx = gather(px, j), jy = gather(py, j), jz = gather(pz, j);
-    REAL ex = LOAD(edges, e), ey = LOAD(edges, e + SLICE), ez = LOAD(edges, e + 2 * SLICE);
-    REAL along = ex * jx + ey * jy + ez * jz;
-    qx -= k * jx + ex * along;
-    qy -= k * jy + ey * along;
-    qz -= k * jz + ez * along;
+    const Vec3 edge = vec3(LOAD(edges, e), LOAD(edges, e + SLICE), LOAD(edges, e + 2 * SLICE));
+    moved = without_link(moved, k, edge, vec3(gather(px, j), gather(py, j), gather(pz, j)));
   }
-  STORE(qx, q, row);
-  STORE(qy, q, row + stride);
-  STORE(qz, q, row + 2 * stride);
-  REAL product = x * qx + y * qy + z * qz;
+  STORE(moved.x, q, row);
+  STORE(moved.y, q, row + stride);
+  STORE(moved.z, q, row + 2 * stride);
+  REAL product = own.x * moved.x + own.y * moved.y + own.z * moved.z;
   return product;
 }
 
@@ -49,14 +74,11 @@ static inline REAL advance_row(int row, int stride, float alpha, global const fl
     rv[a] = LOAD(r, at) - alpha * LOAD(q, at);
     STORE(rv[a], r, at);
   }
-  REAL xy = LOAD(inverse, row + stride), xz = LOAD(inverse, row + 2 * stride), yz = LOAD(inverse, row + 4 * stride);
-  REAL zx = LOAD(inverse, row) * rv[0] + xy * rv[1] + xz * rv[2];
-  REAL zy = xy * rv[0] + LOAD(inverse, row + 3 * stride) * rv[1] + yz * rv[2];
-  REAL zz = xz * rv[0] + yz * rv[1] + LOAD(inverse, row + 5 * stride) * rv[2];
-  STORE(zx, z, row);
-  STORE(zy, z, row + stride);
-  STORE(zz, z, row + 2 * stride);
-  REAL product = rv[0] * zx + rv[1] * zy + rv[2] * zz;
+  const Vec3 made = times_block(load_block(inverse, row, stride), vec3(rv[0], rv[1], rv[2]));
+  STORE(made.x, z, row);
+  STORE(made.y, z, row + stride);
+  STORE(made.z, z, row + 2 * stride);
+  REAL product = rv[0] * made.x + rv[1] * made.y + rv[2] * made.z;
   return product;
 }
 

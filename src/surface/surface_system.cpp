@@ -86,7 +86,7 @@ SurfaceSystem::SurfaceSystem(ocl::DeviceContext& device, const Actor& actor, con
   inverse_ = planes(6);
   residual_ = planes(3);
   preconditioned_ = planes(3);
-  direction_ = planes(3);
+  direction_ = planes(device.is_cpu() ? 3 : 6);
   image_of_direction_ = planes(3);
   step_ = planes(3);
   edges_ = ocl::Buffer<float>(device, 3 * size_t(domain_->graph.n_entries));
@@ -187,7 +187,7 @@ void SurfaceSystem::linearize(const SurfaceInput& input, int gaussian_kernel) {
 
 // On GPUs, see pcg_phases.cl.
 void SurfaceSystem::launch_phases(int first, int end) {
-  const size_t n_parts = (2 * size_t(end) / 3 + 3) * groups_.n();
+  const size_t n_parts = (size_t(end) + 2) * groups_.n();
   if (parts_.size() < n_parts) parts_ = ocl::Buffer<float>(*device_, n_parts);
   const int at_once = groups_.work() ? end - first : 1;
   for (int phase = first; phase < end; phase += at_once) {
@@ -201,7 +201,7 @@ void SurfaceSystem::launch_phases(int first, int end) {
 
 void SurfaceSystem::apply() {
   if (!device_->is_cpu()) {
-    launch_phases(1, 2);
+    launch_phases(0, 1);
     return;
   }
   apply_.launch(domain_->lane_items, domain_->lane_local, domain_->graph.n_rows, domain_->graph.stride,
@@ -211,7 +211,7 @@ void SurfaceSystem::apply() {
 
 void SurfaceSystem::iterate_pcg(int iterations) {
   if (!device_->is_cpu()) {
-    launch_phases(0, 3 * iterations);
+    launch_phases(0, 2 * iterations);
     first_ = false;
     return;
   }
@@ -297,7 +297,7 @@ std::vector<float> SurfaceSystem::diagonal_blocks() const {
 }
 
 std::vector<float> SurfaceSystem::product(const std::vector<float>& direction) {
-  direction_.write(domain_->graph.planes(direction, 3));
+  (device_->is_cpu() ? direction_ : preconditioned_).write(domain_->graph.planes(direction, 3));
   apply();
   return from_planes(image_of_direction_, 3);
 }

@@ -40,6 +40,7 @@ void run_sequential(const PipelineStages& stages) {
     WorkItem item;
     if (!stages.read(item)) break;
     stages.detect(item);
+    stages.gate(item);
     stages.segment(item);
     std::optional<WorkItem> solved = stages.solve(std::move(item));
     if (!solved) continue;
@@ -53,10 +54,11 @@ void run_sequential(const PipelineStages& stages) {
 }
 
 void run_pipelined(const PipelineStages& stages, bool newest_wins) {
-  Channel<WorkItem> to_detect, to_segment, to_solve, to_surface, to_publish;
+  Channel<WorkItem> to_detect, to_gate, to_segment, to_solve, to_surface, to_publish;
   FirstError error;
   auto abort_all = [&] {
     to_detect.abort();
+    to_gate.abort();
     to_segment.abort();
     to_solve.abort();
     to_surface.abort();
@@ -95,7 +97,8 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins) {
       to.close();
     });
   };
-  std::thread detector = between(stages.detect, to_detect, to_segment);
+  std::thread detector = between(stages.detect, to_detect, to_gate);
+  std::thread gater = between(stages.gate, to_gate, to_segment);
   std::thread segmenter = between(stages.segment, to_segment, to_solve);
   std::thread solver = guarded([&] {
     while (auto item = to_solve.pop()) {
@@ -120,6 +123,7 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins) {
   abort_all();
   reader.join();
   detector.join();
+  gater.join();
   segmenter.join();
   solver.join();
   surface.join();

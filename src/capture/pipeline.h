@@ -1,7 +1,8 @@
-// The pipeline of the paper ("Pipelined Implementation"): read | network | segmentation | pose | surface, with
+// The pipeline of the paper ("Pipelined Implementation"): read | network | segmentation in two halves | pose |
+// surface, with
 // publishing on the caller's thread. The paper has both solvers in one thread; poses do not wait for surfaces. The
 // paper subtracts the background in the reading thread; here the network's mask gates it, so it follows the network, in
-// a thread of its own: beside the network it would lengthen the longest thread of a CPU machine, beside the solvers
+// threads of its own: beside the network it would lengthen the longest thread of a CPU machine, beside the solvers
 // that of a GPU machine. Hand-over of depth one.
 #pragma once
 
@@ -17,12 +18,13 @@ namespace livecap {
 struct PipelineStages {
   std::function<bool(WorkItem&)> read;     // thread 1; false at the end of the input
   std::function<void(WorkItem&)> detect;   // thread 2, network context
-  std::function<void(WorkItem&)> segment;  // thread 3
-  // Thread 4, solver context: the pose. May keep items until others come; flush gives one of those that are left, or
+  std::function<void(WorkItem&)> gate;     // thread 3: where in the picture the person is looked for
+  std::function<void(WorkItem&)> segment;  // thread 4
+  // Thread 5, solver context: the pose. May keep items until others come; flush gives one of those that are left, or
   // none.
   std::function<std::optional<WorkItem>(WorkItem&&)> solve;
   std::function<std::optional<WorkItem>()> flush;
-  std::function<void(WorkItem&)> surface;  // thread 5, solver's device
+  std::function<void(WorkItem&)> surface;  // thread 6, solver's device
   std::function<bool(WorkItem&)> publish;  // caller's thread, in input order; false to stop early
 };
 

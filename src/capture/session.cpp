@@ -31,11 +31,11 @@ namespace livecap {
 namespace {
 
 constexpr std::string_view kBuiltin = "builtin:";
-// Frames between the beginning of the network and the end of the solvers: one in the network, in segmentation, in the
-// pose solver and in the surface solver, one handed over to each but the first, and those that wait for later poses, as
-// many as there are passes.
+// Frames between the beginning of the network and the end of the solvers: one in the network, in either half of the
+// segmentation, in the pose solver and in the surface solver, one handed over to each but the first, and those that
+// wait for later poses, as many as there are passes.
 constexpr int kLagPasses = 2;
-constexpr int kFramesUnderWay = 7 + kLagPasses;
+constexpr int kFramesUnderWay = 9 + kLagPasses;
 // Weight of either neighbour in a pose that the surface is fitted to, and in the paper's filter of finished videos. Of
 // noise that differs from frame to frame two passes with 0.3 leave hardly more acceleration than with any other share.
 constexpr double kLagShare = 0.3;
@@ -103,16 +103,18 @@ class DetectionSource {
   size_t next_ = 0;
 };
 
-// Thread 3: which pixels are the person. In the first frames without one, in case that the network has just missed the
-// person: which are not the background. gated: the network's mask takes part; without an empty plate it always does.
+// Threads 3 and 4: which pixels are the person. In the first frames without one, in case that the network has just
+// missed the person: which are not the background. gated: the network's mask takes part; without an empty plate it
+// always does.
 class Segmenter {
  public:
-  // device: the solver's, with a queue of its own.
-  Segmenter(ocl::DeviceContext& device, const BackgroundModel& background, const Camera& camera, bool gated)
+  // device, gate_device: the solver's, each with a queue of its own.
+  Segmenter(ocl::DeviceContext& device, ocl::DeviceContext& gate_device, const BackgroundModel& background,
+            const Camera& camera, bool gated)
       : device_(device),
-        foreground_(device, background, camera.width, camera.height),
+        foreground_(device, gate_device, background, camera.width, camera.height),
         distance_(device, camera.width, camera.height),
-        frames_(device, camera.width, camera.height, kFramesUnderWay),
+        frames_(device, gate_device, camera.width, camera.height, kFramesUnderWay),
         gated_(gated || !background.trained()) {
     foreground_.prepare_crop_masks(detect::BlazePose::kCropSize);
   }
@@ -120,30 +122,43 @@ class Segmenter {
   // For the picture, before the frame is segmented. May be called by another thread.
   std::shared_ptr<DeviceFrame> take_frame() { return frames_.take(); }
 
-  void segment(WorkItem& item) {
+  // Of this and earlier frames.
+  void find_gate(WorkItem& item) {
     Timer timer;
     const bool person = item.detections.person;
     missed_frames_ = person ? 0 : missed_frames_ + 1;
     if (person || (foreground_.has_background() && missed_frames_ <= kMaxMissedFrames)) {
       if (!item.frame) item.frame = frames_.take();
-      const PersonMask& network_mask = gated_ ? item.detections.mask : no_mask_;
-      const ForegroundResult found =
-          gated_ && item.detections.crop_mask
-              ? foreground_.segment(item.image, *item.detections.crop_mask, *item.frame, item.mask)
-              : foreground_.segment(item.image, network_mask, *item.frame, item.mask);
-      item.silhouette.width = item.mask.width;
-      item.silhouette.height = item.mask.height;
-      item.silhouette.area_px = found.area_px;
-      item.silhouette.box = found.box;
-      if (found.area_px > 0) distance_.compute(item.frame->mask, found.box, found.area_px, item.frame->signed_distance);
-      device_.finish();
+      item.gate = foreground_.find_gate(item.image, network_mask(item), crop_mask(item), *item.frame);
     } else {
       item.frame.reset();
     }
     item.report.stage_ms[static_cast<int>(CaptureStage::kSegment)] = timer.elapsed_ms();
   }
 
+  // May run beside find_gate() of later frames.
+  void segment(WorkItem& item) {
+    Timer timer;
+    if (item.frame) {
+      const ForegroundResult found =
+          foreground_.segment(item.gate, network_mask(item), crop_mask(item) != nullptr, *item.frame, item.mask);
+      item.silhouette.width = item.mask.width;
+      item.silhouette.height = item.mask.height;
+      item.silhouette.area_px = found.area_px;
+      item.silhouette.box = found.box;
+      if (found.area_px > 0) distance_.compute(item.frame->mask, found.box, found.area_px, item.frame->signed_distance);
+      device_.finish();
+    }
+    item.report.stage_ms[static_cast<int>(CaptureStage::kSegment)] += timer.elapsed_ms();
+  }
+
  private:
+  // The network's, where it takes part: of the picture, or of the crop.
+  const PersonMask& network_mask(const WorkItem& item) const { return gated_ ? item.detections.mask : no_mask_; }
+  const CropMask* crop_mask(const WorkItem& item) const {
+    return gated_ && item.detections.crop_mask ? &*item.detections.crop_mask : nullptr;
+  }
+
   ocl::DeviceContext& device_;
   ForegroundSegmenter foreground_;
   DeviceDistanceField distance_;
@@ -153,7 +168,7 @@ class Segmenter {
   int64_t missed_frames_ = std::numeric_limits<int32_t>::max();  // nobody yet
 };
 
-// Threads 4 and 5: both stages. Between them each pose waits for the next two, so that the surface is fitted to a
+// Threads 5 and 6: both stages. Between them each pose waits for the next two, so that the surface is fitted to a
 // steady one.
 class Solver {
  public:
@@ -230,6 +245,7 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   ocl::DeviceContext segmenter_device(
       solver_device, ocl::SharedMemory{},
       "solvers' device, segmentation");  // outlives the solver, which holds frames of it
+  ocl::DeviceContext gate_device(solver_device, ocl::SharedMemory{}, "solvers' device, gate");
   // On one GPU in one context: a GPU that changes between contexts lets each wait for hundreds of microseconds.
   const bool one_gpu = devices.cnn.is_gpu && devices.cnn.device == devices.solver.device;
   std::optional<ocl::DeviceContext> cnn;
@@ -245,7 +261,7 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
     detection->warm_up(reader.camera());
   });
   Solver solver(options, solver_device, surface_device, actor, reader.camera(), with(kFixedLag) ? kLagShare : 0);
-  Segmenter segmenter(segmenter_device, background, reader.camera(), with(kMaskGating));
+  Segmenter segmenter(segmenter_device, gate_device, background, reader.camera(), with(kMaskGating));
   network_ready.get();
 
   PipelineStages stages;
@@ -266,6 +282,10 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
                                         item.frame ? &item.frame->rgb : nullptr);
     item.report.score = item.detections.score;
     item.report.stage_ms[static_cast<int>(CaptureStage::kNetwork)] = timer.elapsed_ms();
+  };
+  stages.gate = [&](WorkItem& item) {
+    const TraceSpan span("gate", "gate", item.report.index);
+    if (item.report.status != TrackStatus::kDamaged) segmenter.find_gate(item);
   };
   stages.segment = [&](WorkItem& item) {
     const TraceSpan span("segment", "segment", item.report.index);

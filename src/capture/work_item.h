@@ -8,6 +8,7 @@
 #include "base/timer.h"
 #include "capture/tracker.h"
 #include "image/device_frame.h"
+#include "image/foreground.h"
 #include "image/silhouette.h"
 #include "livecap/capture.h"
 #include "livecap/detections.h"
@@ -19,6 +20,7 @@ struct WorkItem {
   std::vector<FrameReport> dropped_before;  // live pacing: older frames this one replaced
   ImageRgb image;                           // undistorted
   Detections detections;
+  ForegroundGate gate;                 // until segmented
   ImageGray mask;                      // the person's pixels; empty when the network sees nobody
   Silhouette silhouette;               // no distances: these are in `frame`
   std::shared_ptr<DeviceFrame> frame;  // on the solver's device; until solved

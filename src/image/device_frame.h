@@ -14,14 +14,18 @@ struct DeviceFrame {
   int height = 0;
   ocl::Buffer<float> signed_distance;  // [width*height] px, see image/silhouette.h
   ocl::Buffer<uint8_t> rgb;            // [3*width*height] undistorted
+  ocl::Buffer<uint8_t> network_mask;   // [width*height] the network's probabilities, for the segmentation
   ocl::Buffer<uint8_t> mask;           // [width*height] 255 = person
   bool has_picture = false;            // rgb was written, as soon as the network had a look at the picture
 
-  DeviceFrame(ocl::DeviceContext& device, int width, int height)
+  DeviceFrame(ocl::DeviceContext& device, int width, int height) : DeviceFrame(device, device, width, height) {}
+  // picture_device: the same with a queue of its own, through which picture and network's mask come.
+  DeviceFrame(ocl::DeviceContext& device, ocl::DeviceContext& picture_device, int width, int height)
       : width(width),
         height(height),
         signed_distance(device, size_t(width) * height),
-        rgb(device, size_t(3) * width * height),
+        rgb(picture_device, size_t(3) * width * height),
+        network_mask(picture_device, size_t(width) * height),
         mask(device, size_t(width) * height) {}
 
   // Blocking upload of all but the mask. Sizes must match.

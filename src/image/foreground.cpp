@@ -57,9 +57,11 @@ void ForegroundOptions::validate() const {
   if (!(smooth_px >= 0 && smooth_px <= kMaxSmoothPx)) throw ConfigError("foreground: smooth_px must be in 0..10");
 }
 
-ForegroundSegmenter::ForegroundSegmenter(ocl::DeviceContext& device, const BackgroundModel& background, int width,
-                                         int height, const ForegroundOptions& options)
+ForegroundSegmenter::ForegroundSegmenter(ocl::DeviceContext& device, ocl::DeviceContext& gate_device,
+                                         const BackgroundModel& background, int width, int height,
+                                         const ForegroundOptions& options)
     : device_(device),
+      gate_device_(gate_device),
       background_(background),
       options_(options),
       has_background_(background.trained()),
@@ -72,7 +74,7 @@ ForegroundSegmenter::ForegroundSegmenter(ocl::DeviceContext& device, const Backg
   if (has_background_ && (background.width() != width || background.height() != height))
     throw ConfigError(
         format("background plate is %dx%d, the video %dx%d", background.width(), background.height(), width, height));
-  const size_t n = size_t(width) * height, n_cells = size_t(coarse_width_) * coarse_height_;
+  const size_t n_cells = size_t(coarse_width_) * coarse_height_;
   stride_ = groups_of(width) * kLanes + 2 * kPad;
   const size_t padded = size_t(stride_) * (height + 2 * kPad);
   const std::vector<uint16_t> weights =
@@ -87,23 +89,22 @@ ForegroundSegmenter::ForegroundSegmenter(ocl::DeviceContext& device, const Backg
   n_layers_ = static_cast<int>(background.layers().size());
   layers_ = ocl::Buffer<float>(device, planes);
   edge_variance_ = ocl::Buffer<float>(device, background.edge_variance());
-  network_ = ocl::Buffer<uint8_t>(device, n);
-  for (auto* cells : {&coarse_, &gate_, &core_}) *cells = ocl::Buffer<uint8_t>(device, n_cells);
+  coarse_ = ocl::Buffer<uint8_t>(gate_device, n_cells);
+  for (auto* cells : {&gate_, &core_}) *cells = ocl::Buffer<uint8_t>(device, n_cells);
   const std::vector<uint8_t> zeros(padded, 0);
   for (auto* plane : {&score_, &contrast_, &beyond_, &decided_}) *plane = ocl::Buffer<uint8_t>(device, zeros);
   smoothed_ = ocl::Buffer<uint16_t>(device, padded);
   smoothed_.fill(0);
   n_beyond_ = ocl::Buffer<int32_t>(device, 1);
-  crop_steps_ = ocl::Buffer<int32_t>(device, size_t(2) * (width + height));
-  lay_mask_ = ocl::Kernel(device, "image/lay_mask.cl", "lay_mask");
-  coarse_means_ = ocl::Kernel(device, kFile, "coarse_means");
+  crop_steps_ = ocl::Buffer<int32_t>(gate_device, size_t(2) * (width + height));
+  lay_mask_ = ocl::Kernel(gate_device, "image/lay_mask.cl", "lay_mask");
+  coarse_means_ = ocl::Kernel(gate_device, kFile, "coarse_means");
   foreground_score_ = ocl::Kernel(device, kFile, "foreground_score");
   network_score_ = ocl::Kernel(device, kFile, "network_score");
   score_border_ = ocl::Kernel(device, kFile, "score_border");
   smooth_rows_ = ocl::Kernel(device, kFile, "smooth_rows");
   decide_ = ocl::Kernel(device, kFile, "decide");
   trim_border_ = ocl::Kernel(device, kFile, "trim_border");
-  coarse_mask_ = {coarse_width_, coarse_height_, std::vector<uint8_t>(n_cells)};
 }
 
 void ForegroundSegmenter::require_sizes(const ImageRgb& image, const PersonMask& network_mask,
@@ -120,15 +121,15 @@ void ForegroundSegmenter::require_sizes(const ImageRgb& image, const PersonMask&
 
 void ForegroundSegmenter::prepare_crop_masks(int size) {
   const size_t n = size_t(size) * size;
-  if (crop_mask_.size() != n) crop_mask_ = ocl::Buffer<uint8_t>(device_, n);
+  if (crop_mask_.size() != n) crop_mask_ = ocl::Buffer<uint8_t>(gate_device_, n);
 }
 
-// Into network_.
-void ForegroundSegmenter::lay_on_device(const CropMask& crop_mask) {
+// Into frame.network_mask.
+void ForegroundSegmenter::lay_on_device(const CropMask& crop_mask, DeviceFrame& frame) {
   const int size = crop_mask.probability.width;
   const PixelBox& box = crop_mask.box;
   if (box.empty() || size == 0) {
-    network_.fill(0);
+    frame.network_mask.fill(0);
     return;
   }
   if (box.x0 < 0 || box.y0 < 0 || box.x1 > width_ || box.y1 > height_ || crop_mask.probability.height != size)
@@ -142,28 +143,52 @@ void ForegroundSegmenter::lay_on_device(const CropMask& crop_mask) {
   struct MaskArg {  // of the kernel
     int32_t width, height, x0, y0, x1, y1, size;
   };
-  const size_t items = device_.is_cpu() ? groups_of(width_) : width_;
+  const size_t items = gate_device_.is_cpu() ? groups_of(width_) : width_;
   const size_t columns = (items + kLocal - 1) / kLocal * kLocal;
   lay_mask_.launch(ocl::Range{columns, static_cast<size_t>(height_), kLocal, 1},
-                   MaskArg{width_, height_, box.x0, box.y0, box.x1, box.y1, size}, crop_mask_, crop_steps_, network_);
+                   MaskArg{width_, height_, box.x0, box.y0, box.x1, box.y1, size}, crop_mask_, crop_steps_,
+                   frame.network_mask);
 }
 
-// Of network_.
-PersonGate ForegroundSegmenter::find_gate() {
+// Of frame.network_mask.
+void ForegroundSegmenter::find_person(const DeviceFrame& frame, ForegroundGate& gate) {
   const int n_groups = groups_of(width_);
+  gate.coarse_mask = {coarse_width_, coarse_height_, std::vector<uint8_t>(coarse_.size())};
   coarse_means_.launch(ocl::Range{groups_of(n_groups) * kLocal, static_cast<size_t>(coarse_height_), kLocal, 1},
-                       n_groups, width_, height_, coarse_width_, coarse_height_, network_, coarse_);
-  coarse_.read(coarse_mask_.pixels);
-  PersonGate gate = find_person_gate(coarse_mask_, width_, height_, options_);
-  if (gate.search.empty()) return gate;
-  gate_.hand_over(gate.gate.pixels);
-  core_.hand_over(gate.core.pixels);
+                       n_groups, width_, height_, coarse_width_, coarse_height_, frame.network_mask, coarse_);
+  coarse_.read(gate.coarse_mask.pixels);
+  gate.person = find_person_gate(gate.coarse_mask, width_, height_, options_);
+}
+
+ForegroundGate ForegroundSegmenter::find_gate(const ImageRgb& image, const PersonMask& network_mask,
+                                              const CropMask* crop_mask, DeviceFrame& frame) {
+  require_sizes(image, network_mask, frame);
+  ForegroundGate gate;
+  gate.has_network = crop_mask || !network_mask.empty();
+  if (!frame.has_picture) frame.rgb.hand_over(image.pixels);
+  if (gate.has_network) {
+    if (crop_mask) {
+      lay_on_device(*crop_mask, frame);
+    } else {
+      frame.network_mask.hand_over(network_mask.probability);
+    }
+    find_person(frame, gate);
+  } else {
+    gate_device_.finish();
+    if (has_background_) gate.person.search = {0, 0, width_, height_};
+  }
+  if (has_background_ && !gate.person.search.empty())
+    gate.change = background_.estimate_change(image, gate.person.gate, kGateCell);
   return gate;
 }
 
-// From the picture on the device to the mask on the device, within gate.search.
-void ForegroundSegmenter::decide(const ImageRgb& image, const PersonGate& gate, bool has_network, DeviceFrame& frame) {
-  const PixelBox& box = gate.search;
+// From the picture on the device to the mask on the device, within the gate's search.
+void ForegroundSegmenter::decide(const ForegroundGate& gate, DeviceFrame& frame) {
+  const PixelBox& box = gate.person.search;
+  if (gate.has_network) {
+    gate_.hand_over(gate.person.gate.pixels);
+    core_.hand_over(gate.person.core.pixels);
+  }
   KernelArg arg{};
   arg.width = width_;
   arg.height = height_;
@@ -175,22 +200,21 @@ void ForegroundSegmenter::decide(const ImageRgb& image, const PersonGate& gate, 
   arg.pad = kPad;
   arg.coarse_width = coarse_width_;
   arg.n_layers = n_layers_;
-  arg.has_network = has_network;
+  arg.has_network = gate.has_network;
   const auto range = [&](int rows) {
     return ocl::Range{groups_of(arg.n_groups) * kLocal, static_cast<size_t>(rows), kLocal, 1};
   };
   n_beyond_.fill(0);
   if (has_background_) {
-    const FrameChange change = background_.estimate_change(image, gate.gate, kGateCell);
-    for (int c = 0; c < 3; ++c) arg.inverse_gain[c] = 1 / change.gain[c];
-    arg.least_variance = background_.least_variance(change);
+    for (int c = 0; c < 3; ++c) arg.inverse_gain[c] = 1 / gate.change.gain[c];
+    arg.least_variance = background_.least_variance(gate.change);
     arg.shadow_darkest = background_.options().shadow_darkest;
     arg.at_threshold = 128 / (background_.options().match_sigmas * background_.options().match_sigmas);
     arg.trust = options_.trust;
-    foreground_score_.launch(range(arg.n_rows), arg, frame.rgb, network_, gate_, core_, layers_, edge_variance_, score_,
-                             contrast_, beyond_, n_beyond_);
+    foreground_score_.launch(range(arg.n_rows), arg, frame.rgb, frame.network_mask, gate_, core_, layers_,
+                             edge_variance_, score_, contrast_, beyond_, n_beyond_);
   } else {
-    network_score_.launch(range(arg.n_rows), arg, network_, score_);
+    network_score_.launch(range(arg.n_rows), arg, frame.network_mask, score_);
   }
   score_border_.launch(arg.n_rows + 2 * reach_, kLocal, arg, reach_, score_);
   smooth_rows_.launch(range(arg.n_rows + 2 * reach_), arg, reach_, weights_, score_, smoothed_);
@@ -199,51 +223,37 @@ void ForegroundSegmenter::decide(const ImageRgb& image, const PersonGate& gate, 
                       frame.mask);
 }
 
-ForegroundResult ForegroundSegmenter::segment(const ImageRgb& image, const PersonMask& network_mask,
-                                              const CropMask* crop_mask, DeviceFrame& frame, ImageGray& mask) {
-  require_sizes(image, network_mask, frame);
-  const bool has_network = crop_mask || !network_mask.empty();
+ForegroundResult ForegroundSegmenter::segment(const ForegroundGate& gate, const PersonMask& network_mask,
+                                              bool is_crop_mask, DeviceFrame& frame, ImageGray& mask) {
   mask.width = width_;
   mask.height = height_;
   mask.pixels.assign(size_t(width_) * height_, 0);
-  if (!frame.has_picture) frame.rgb.hand_over(image.pixels);
-  PersonGate gate;
-  if (has_network) {
-    if (crop_mask) {
-      lay_on_device(*crop_mask);
-    } else {
-      network_.hand_over(network_mask.probability);
-    }
-    gate = find_gate();
-  } else if (has_background_) {
-    gate.search = {0, 0, width_, height_};
-  }
-  if (gate.search.empty()) return {};
+  const PixelBox& search_box = gate.person.search;
+  if (search_box.empty()) return {};
   frame.mask.fill(0);
-  decide(image, gate, has_network, frame);
+  decide(gate, frame);
 
-  const PixelBox rows{0, gate.search.y0, width_, gate.search.y1};
+  const PixelBox rows{0, search_box.y0, width_, search_box.y1};
   const size_t begin = size_t(width_) * rows.y0, size = size_t(width_) * rows.height();
   const std::span<uint8_t> decided(mask.pixels.data() + begin, size);
   n_beyond_host_ = 0;
-  if (has_network && has_background_) n_beyond_.read_later({&n_beyond_host_, 1});
+  if (gate.has_network && has_background_) n_beyond_.read_later({&n_beyond_host_, 1});
   frame.mask.read(decided, begin);
-  const bool few = crop_mask ? few_beyond(coarse_mask_, options_.least_stranger, n_beyond_host_) : n_beyond_host_ == 0;
+  const bool few =
+      is_crop_mask ? few_beyond(gate.coarse_mask, options_.least_stranger, n_beyond_host_) : n_beyond_host_ == 0;
   const int32_t n_beyond = few ? 0 : n_beyond_host_;
   if (n_beyond > 0) {
-    if (crop_mask) {
-      laid_ = {width_, height_, std::move(laid_.probability)};
-      laid_.probability.resize(mask.pixels.size());
-      network_.read(laid_.probability);
-    }
-    const StrangerSearch search{crop_mask ? laid_ : network_mask, gate.search, gate.seam_px, options_.least_stranger};
+    PersonMask laid;
+    if (is_crop_mask) laid = {width_, height_, frame.network_mask.read_through(device_)};
+    const StrangerSearch search{is_crop_mask ? laid : network_mask, search_box, gate.person.seam_px,
+                                options_.least_stranger};
     if (may_be_strangers(search, n_beyond)) {
       beyond_rows_.resize(size_t(stride_) * rows.height());
       beyond_.read(beyond_rows_, size_t(stride_) * (rows.y0 + kPad));
       drop_strangers(search, beyond_rows_.data() + kPad, stride_, mask);
     }
   }
-  const ForegroundResult result = clean_mask(gate.search, options_.min_part, options_.max_hole, mask);
+  const ForegroundResult result = clean_mask(search_box, options_.min_part, options_.max_hole, mask);
   frame.mask.hand_over(decided, begin);
   return result;
 }

@@ -36,11 +36,25 @@ struct ForegroundResult {
   PixelBox box;  // around all of it; empty when there is nobody
 };
 
+// Where in a picture somebody may be, and how it differs from the empty one.
+struct ForegroundGate {
+  bool has_network = false;  // the network gave a mask
+  PersonGate person;
+  FrameChange change;
+  ImageGray coarse_mask;  // of the network, in cells of kGateCell px
+};
+
+// In two halves, which may run beside each other for different frames: find_gate() belongs to the thread of
+// gate_device, the other functions to that of device, and so does each half's part of a frame (DeviceFrame).
 class ForegroundSegmenter {
  public:
-  // background: not trained, or of this size (ConfigError); copied to the device.
+  // background: not trained, or of this size (ConfigError); copied to the device. gate_device: the same, perhaps with a
+  // queue of its own.
+  ForegroundSegmenter(ocl::DeviceContext& device, ocl::DeviceContext& gate_device, const BackgroundModel& background,
+                      int width, int height, const ForegroundOptions& options = {});
   ForegroundSegmenter(ocl::DeviceContext& device, const BackgroundModel& background, int width, int height,
-                      const ForegroundOptions& options = {});
+                      const ForegroundOptions& options = {})
+      : ForegroundSegmenter(device, device, background, width, height, options) {}
 
   bool has_background() const { return has_background_; }
 
@@ -57,16 +71,25 @@ class ForegroundSegmenter {
   ForegroundResult segment(const ImageRgb& image, const CropMask& network_mask, DeviceFrame& frame, ImageGray& mask) {
     return segment(image, {}, &network_mask, frame, mask);
   }
+  // The same in two halves. crop_mask: nullptr, or instead of network_mask. The first writes frame.rgb and
+  // frame.network_mask.
+  ForegroundGate find_gate(const ImageRgb& image, const PersonMask& network_mask, const CropMask* crop_mask,
+                           DeviceFrame& frame);
+  ForegroundResult segment(const ForegroundGate& gate, const PersonMask& network_mask, bool is_crop_mask,
+                           DeviceFrame& frame, ImageGray& mask);
 
  private:
   struct KernelArg;
   ocl::DeviceContext& device_;
+  ocl::DeviceContext& gate_device_;
   void require_sizes(const ImageRgb& image, const PersonMask& network_mask, const DeviceFrame& frame) const;
   ForegroundResult segment(const ImageRgb& image, const PersonMask& network_mask, const CropMask* crop_mask,
-                           DeviceFrame& frame, ImageGray& mask);
-  void lay_on_device(const CropMask& crop_mask);
-  PersonGate find_gate();
-  void decide(const ImageRgb& image, const PersonGate& gate, bool has_network, DeviceFrame& frame);
+                           DeviceFrame& frame, ImageGray& mask) {
+    return segment(find_gate(image, network_mask, crop_mask, frame), network_mask, crop_mask != nullptr, frame, mask);
+  }
+  void lay_on_device(const CropMask& crop_mask, DeviceFrame& frame);
+  void find_person(const DeviceFrame& frame, ForegroundGate& gate);
+  void decide(const ForegroundGate& gate, DeviceFrame& frame);
 
   BackgroundModel background_;
   ForegroundOptions options_;
@@ -78,7 +101,7 @@ class ForegroundSegmenter {
   int n_layers_ = 1;
 
   ocl::Buffer<float> layers_, edge_variance_;
-  ocl::Buffer<uint8_t> network_, coarse_, gate_, core_;
+  ocl::Buffer<uint8_t> coarse_, gate_, core_;
   ocl::Buffer<uint8_t> score_, contrast_, beyond_, decided_;  // padded
   ocl::Buffer<uint16_t> smoothed_;                            // padded
   ocl::Buffer<uint16_t> weights_;                             // [reach+1]
@@ -88,9 +111,7 @@ class ForegroundSegmenter {
   ocl::Buffer<int32_t> crop_steps_;
   ocl::Kernel lay_mask_;
   ocl::Kernel coarse_means_, foreground_score_, network_score_, score_border_, smooth_rows_, decide_, trim_border_;
-  ImageGray coarse_mask_;
   std::vector<uint8_t> beyond_rows_;
-  PersonMask laid_;  // network_, when it is looked at on the host
 };
 
 }  // namespace livecap

@@ -11,10 +11,15 @@ namespace livecap {
 
 class FramePool {
  public:
-  // n: frames made at once; more are made when they are needed. device must outlive all frames.
-  FramePool(ocl::DeviceContext& device, int width, int height, int n = 0)
-      : device_(device), width_(width), height_(height), free_(std::make_shared<Free>()) {
-    for (int i = 0; i < n; ++i) free_->frames.push_back(std::make_unique<DeviceFrame>(device, width, height));
+  // n: frames made at once; more are made when they are needed. Both devices must outlive all frames, see DeviceFrame.
+  FramePool(ocl::DeviceContext& device, ocl::DeviceContext& picture_device, int width, int height, int n = 0)
+      : device_(device),
+        picture_device_(picture_device),
+        width_(width),
+        height_(height),
+        free_(std::make_shared<Free>()) {
+    for (int i = 0; i < n; ++i)
+      free_->frames.push_back(std::make_unique<DeviceFrame>(device, picture_device, width, height));
   }
 
   // A frame with anything in it. May be let go by another thread, after the device has finished with it.
@@ -27,7 +32,7 @@ class FramePool {
         free_->frames.pop_back();
       }
     }
-    if (!frame) frame = std::make_unique<DeviceFrame>(device_, width_, height_);
+    if (!frame) frame = std::make_unique<DeviceFrame>(device_, picture_device_, width_, height_);
     frame->has_picture = false;
     return {frame.release(), [free = free_](DeviceFrame* used) {
               std::lock_guard lock(free->mutex);
@@ -41,6 +46,7 @@ class FramePool {
     std::vector<std::unique_ptr<DeviceFrame>> frames;
   };
   ocl::DeviceContext& device_;
+  ocl::DeviceContext& picture_device_;
   int width_, height_;
   std::shared_ptr<Free> free_;
 };

@@ -112,6 +112,19 @@ class Buffer {
     require(values.size() <= count_);
     through.copies()->write(memory_, 0, values.data(), values.size_bytes(), false);
   }
+  // All of it, in the order of another queue to the same memory.
+  std::vector<T> read_through(DeviceContext& through) const {
+    std::vector<T> values(count_);
+    if (values.empty()) return values;
+    const size_t bytes = values.size() * sizeof(T);
+    if (through.copies()) {
+      through.copies()->read(memory_, 0, values.data(), bytes, true);
+    } else {
+      check(clEnqueueReadBuffer(through.queue(), memory_, CL_TRUE, 0, bytes, values.data(), 0, nullptr, nullptr),
+            "clEnqueueReadBuffer");
+    }
+    return values;
+  }
   // Returns at once; the values are there after the next blocking read through the same queue, and must live until
   // then or until the buffer is gone.
   void read_later(std::span<T> values) const { read(values, 0, CL_FALSE); }

@@ -27,6 +27,7 @@ struct Recorder {
       return true;
     };
     s.detect = [](WorkItem& item) { item.detections.frame_index = item.report.index; };
+    s.gate = [](WorkItem& item) { item.gate.has_network = true; };
     s.segment = [](WorkItem& item) { item.silhouette.area_px = static_cast<int>(item.detections.frame_index); };
     s.solve = [](WorkItem&& item) {
       item.report.score = static_cast<double>(item.silhouette.area_px);

@@ -22,7 +22,8 @@ static int all_arrived(volatile global int* state, int arrivals, local int* give
     FENCE_OF_DEVICE();
     atomic_inc(state);
     *given_up = 0;
-    for (int looks = 1; (int)((uint)atomic_or(state, 0) - (uint)arrivals) < 0; ++looks) {  // the count may wrap around
+    // Read and not counted, so that who arrives need not wait for those who look. The count may wrap around.
+    for (int looks = 1; (int)((uint)state[0] - (uint)arrivals) < 0; ++looks) {
       if (looks < MOST_LOOKS && !state[1]) continue;
       atomic_xchg(state + 1, 1);
       *given_up = 1;

@@ -45,18 +45,18 @@ static float sum_plane(global const float* restrict values, int n, local float* 
 #define SUM_PLANE(values, n) sum_plane(values, n, scratch)
 #endif
 
-// The sum kernels run as one work-group (of one work-item on a CPU).
+// The sum kernels run as one work-group (of one work-item on a CPU) for each sum.
 
-// totals[first + k] = sum of plane k of n_planes energies.
-kernel void sum_energies(int n_rows, int stride, int n_planes, int first, global const float* restrict energies,
+// totals [6]: sums of two planes and of the four of `regularizer`.
+kernel void sum_energies(int n_rows, int stride, global const float* restrict photo,
+                         global const float* restrict silhouette, global const float* restrict regularizer,
                          global float* restrict totals) {
 #if !LC_CPU
   local float scratch[256];
 #endif
-  for (int k = 0; k < n_planes; ++k) {
-    float sum = SUM_PLANE(energies + k * stride, n_rows);
-    if (get_local_id(0) == 0) totals[first + k] = sum;
-  }
+  const int k = get_group_id(0);
+  const float sum = SUM_PLANE(k == 0 ? photo : k == 1 ? silhouette : regularizer + (k - 2) * stride, n_rows);
+  if (get_local_id(0) == 0) totals[k] = sum;
 }
 
 #if LC_CPU

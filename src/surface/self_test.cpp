@@ -79,8 +79,15 @@ class Bench {
     const ocl::Buffer<float> packed(device_, vertices_);
     const ocl::Buffer<int32_t> order(device_, graph_.order);
     ocl::Buffer<float> planes(device_, constant({7, 7, 7}));
-    kernel("pack.cl", "pack_planes").launch(rows_, 64, graph_.n, rows_, stride_, order, packed, planes);
-    expect("pack_planes", at(planes, 1, 3), {100, 0, 1000});
+    ocl::Buffer<float> also(device_, constant(Floats(3, -1))), third(device_, constant(Floats(3, -1))),
+        none(device_, 1);
+    kernel("pack.cl", "pack_planes")
+        .launch(ocl::Range{(size_t(rows_) + 63) / 64 * 64, 3, 64, 1}, graph_.n, rows_, stride_, order, packed, packed,
+                packed, packed, planes, also, third, none);
+    Floats found = at(planes, 1, 3);
+    for (const ocl::Buffer<float>* filled : {&also, &third})
+      for (const float x : at(*filled, 1, 3)) found.push_back(x);
+    expect("pack_planes", found, {100, 0, 1000, 100, 0, 1000, 100, 0, 1000});
     ocl::Buffer<float> out(device_, 9);
     ocl::Kernel unpack = kernel("pack.cl", "unpack_planes");
     const ocl::Buffer<float> start(device_, Floats(9, 5.0f));
@@ -199,10 +206,14 @@ class Bench {
     for (int k = 0; k < kCount; ++k) values[k] = float(k % 5);
     const ocl::Buffer<float> products(device_, values);  // sum 320
     ocl::Buffer<float> scalars(device_, Floats{9, 9, 9, 1});
-    ocl::Buffer<float> totals(device_, 4);
+    ocl::Buffer<float> totals(device_, 6);
     totals.fill(0.0f);
-    kernel("pcg.cl", "sum_energies").launch(sum_items_, sum_items_, 80, 80, 2, 1, products, totals);
-    expect("sum_energies", totals.read_all(), {0, 160, 160, 0});
+    Floats energies;
+    for (int k = 0; k < 4 * 80; ++k) energies.push_back(float(k % 5 * (1 + k / 80)));
+    kernel("pcg.cl", "sum_energies")
+        .launch(6 * sum_items_, sum_items_, 80, 80, products, ocl::Buffer<float>(device_, Floats(80, 1)),
+                ocl::Buffer<float>(device_, energies), totals);
+    expect("sum_energies", totals.read_all(), {160, 80, 160, 320, 480, 640});
     if (!device_.is_cpu()) return;
     kernel("pcg.cl", "start_scalars").launch(sum_items_, sum_items_, kCount, 1, products, scalars);
     expect("start_scalars", scalars.read_all(), {320, 0, 0, 0});

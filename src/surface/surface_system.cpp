@@ -147,16 +147,13 @@ void SurfaceSystem::begin(const SurfaceInput& input) {
     require_size(*input.vertex_part, n, "surface: vertex_part");
   }
 
-  const auto pack = [&](const ocl::Buffer<float>& packed, ocl::Buffer<float>& planes) {
-    pack_.launch(domain_->graph.n_rows, row_local_, domain_->graph.n, domain_->graph.n_rows, domain_->graph.stride,
-                 domain_->order, packed, planes);
-  };
-  pack(input.start, v_);
-  pack(input.skinned, skinned_);
+  const size_t n_arrays = input.previous && input.before_previous ? 4 : input.previous ? 3 : 2;
+  pack_.launch(ocl::Range{round_up(domain_->graph.n_rows, row_local_), n_arrays, row_local_, 1}, domain_->graph.n,
+               domain_->graph.n_rows, domain_->graph.stride, domain_->order, input.start, input.skinned,
+               input.previous ? *input.previous : input.start, n_arrays == 4 ? *input.before_previous : input.start, v_,
+               skinned_, previous_, before_);
   w_velocity_ = input.previous ? options_.w_velocity : 0.0f;
   w_acceleration_ = input.previous && input.before_previous ? options_.w_acceleration : 0.0f;
-  if (input.previous) pack(*input.previous, previous_);
-  if (input.before_previous) pack(*input.before_previous, before_);
   first_ = true;
 }
 
@@ -258,13 +255,8 @@ SurfaceEnergies SurfaceSystem::energies() {
 }
 
 void SurfaceSystem::sum_energies() {
-  const auto sums = [&](const ocl::Buffer<float>& planes, int n_planes, int first) {
-    sum_energies_.launch(sum_items_, sum_items_, domain_->graph.n_rows, domain_->graph.stride, n_planes, first, planes,
-                         totals_);
-  };
-  sums(data_energies_[0], 1, 0);
-  sums(data_energies_[1], 1, 1);
-  sums(regularizer_energies_, 4, 2);
+  sum_energies_.launch(totals_.size() * sum_items_, sum_items_, domain_->graph.n_rows, domain_->graph.stride,
+                       data_energies_[0], data_energies_[1], regularizer_energies_, totals_);
 }
 
 SurfaceEnergies SurfaceSystem::summed_energies() const {

@@ -21,23 +21,24 @@ static void store_part(float value, global float* part, local float* scratch) {
   if (id == 0) *part = scratch[0];
 }
 
-// In order; so many are asked for before one is waited for.
-#define AT_ONCE 32
-static float sum_parts(global const float* part) {
-  float sum = 0.0f;
-  const int n = get_num_groups(0);
-  for (int first = 0; first < n; first += AT_ONCE) {
-    float several[AT_ONCE];
-#pragma unroll
-    for (int k = 0; k < AT_ONCE; ++k) several[k] = part[min(first + k, n - 1)];
-#pragma unroll
-    for (int k = 0; k < AT_ONCE; ++k) sum += first + k < n ? several[k] : 0.0f;
+// Sums of two rows of parts, in order. Each is loaded once: a whole group that asks for all of them waits far longer.
+// scratch: [2*GROUP], at most GROUP groups.
+static float2 sums_of_parts(global const float* one, global const float* other, local float* scratch) {
+  const int id = get_local_id(0), n = get_num_groups(0);
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (id < n) {
+    scratch[id] = one[id];
+    scratch[GROUP + id] = other[id];
   }
+  barrier(CLK_LOCAL_MEM_FENCE);
+  float2 sum = 0.0f;
+  for (int k = 0; k < n; ++k) sum += (float2)(scratch[k], scratch[GROUP + k]);
   return sum;
 }
 
-// a / b, and 0 where b is not positive or the result is nothing.
-static float ratio(float a, float b, global float* failed) {
+// of.x / of.y, and 0 where that is not positive or the result is nothing.
+static float ratio(float2 of, global float* failed) {
+  const float a = of.x, b = of.y;
   const float value = b > 0.0f ? a / b : 0.0f;
   if (isfinite(a) && isfinite(b) && isfinite(value)) return value;
   if (get_local_id(0) == 0) *failed = 1.0f;
@@ -111,7 +112,7 @@ kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void pcg_phases(
     global const float* restrict inverse, global const float* restrict products, global float* p, global float* q,
     global float* step, global float* r, global float* z, global float* parts, global float* scalars,
     volatile global int* state) {
-  local float scratch[GROUP];
+  local float scratch[2 * GROUP];
   local int given_up;
   const int n_groups = get_num_groups(0), group = get_group_id(0), keeps = (int)get_global_size(0) >= n_rows;
   Row own;
@@ -133,9 +134,7 @@ kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void pcg_phases(
       store_part(sum, rz + group, scratch);
     }
     float scale = 0.0f, sum = 0.0f;  // alpha or beta
-    if (phase > 0)
-      scale = turns ? ratio(sum_parts(rz), sum_parts(rz - 2 * n_groups), scalars + 3)
-                    : ratio(sum_parts(rz), sum_parts(pq), scalars + 3);
+    if (phase > 0) scale = ratio(sums_of_parts(rz, turns ? rz - 2 * n_groups : pq, scratch), scalars + 3);
     for (int row = get_global_id(0); row < n_rows; row += get_global_size(0)) {
       const int begin = slice_offsets[row / SLICE], behind = slice_offsets[row / SLICE + 1];
       if (!keeps || phase == first) {

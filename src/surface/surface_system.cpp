@@ -120,7 +120,8 @@ SurfaceSystem::SurfaceSystem(ocl::DeviceContext& device, const Actor& actor, con
     return;
   }
   phases_ = {device, "surface/pcg_phases.cl", "pcg_phases"};
-  groups_ = ocl::GroupsTogether(device, round_up(domain_->graph.n_rows, kPhasesLocal) / kPhasesLocal);
+  const size_t most = round_up(domain_->graph.n_rows, kPhasesLocal) / kPhasesLocal;
+  groups_ = ocl::GroupsTogether(device, std::min(most, kPhasesLocal));  // a work-item loads each group's part
   // Over zeros: shows whether it works, and compiles it.
   iterate_pcg(options.pcg_iterations);
   status();

@@ -101,26 +101,13 @@ double agreement(const std::vector<int>& chosen, const std::vector<View>& views,
   return sum / half;
 }
 
-std::vector<Vector3d> smooth_normals(const meshing::Surface& surface, const std::vector<std::vector<int>>& neighbors) {
-  std::vector<Vector3d> normals = meshing::vertex_normals(surface);
-  for (int round = 0; round < 2; ++round) {
-    std::vector<Vector3d> next = normals;
-    for (size_t i = 0; i < normals.size(); ++i) {
-      for (int other : neighbors[i]) next[i] += 0.5 * normals[other];
-      next[i].normalize();
-    }
-    normals.swap(next);
-  }
-  return normals;
-}
-
 }  // namespace
 
 RefineResult refine_by_color(const std::vector<View>& views, const std::vector<ViewCoverage>& coverage,
                              const RefineOptions& options, meshing::Surface& surface) {
   const size_t n = surface.vertices.size();
   const std::vector<std::vector<int>> neighbors = meshing::neighbors_of(surface);
-  const auto normals = smooth_normals(surface, neighbors);
+  const auto normals = meshing::smooth_normals(surface, neighbors, 2);
   std::vector<GrayView> grays;
   std::vector<Vector3d> centers;
   for (const View& view : views) {

@@ -33,4 +33,18 @@ std::vector<std::vector<int>> neighbors_of(const Surface& surface) {
   return neighbors;
 }
 
+std::vector<Vector3d> smooth_normals(const Surface& surface, const std::vector<std::vector<int>>& neighbors,
+                                     int rounds) {
+  std::vector<Vector3d> normals = vertex_normals(surface);
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<Vector3d> next = normals;
+    for (size_t i = 0; i < normals.size(); ++i) {
+      for (int other : neighbors[i]) next[i] += 0.5 * normals[other];
+      next[i].normalize();
+    }
+    normals.swap(next);
+  }
+  return normals;
+}
+
 }  // namespace livecap::meshing

@@ -16,4 +16,8 @@ std::vector<Eigen::Vector3d> vertex_normals(const Surface& surface);
 // The vertices that share an edge with each; of a closed surface each once.
 std::vector<std::vector<int>> neighbors_of(const Surface& surface);
 
+// vertex_normals in the mean with their neighbours', `rounds` times: what the noise of a carved surface leaves of them.
+std::vector<Eigen::Vector3d> smooth_normals(const Surface& surface, const std::vector<std::vector<int>>& neighbors,
+                                            int rounds);
+
 }  // namespace livecap::meshing

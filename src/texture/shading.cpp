@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "base/luminance.h"
 #include "geometry/reference.h"
@@ -12,6 +13,7 @@ namespace livecap {
 
 namespace {
 
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Basis = Eigen::Vector<double, 8>;
 
@@ -20,6 +22,10 @@ constexpr double kMostLog = 0.69;  // a factor of two
 constexpr double kLeastScale = 0.01;
 constexpr size_t kFewestPairs = 200;
 constexpr int kRounds = 10;
+constexpr int kSmoothings = 1;
+constexpr int kPartners = 60;          // drawn for every vertex
+constexpr double kSameChroma = 0.06;   // of red and blue by the mean of the three
+constexpr double kNoMaterial = 0.013;  // of 1; what dark pixels tell of their colour is noise
 
 // All but the constant.
 Basis basis_at(const Vector3d& n) {
@@ -31,7 +37,36 @@ double log_light(const Vector3d& color) {
   return std::log(std::max(kDarkest, color.dot(Vector3d(kRedLuminance, kGreenLuminance, kBlueLuminance))));
 }
 
+// Red and blue by the mean of the three.
+Vector2d chroma(const Vector3d& color) {
+  return Vector2d(color.x(), color.z()) / (color.mean() + kNoMaterial);
+}
+
+// Basis and logarithm of the light: how they differ between two vertices.
+struct Pair {
+  Basis basis;
+  double light;
+};
+
+std::vector<Pair> pairs_of_one_color(const std::vector<Vector3d>& normals, const std::vector<Vector3d>& colors,
+                                     const std::vector<char>& known) {
+  std::vector<Pair> pairs;
+  std::mt19937 random(1);
+  for (size_t i = 0; i < normals.size(); ++i)
+    for (int k = 0; k < kPartners; ++k) {
+      const size_t j = random() % normals.size();
+      if (!known[i] || !known[j] || (chroma(colors[j]) - chroma(colors[i])).norm() > kSameChroma) continue;
+      const double light = log_light(colors[j]) - log_light(colors[i]);
+      pairs.push_back({basis_at(normals[j]) - basis_at(normals[i]), light});
+    }
+  return pairs;
+}
+
 }  // namespace
+
+std::vector<Vector3d> shading_normals(const meshing::Surface& surface) {
+  return meshing::smooth_normals(surface, meshing::neighbors_of(surface), kSmoothings);
+}
 
 double Shading::at(const Vector3d& normal) const {
   return std::exp(std::clamp(coefficients.dot(basis_at(normal)) - mean_log, -kMostLog, kMostLog));
@@ -39,19 +74,13 @@ double Shading::at(const Vector3d& normal) const {
 
 Shading find_shading(const meshing::Surface& surface, const std::vector<Vector3d>& colors,
                      const std::vector<char>& known) {
-  const std::vector<Vector3d> normals = meshing::vertex_normals(surface);
-  std::vector<std::pair<Basis, double>> pairs;  // differences of basis and brightness along an edge
-  for (const auto& t : surface.triangles)
-    for (int k = 0; k < 3; ++k) {
-      const int i = t[k], j = t[(k + 1) % 3];
-      if (known[i] && known[j])
-        pairs.emplace_back(basis_at(normals[j]) - basis_at(normals[i]), log_light(colors[j]) - log_light(colors[i]));
-    }
+  const std::vector<Vector3d> normals = shading_normals(surface);
+  const std::vector<Pair> pairs = pairs_of_one_color(normals, colors, known);
   Shading shading;
   if (pairs.size() < kFewestPairs) return shading;
   std::vector<double> sizes(pairs.size());
   for (int round = 0; round < kRounds; ++round) {
-    const auto residual = [&](size_t p) { return pairs[p].second - shading.coefficients.dot(pairs[p].first); };
+    const auto residual = [&](size_t p) { return pairs[p].light - shading.coefficients.dot(pairs[p].basis); };
     for (size_t p = 0; p < pairs.size(); ++p) sizes[p] = std::abs(residual(p));
     std::nth_element(sizes.begin(), sizes.begin() + sizes.size() / 2, sizes.end());
     const double scale = std::max(kLeastScale, 1.4826 * sizes[sizes.size() / 2]);
@@ -59,8 +88,8 @@ Shading find_shading(const meshing::Surface& surface, const std::vector<Vector3d
     Basis right = Basis::Zero();
     for (size_t p = 0; p < pairs.size(); ++p) {
       const double share = residual(p) / scale, weight = 1 / (1 + share * share);
-      normal_matrix += weight * pairs[p].first * pairs[p].first.transpose();
-      right += weight * pairs[p].second * pairs[p].first;
+      normal_matrix += weight * pairs[p].basis * pairs[p].basis.transpose();
+      right += weight * pairs[p].light * pairs[p].basis;
     }
     shading.coefficients = normal_matrix.ldlt().solve(right);
   }

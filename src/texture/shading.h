@@ -20,8 +20,13 @@ struct Shading {
   double at(const Eigen::Vector3d& normal) const;
 };
 
-// From the differences of brightness between neighbours: few of them are borders of a pattern (Cauchy-robust), the
-// others are light. colors: sRGB in [0,1] per vertex; known: 1 where they were seen. Too few known: no shading.
+// The normals that light is found and taken out with: those of a carved mesh are noisy.
+std::vector<Eigen::Vector3d> shading_normals(const meshing::Surface& surface);
+
+// From vertices anywhere on the body that have the same colour but for its brightness: most of them are of one material
+// (Cauchy-robust), so they differ by their light. Neighbours would tell less: their normals differ by no more than the
+// noise of a carved surface. colors: sRGB in [0,1] per vertex; known: 1 where they were seen. Too few known: no
+// shading.
 Shading find_shading(const meshing::Surface& surface, const std::vector<Eigen::Vector3d>& colors,
                      const std::vector<char>& known);
 

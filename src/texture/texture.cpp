@@ -114,7 +114,7 @@ BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atl
   BlendedTexture result;
   spread_colors(neighbors, known, colors);
   result.seen = known;
-  const std::vector<Vector3d> normals = meshing::vertex_normals(surface);
+  const std::vector<Vector3d> normals = shading_normals(surface);
   const Shading light = find_shading(surface, colors, result.seen);
   const auto color = [&](const Vector3d& p, int triangle) {
     const auto& t = surface.triangles[triangle];

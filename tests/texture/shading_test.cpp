@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "meshing/surface_parts.h"
 #include "support/tolerances.h"
@@ -58,6 +59,35 @@ TEST_F(Shading, IsToldFromThePattern) {
               worst(std::vector<Vector3d>(normals_.size(), Vector3d(0.5, 0.5, 0.5)), light));
   EXPECT_LT(worst(plain, light), test::kShadingLeft);
   EXPECT_LT(worst(striped, light), test::kShadingLeft);
+}
+
+// A carved surface is rough: its normals lie 7 degrees off, the light falls on what it stands for.
+TEST_F(Shading, IsWholeOnARoughSurface) {
+  const Vector3d lamp = Vector3d(1, 1, 2).normalized();
+  const auto light = [&](const Vector3d& n) { return 1 + 0.45 * n.dot(lamp); };
+  std::vector<Vector3d> colors;
+  for (const Vector3d& n : normals_) colors.push_back(light(n) * Vector3d(0.5, 0.35, 0.3));
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> up_and_down(-2.0, 2.0);  // mm; edges are 17 mm
+  for (size_t i = 0; i < normals_.size(); ++i) surface_.vertices[i] += up_and_down(random) * normals_[i];
+  double off = 0;
+  const std::vector<Vector3d> rough = meshing::vertex_normals(surface_);
+  for (size_t i = 0; i < rough.size(); ++i) off += std::acos(std::min(1.0, rough[i].dot(normals_[i]))) / rough.size();
+  std::printf("rough normals %.1f degrees off; light left %.3f\n", off * 180 / M_PI, worst(colors, light));
+  EXPECT_LT(worst(colors, light), test::kShadingLeft);
+}
+
+// Dark trousers and a bright shirt of another colour, which the light falls on from above and in front: what differs by
+// its material is not taken for light.
+TEST_F(Shading, IsToldFromTwoMaterials) {
+  const Vector3d lamp = Vector3d(0, 1, 1).normalized();
+  const auto light = [&](const Vector3d& n) { return 1 + 0.45 * n.dot(lamp); };
+  std::vector<Vector3d> colors;
+  for (size_t i = 0; i < normals_.size(); ++i)
+    colors.push_back(light(normals_[i]) *
+                     (surface_.vertices[i].y() > 0 ? Vector3d(0.6, 0.4, 0.3) : Vector3d(0.15, 0.2, 0.35)));
+  std::printf("two materials: light left %.3f\n", worst(colors, light));
+  EXPECT_LT(worst(colors, light), test::kShadingLeft);
 }
 
 TEST_F(Shading, NoneWhereLightIsEven) {

@@ -23,6 +23,14 @@ std::vector<float> matched_share(const Actor& actor, const TrackerOptions& optio
   return share;
 }
 
+// In the last rounds.
+std::vector<float> refined_share(const Actor& actor, const TrackerOptions& options) {
+  std::vector<float> share = matched_share(actor, options);
+  for (int i = 0; i < actor.n_vertices(); ++i)
+    if (hangs(actor, i)) share[i] *= options.refined_hanging_share;
+  return share;
+}
+
 std::vector<uint8_t> is_matched(const Actor& actor, const TrackerOptions& options) {
   const std::vector<float> share = matched_share(actor, options);
   return {share.begin(), share.end()};
@@ -48,6 +56,7 @@ PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camer
       skinned_(device, size_t(3) * actor.n_vertices()),
       normals_(device, size_t(3) * actor.n_vertices()),
       matched_share_(device, matched_share(actor, options)),
+      refined_share_(device, refined_share(actor, options)),
       refining_candidates_(visibility.contour_candidates(is_matched(actor, options))) {
   for (ocl::Buffer<float>* buffer : {&zero_, &skinned_, &normals_}) buffer->fill(0);
 }
@@ -110,8 +119,9 @@ void PoseStage::find_contour_and_visible(const Pose& pose, bool refining) {
   }
 }
 
-void PoseStage::find_matches(int level) {
-  matcher_.match(rasterizer_, skinned_, normals_, visibility_.visible(), matched_share_, level);
+void PoseStage::find_matches(int level, bool refining) {
+  matcher_.match(rasterizer_, skinned_, normals_, visibility_.visible(), refining ? refined_share_ : matched_share_,
+                 level);
 }
 
 // Once per level of match_levels, less where the last round at the same level was settled; or once when there is
@@ -135,7 +145,7 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
     } else {
       find_contour(input, from);
     }
-    if (n_levels > 0) find_matches(level);
+    if (n_levels > 0) find_matches(level, refining);
     if (shades) shading_.measure(input.frame, rasterizer_, skinned_, normals_, visibility_.visible());
     const bool has_contour = !input.silhouette.empty();
     PoseInput solve{.detections = detections,
@@ -189,24 +199,26 @@ PoseResult PoseStage::solve_read(PoseInput& solve, bool matches, bool shades, st
 }
 
 // The contour found on a rough pose is only a start: once more from where that solve ends.
-PoseResult PoseStage::find(const PoseStageInput& input) {
+PoseStage::Solution PoseStage::solve_anew(const PoseStageInput& input) {
   const std::optional<Pose> initial = initialize_pose(actor_, camera_, input.detections, options_.pose);
-  if (!initial) {
-    PoseResult nothing;
-    nothing.status = SolveStatus::kNoObservations;
-    return nothing;
-  }
+  Solution anew;
+  anew.pose.status = SolveStatus::kNoObservations;
+  if (!initial) return anew;
   find_contour(input, *initial);
   const std::vector<int32_t> contour = read_contour(input);
-  const PoseResult rough = solver_.solve(PoseInput{.detections = input.detections,
-                                                   .initial = *initial,
-                                                   .frame = input.silhouette.empty() ? nullptr : &input.frame,
-                                                   .contour_vertices = contour,
-                                                   .floor = floor_.floor(),
-                                                   .n_steps = options_.pose.first_steps});
-  if (rough.status != SolveStatus::kOk) return rough;
-  Solution found = solve_in_rounds(input, input.detections, rough.pose, nullptr);
-  last_skin_ = std::move(found.skin);
+  anew.pose = solver_.solve(PoseInput{.detections = input.detections,
+                                      .initial = *initial,
+                                      .frame = input.silhouette.empty() ? nullptr : &input.frame,
+                                      .contour_vertices = contour,
+                                      .floor = floor_.floor(),
+                                      .n_steps = options_.pose.first_steps});
+  if (anew.pose.status != SolveStatus::kOk) return anew;
+  return solve_in_rounds(input, input.detections, Pose(anew.pose.pose), nullptr);
+}
+
+PoseResult PoseStage::find(const PoseStageInput& input) {
+  Solution found = solve_anew(input);
+  if (found.pose.status == SolveStatus::kOk) last_skin_ = std::move(found.skin);
   return found.pose;
 }
 
@@ -214,12 +226,6 @@ PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& pre
   const std::vector<KeypointDetections> alternatives =
       exchanged_legs(actor_, camera_, predicted, input.detections.keypoints);
   if (alternatives.empty()) exchanged_frames_ = 0;
-  if (exchanged_frames_ >= options_.max_exchanged_frames) {
-    // Silhouette and matches hold a leg where the other should be: once from the network's points alone.
-    exchanged_frames_ = 0;
-    PoseResult anew = find(input);
-    if (anew.status == SolveStatus::kOk) return anew;
-  }
   Solution best = solve_in_rounds(input, input.detections, predicted, &previous);
   try_exchanged_legs(input, predicted, previous, alternatives, best);
   try_turned(input, previous, best);
@@ -227,9 +233,22 @@ PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& pre
   try_bent_back(input, previous, best);
   try_mirrored_forearms(input, previous, best);
   try_mirrored_arms(input, previous, best);
+  if (best.exchanged && exchanged_frames_ >= options_.max_exchanged_frames) try_anew(input, best);
   if (best.exchanged) ++exchanged_frames_;
   last_skin_ = std::move(best.skin);
   return best.pose;
+}
+
+// A network that insists on the other legs may be right: silhouette and matches hold a leg where the other should be.
+// Or legs cross under a skirt and it needs longer: where there is a picture, that decides. E_temporal is the old pose's
+// alone.
+void PoseStage::try_anew(const PoseStageInput& input, Solution& best) {
+  exchanged_frames_ = 0;
+  Solution anew = solve_anew(input);
+  if (anew.pose.status != SolveStatus::kOk) return;
+  const bool keeps =
+      matches(input) && best.pose.status == SolveStatus::kOk && best.cost - best.pose.energy.temporal <= anew.cost;
+  if (!keeps) best = std::move(anew);
 }
 
 void PoseStage::try_exchanged_legs(const PoseStageInput& input, const Pose& predicted, const Pose& previous,

@@ -63,6 +63,7 @@ class PoseStage {
   };
   Solution solve_in_rounds(const PoseStageInput& input, const Detections& detections, const Pose& initial,
                            const Pose* previous, int first_round = 0);
+  Solution solve_anew(const PoseStageInput& input);
   PoseResult solve_seen(PoseInput& solve, bool matches, bool shades, std::vector<SkinSample>& skin);
   PoseResult solve_read(PoseInput& solve, bool matches, bool shades, std::vector<SkinSample>& skin);
   void find_contour(const PoseStageInput& input, const Pose& pose);
@@ -70,7 +71,8 @@ class PoseStage {
   bool matches(const PoseStageInput& input) const;
   bool shading(const PoseStageInput& input) const;
   void find_contour_and_visible(const Pose& pose, bool refining);
-  void find_matches(int level);
+  void find_matches(int level, bool refining);
+  void try_anew(const PoseStageInput& input, Solution& best);
   void try_exchanged_legs(const PoseStageInput& input, const Pose& predicted, const Pose& previous,
                           const std::vector<KeypointDetections>& alternatives, Solution& best);
   void try_turned(const PoseStageInput& input, const Pose& previous, Solution& best);
@@ -98,6 +100,7 @@ class PoseStage {
   ocl::Buffer<float> skinned_;                // [3n]
   ocl::Buffer<float> normals_;                // [3n]
   ocl::Buffer<float> matched_share_;          // [n] 1 for vertices that are matched
+  ocl::Buffer<float> refined_share_;          // [n] the same in the last rounds: less for hanging cloth
   ocl::Buffer<int32_t> refining_candidates_;  // the same for contour vertices of the last rounds
   std::vector<SkinSample> last_skin_;
   int exchanged_frames_ = 0;  // since the detections last agreed with the prediction

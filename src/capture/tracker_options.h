@@ -49,6 +49,8 @@ struct TrackerOptions {
   // What is not matched because it hangs is no contour in them either, and a detection counts half where it is so far
   // from the body (pose/targets.h); 0: it is not doubted. (An actor without texture has no such rounds.)
   double refined_doubt_3d_mm = 60;
+  // In them what is matched of hanging cloth counts so much of its weight: it swings, and would turn hips and legs.
+  float refined_hanging_share = 0.3f;
   // Where several starts compete, what could not be matched costs like a match so far away.
   double missed_px = 2;
   // A body that faces so much elsewhere than the detections is solved from there as well (pose/other_starts.h).
@@ -83,8 +85,8 @@ struct TrackerOptions {
   bool snapping = true;
   bool ignore_confidence = false;  // true: every keypoint the network knows counts fully
   // Where the network seems to have exchanged the legs (pose/leg_exchange.h), stage I is solved both ways and the
-  // better one counts; but for no more than this many frames until both agree again, since in the long run the network
-  // is right. 0 = never.
+  // better one counts. After this many frames on end it is also solved from the detections alone, as named; that counts
+  // where it is the better one, or where there is no picture to tell. 0 = in every such frame.
   int max_exchanged_frames = 9;
   // A pose whose mean keypoint error exceeds this fraction of the person's height in the picture is not believed: the
   // frame is solved again from the detections alone, and lost when that does not help.

@@ -11,6 +11,7 @@
 #include "support/gpu_bodies.h"
 #include "support/pose_scene.h"
 #include "support/test_device.h"
+#include "support/tolerances.h"
 
 namespace livecap {
 namespace {
@@ -146,6 +147,63 @@ TEST(PoseStage, HangingClothIsNoContourInTheLastRounds) {
   test::on_every_device([](ocl::DeviceContext& device) {
     EXPECT_EQ(n_hanging_contour(device, TrackerOptions{}.refining_rounds), 0);
     EXPECT_GT(n_hanging_contour(device, 0), 0);
+  });
+}
+
+// E_match of one round on a skirt that hangs beside where skinning has it.
+double match_energy(ocl::DeviceContext& device, int refining_rounds, float hanging_share) {
+  Seen seen(device);
+  TrackerOptions options;
+  options.match_levels = {0};
+  options.refining_rounds = refining_rounds;
+  options.refined_hanging_share = hanging_share;
+  PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
+  const Pose before = turned(seen.actor, 0), truth = turned(seen.actor, 2);
+  const Silhouette silhouette = seen.take_picture(stage, truth);
+  const Detections detections = test::exact_detections(seen.actor, seen.camera, truth);
+  const PoseStageInput input{detections, silhouette, seen.frame};
+  stage.set_picture(input);
+  const PoseResult result = stage.solve_tracked(input, before, before);
+  EXPECT_EQ(result.status, SolveStatus::kOk);
+  return result.energy.match;
+}
+
+TEST(PoseStage, HangingClothIsMatchedWithLessWeightInTheLastRounds) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    EXPECT_EQ(match_energy(device, 0, 0.3f), match_energy(device, 0, 1)) << "other rounds";
+    EXPECT_NE(match_energy(device, 1, 0.3f), match_energy(device, 1, 1));
+  });
+}
+
+// Furthest that a foot is from where it is, mm, in frames whose detections have the legs exchanged from the knees down.
+double exchanged_feet_mm(ocl::DeviceContext& device, bool with_picture, int max_exchanged_frames) {
+  Seen seen(device);
+  TrackerOptions options;
+  options.max_exchanged_frames = max_exchanged_frames;
+  PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
+  double furthest = 0;
+  for (int frame = 1; frame <= max_exchanged_frames + 1; ++frame) {
+    const Pose before = turned(seen.actor, frame - 1), truth = turned(seen.actor, frame);
+    Silhouette silhouette = seen.take_picture(stage, truth);
+    if (!with_picture) silhouette = {};
+    Detections detections = test::exact_detections(seen.actor, seen.camera, truth);
+    for (int left : {kLeftKnee, kLeftAnkle, kLeftToe})
+      std::swap(detections.keypoints[left], detections.keypoints[left + 1]);
+    const PoseStageInput input{detections, silhouette, seen.frame};
+    stage.set_picture(input);
+    const PoseResult result = stage.solve_tracked(input, before, before);
+    EXPECT_EQ(result.status, SolveStatus::kOk);
+    const auto found = keypoint_positions(seen.actor, forward_kinematics(seen.actor.skeleton, result.pose));
+    const auto true_ones = keypoint_positions(seen.actor, forward_kinematics(seen.actor.skeleton, truth));
+    for (int k : {kLeftAnkle, kRightAnkle}) furthest = std::max(furthest, (found[k] - true_ones[k]).norm());
+  }
+  return furthest;
+}
+
+TEST(PoseStage, AgainstANetworkThatInsistsThePictureDecides) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    EXPECT_LT(exchanged_feet_mm(device, true, 2), test::kExchangedFeetMm / 2);
+    EXPECT_GT(exchanged_feet_mm(device, false, 2), test::kExchangedFeetMm);
   });
 }
 

@@ -15,9 +15,12 @@ static inline float seen_weight(float px, double px_of_one) {
   return (float)((double)px / px_of_one);
 }
 
+// Sums of px^2 (LC_EXACT) that a limb shows end here, so that they cannot wrap around.
+#define LC_MOST_LIMB_PX (LC_EXACT((float)(LC_EXACT_MOST_PX / 2)))
+
 // px_of_one of a limb that shows px^2 (LC_EXACT): it weighs 1 altogether, less where it shows less than least_px.
 static inline double limb_px_of_one(lc_exact_t px, float least_px) {
-  const double seen = (double)px * LC_EXACT_UNIT;
+  const double seen = (double)(px < LC_MOST_LIMB_PX ? px : LC_MOST_LIMB_PX) * LC_EXACT_UNIT;
   return seen > (double)least_px ? seen : (double)least_px;
 }
 

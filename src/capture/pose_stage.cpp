@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "base/log.h"
 #include "cloth/hanging_cloth.h"
+#include "livecap/error.h"
 #include "pose/mirrored_arms.h"
 #include "pose/other_starts.h"
 #include "pose/person_height.h"
@@ -58,6 +60,12 @@ PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camer
       matched_share_(device, matched_share(actor, options)),
       refined_share_(device, refined_share(actor, options)),
       refining_candidates_(visibility.contour_candidates(is_matched(actor, options))) {
+  if (!(options.refined_hanging_share >= 0 && options.refined_hanging_share <= 1))
+    throw ConfigError("stage I: refined_hanging_share is " + std::to_string(options.refined_hanging_share) +
+                      ", must be from 0 to 1");
+  if (options.max_exchanged_frames < 0)
+    throw ConfigError("stage I: max_exchanged_frames is " + std::to_string(options.max_exchanged_frames) +
+                      ", must be at least 0");
   for (ocl::Buffer<float>* buffer : {&zero_, &skinned_, &normals_}) buffer->fill(0);
 }
 

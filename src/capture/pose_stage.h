@@ -103,7 +103,7 @@ class PoseStage {
   ocl::Buffer<float> refined_share_;          // [n] the same in the last rounds: less for hanging cloth
   ocl::Buffer<int32_t> refining_candidates_;  // the same for contour vertices of the last rounds
   std::vector<SkinSample> last_skin_;
-  int exchanged_frames_ = 0;  // since the detections last agreed with the prediction
+  int exchanged_frames_ = 0;  // since the detections last agreed with the prediction, or were tried as named
 };
 
 }  // namespace livecap

@@ -122,7 +122,7 @@ class Segmenter {
   // For the picture, before the frame is segmented. May be called by another thread.
   std::shared_ptr<DeviceFrame> take_frame() { return frames_.take(); }
 
-  // Of this and earlier frames.
+  // In the order of frames: it counts those without anybody.
   void find_gate(WorkItem& item) {
     Timer timer;
     const bool person = item.detections.person;

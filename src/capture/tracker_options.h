@@ -86,7 +86,7 @@ struct TrackerOptions {
   bool ignore_confidence = false;  // true: every keypoint the network knows counts fully
   // Where the network seems to have exchanged the legs (pose/leg_exchange.h), stage I is solved both ways and the
   // better one counts. After this many frames on end it is also solved from the detections alone, as named; that counts
-  // where it is the better one, or where there is no picture to tell. 0 = in every such frame.
+  // where it is the better one, or where no texture tells. 0 = in every such frame.
   int max_exchanged_frames = 9;
   // A pose whose mean keypoint error exceeds this fraction of the person's height in the picture is not believed: the
   // frame is solved again from the detections alone, and lost when that does not help.

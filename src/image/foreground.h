@@ -45,7 +45,7 @@ struct ForegroundGate {
 };
 
 // In two halves, which may run beside each other for different frames: find_gate() belongs to the thread of
-// gate_device, the other functions to that of device, and so does each half's part of a frame (DeviceFrame).
+// gate_device, segment() to that of device, and so does each half's part of a frame (DeviceFrame).
 class ForegroundSegmenter {
  public:
   // background: not trained, or of this size (ConfigError); copied to the device. gate_device: the same, perhaps with a

@@ -128,7 +128,7 @@ std::vector<ShadedVertex> SkinShading::shaded(std::span<const SkinSample> sample
   std::array<lc_exact_t, LC_SKIN_LIMBS> seen{};  // px^2
   for (const SkinSample& s : samples) {
     lc_exact_t& px = seen[skin_[s.index].limb];
-    px = std::min(px + LC_EXACT(std::max(0.0f, s.area_px)), LC_EXACT(float(LC_EXACT_MOST_PX / 2)));
+    px = std::min(px + LC_EXACT(std::max(0.0f, s.area_px)), LC_MOST_LIMB_PX);
   }
   const SeenSkin by = this->seen();
   std::vector<ShadedVertex> shaded;

@@ -121,7 +121,7 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
         format("-D LC_POSE_TAKES_STEPS=%d -D LC_POSE_SYSTEM_SIDE=%d", takes_steps_ ? 1 : 0, LC_POSE_SIDE(layout_));
     gauss_newton_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_gauss_newton", option);
     sum_parts_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_sum_parts", option);
-    chooses_ = takes_steps_ && size_t(width_) * height_ <= LC_EXACT_MOST_PX &&
+    chooses_ = takes_steps_ && size_t(width_) * height_ < LC_EXACT_MOST_PX &&
                device.info().max_work_group_size >= LC_POSE_CHOICE_GROUP &&
                device.info().local_memory_bytes >= LC_POSE_CHOICE_LOCAL;
     if (chooses_) choose_kernel_ = ocl::Kernel(device, kChoiceProgram, "pose_choose");

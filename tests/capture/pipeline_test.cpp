@@ -28,7 +28,10 @@ struct Recorder {
     };
     s.detect = [](WorkItem& item) { item.detections.frame_index = item.report.index; };
     s.gate = [](WorkItem& item) { item.gate.has_network = true; };
-    s.segment = [](WorkItem& item) { item.silhouette.area_px = static_cast<int>(item.detections.frame_index); };
+    s.segment = [](WorkItem& item) {
+      EXPECT_TRUE(item.gate.has_network) << "gate comes before";
+      item.silhouette.area_px = static_cast<int>(item.detections.frame_index);
+    };
     s.solve = [](WorkItem&& item) {
       item.report.score = static_cast<double>(item.silhouette.area_px);
       return std::optional<WorkItem>(std::move(item));
@@ -73,7 +76,7 @@ TEST(Pipeline, NewestWinsAndDropsAreCounted) {
 }
 
 TEST(Pipeline, AnErrorInAnyStageEndsTheRunWithItsMessage) {
-  for (int failing = 0; failing < 6; ++failing) {
+  for (int failing = 0; failing < 7; ++failing) {
     Recorder recorder{1000};
     PipelineStages stages = recorder.stages();
     auto fail_at_ten = [](WorkItem& item) {
@@ -95,6 +98,12 @@ TEST(Pipeline, AnErrorInAnyStageEndsTheRunWithItsMessage) {
       };
     }
     if (failing == 4) stages.surface = fail_at_ten;
+    if (failing == 6) {
+      stages.gate = [&, gate = stages.gate](WorkItem& item) {
+        gate(item);
+        fail_at_ten(item);
+      };
+    }
     if (failing == 5) {
       stages.publish = [&](WorkItem& item) {
         fail_at_ten(item);

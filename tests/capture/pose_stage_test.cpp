@@ -171,7 +171,7 @@ double match_energy(ocl::DeviceContext& device, int refining_rounds, float hangi
 TEST(PoseStage, HangingClothIsMatchedWithLessWeightInTheLastRounds) {
   test::on_every_device([](ocl::DeviceContext& device) {
     EXPECT_EQ(match_energy(device, 0, 0.3f), match_energy(device, 0, 1)) << "other rounds";
-    EXPECT_NE(match_energy(device, 1, 0.3f), match_energy(device, 1, 1));
+    EXPECT_LT(match_energy(device, 1, 0.3f), match_energy(device, 1, 1));
   });
 }
 

@@ -102,6 +102,7 @@ TEST(SurfaceStage, WithoutPictureClothIsWholeWhereGroupsDoNotWait) {
           for (int frame = 0; frame < 3; ++frame) frames.push_back(scene.at(frame * kAsideMm, frame * kFrame));
         },
         units);
+    EXPECT_FALSE(frames.empty());
     return frames;
   };
   EXPECT_EQ(places(3), places(1));

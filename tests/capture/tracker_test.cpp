@@ -97,7 +97,7 @@ TEST(Tracker, ExchangedFeetStayOnTheirLegs) {
   });
 }
 
-TEST(Tracker, ANetworkThatInsistsIsBelieved) {
+TEST(Tracker, ANetworkThatInsistsIsBelievedWithoutAPicture) {
   test::on_every_device([](ocl::DeviceContext& device) {
     constexpr int kMost = 3;
     TrackerScene scene(device, kMost);

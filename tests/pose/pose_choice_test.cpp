@@ -158,6 +158,8 @@ TEST(PoseChoice, IsTheHosts) {
         ASSERT_TRUE(expected.has_value());
 
         ASSERT_TRUE(system.chooses());
+        system.set_frame(scene.targets(), &scene.frame, {}, nullptr);  // a device that chooses nothing finds nothing
+        system.residuals(scene.start);
         system.set_seen_frame(scene.targets(), &scene.frame, picture.seen(), nullptr);
         const std::optional<PoseSteps> got = system.take_steps(scene.start, 2, 0);
         ASSERT_TRUE(got.has_value());

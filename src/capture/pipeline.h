@@ -1,9 +1,8 @@
 // The pipeline of the paper ("Pipelined Implementation"): read | network | segmentation in two halves | pose |
-// surface, with
-// publishing on the caller's thread. The paper has both solvers in one thread; poses do not wait for surfaces. The
-// paper subtracts the background in the reading thread; here the network's mask gates it, so it follows the network, in
-// threads of its own: beside the network it would lengthen the longest thread of a CPU machine, beside the solvers
-// that of a GPU machine. Hand-over of depth one.
+// surface, with publishing on the caller's thread. The paper has both solvers in one thread; poses do not wait for
+// surfaces. The paper subtracts the background in the reading thread; here the network's mask gates it, so it follows
+// the network, in threads of its own: beside the network it would lengthen the longest thread of a CPU machine, beside
+// the solvers that of a GPU machine. Hand-over of depth one.
 #pragma once
 
 #include <functional>

@@ -221,7 +221,7 @@ PoseStage::Solution PoseStage::solve_anew(const PoseStageInput& input) {
                                       .floor = floor_.floor(),
                                       .n_steps = options_.pose.first_steps});
   if (anew.pose.status != SolveStatus::kOk) return anew;
-  return solve_in_rounds(input, input.detections, Pose(anew.pose.pose), nullptr);
+  return solve_in_rounds(input, input.detections, anew.pose.pose, nullptr);
 }
 
 PoseResult PoseStage::find(const PoseStageInput& input) {

@@ -72,6 +72,17 @@ struct Seen {
     frame.upload(silhouette, picture);
     return silhouette;
   }
+
+  // A frame in which the person stands as in `truth`, tracked from `before`.
+  PoseResult track(PoseStage& stage, const Pose& before, const Pose& truth) {
+    const Silhouette silhouette = take_picture(stage, truth);
+    const Detections detections = test::exact_detections(actor, camera, truth);
+    const PoseStageInput input{detections, silhouette, frame};
+    stage.set_picture(input);
+    const PoseResult result = stage.solve_tracked(input, before, before);
+    EXPECT_EQ(result.status, SolveStatus::kOk);
+    return result;
+  }
 };
 
 Pose turned(const Actor& actor, int frame) {
@@ -130,12 +141,7 @@ int n_hanging_contour(ocl::DeviceContext& device, int refining_rounds) {
   TrackerOptions options;
   options.refining_rounds = refining_rounds;
   PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
-  const Pose before = turned(seen.actor, 0), truth = turned(seen.actor, 1);
-  const Silhouette silhouette = seen.take_picture(stage, truth);
-  const Detections detections = test::exact_detections(seen.actor, seen.camera, truth);
-  const PoseStageInput input{detections, silhouette, seen.frame};
-  stage.set_picture(input);
-  EXPECT_EQ(stage.solve_tracked(input, before, before).status, SolveStatus::kOk);
+  seen.track(stage, turned(seen.actor, 0), turned(seen.actor, 1));
   const std::vector<float> legs = leg_weights(seen.actor);
   const std::vector<int32_t> contour = seen.visibility.read_contour();
   return std::count_if(contour.begin(), contour.end(), [&](int32_t i) {
@@ -158,14 +164,7 @@ double match_energy(ocl::DeviceContext& device, int refining_rounds, float hangi
   options.refining_rounds = refining_rounds;
   options.refined_hanging_share = hanging_share;
   PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
-  const Pose before = turned(seen.actor, 0), truth = turned(seen.actor, 2);
-  const Silhouette silhouette = seen.take_picture(stage, truth);
-  const Detections detections = test::exact_detections(seen.actor, seen.camera, truth);
-  const PoseStageInput input{detections, silhouette, seen.frame};
-  stage.set_picture(input);
-  const PoseResult result = stage.solve_tracked(input, before, before);
-  EXPECT_EQ(result.status, SolveStatus::kOk);
-  return result.energy.match;
+  return seen.track(stage, turned(seen.actor, 0), turned(seen.actor, 2)).energy.match;
 }
 
 TEST(PoseStage, HangingClothIsMatchedWithLessWeightInTheLastRounds) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -51,6 +52,23 @@ inline Mesh icosphere(int subdivisions, double radius, std::array<double, 3> cen
   }
   for (const auto& f : faces)
     for (int a = 0; a < 3; ++a) mesh.triangles.push_back(f[a]);
+  return mesh;
+}
+
+// Two cones around the y axis, base to base: two vertices with `around` neighbours, as many with four.
+inline Mesh double_cone(int around, double radius, std::array<double, 3> center) {
+  Mesh mesh;
+  const auto add = [&](double x, double y, double z) {
+    for (const double value : {center[0] + x, center[1] + y, center[2] + z}) mesh.positions.push_back(float(value));
+  };
+  for (int i = 0; i < around; ++i) {
+    const double angle = 2 * std::numbers::pi * i / around;
+    add(radius * std::cos(angle), 0, radius * std::sin(angle));
+    const int next = (i + 1) % around;
+    mesh.triangles.insert(mesh.triangles.end(), {around, next, i, around + 1, i, next});
+  }
+  add(0, radius, 0);
+  add(0, -radius, 0);
   return mesh;
 }
 

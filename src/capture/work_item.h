@@ -20,7 +20,7 @@ struct WorkItem {
   std::vector<FrameReport> dropped_before;  // live pacing: older frames this one replaced
   ImageRgb image;                           // undistorted
   Detections detections;
-  ForegroundGate gate;                 // until segmented
+  ForegroundGate gate;                 // for the second half of the segmentation
   ImageGray mask;                      // the person's pixels; empty when the network sees nobody
   Silhouette silhouette;               // no distances: these are in `frame`
   std::shared_ptr<DeviceFrame> frame;  // on the solver's device; until solved

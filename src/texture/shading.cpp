@@ -25,7 +25,7 @@ constexpr int kRounds = 10;
 constexpr int kSmoothings = 1;
 constexpr int kPartners = 60;          // drawn for every vertex
 constexpr double kSameChroma = 0.06;   // of red and blue by the mean of the three
-constexpr double kNoMaterial = 0.013;  // of 1; what dark pixels tell of their colour is noise
+constexpr double kNoMaterial = 0.013;  // added to the mean, in [0,1]: what dark pixels tell of their colour is noise
 
 // All but the constant.
 Basis basis_at(const Vector3d& n) {
@@ -50,12 +50,14 @@ struct Pair {
 
 std::vector<Pair> pairs_of_one_color(const std::vector<Vector3d>& normals, const std::vector<Vector3d>& colors,
                                      const std::vector<char>& known) {
+  std::vector<Vector2d> chromas;
+  for (const Vector3d& color : colors) chromas.push_back(chroma(color));
   std::vector<Pair> pairs;
   std::mt19937 random(1);
   for (size_t i = 0; i < normals.size(); ++i)
     for (int k = 0; k < kPartners; ++k) {
       const size_t j = random() % normals.size();
-      if (!known[i] || !known[j] || (chroma(colors[j]) - chroma(colors[i])).norm() > kSameChroma) continue;
+      if (!known[i] || !known[j] || (chromas[j] - chromas[i]).norm() > kSameChroma) continue;
       const double light = log_light(colors[j]) - log_light(colors[i]);
       pairs.push_back({basis_at(normals[j]) - basis_at(normals[i]), light});
     }

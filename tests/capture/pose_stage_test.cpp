@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "cloth/hanging_cloth.h"
+#include "livecap/error.h"
 #include "support/builtin_actor.h"
 #include "support/gpu_bodies.h"
 #include "support/pose_scene.h"
@@ -203,6 +205,21 @@ TEST(PoseStage, AgainstANetworkThatInsistsThePictureDecides) {
   test::on_every_device([](ocl::DeviceContext& device) {
     EXPECT_LT(exchanged_feet_mm(device, true, 2), test::kExchangedFeetMm / 2);
     EXPECT_GT(exchanged_feet_mm(device, false, 2), test::kExchangedFeetMm);
+  });
+}
+
+TEST(PoseStage, OptionsAreChecked) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    Seen seen(device);
+    const auto stage_with = [&](float hanging_share, int exchanged_frames) {
+      TrackerOptions options;
+      options.refined_hanging_share = hanging_share;
+      options.max_exchanged_frames = exchanged_frames;
+      PoseStage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
+    };
+    EXPECT_NO_THROW(stage_with(0, 0));
+    for (const float share : {-0.1f, 1.1f, std::nanf("")}) EXPECT_THROW(stage_with(share, 9), ConfigError) << share;
+    EXPECT_THROW(stage_with(1, -1), ConfigError);
   });
 }
 

@@ -139,6 +139,9 @@ inline constexpr double kCollarboneShare = 0.08;
 // polynomial of second order of its logarithm leaves 0.013, with stripes or two materials 0.019, with rough normals
 // 0.013.
 inline constexpr double kShadingLeft = 0.03;
+// What one smoothing leaves of the noise of normals: 0.4 where neighbours had noise of their own, more since they share
+// vertices.
+inline constexpr double kSmoothedNormals = 0.75;
 // Of a chin's weight the head's share, of a heel's the foot's; seen 0.96 to 0.99.
 inline constexpr double kChinAndHeelShare = 0.85;
 // The longest posed edge against the true rig's longest: a torn vertex would be ten times that.

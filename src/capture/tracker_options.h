@@ -76,7 +76,7 @@ struct TrackerOptions {
   float carried_share = 0.9f;
   // Of both stages. On a simulated skirt with true keypoints its mean error was 72 mm with the actor's weights, 54 mm
   // so before anything is fitted; skirts whose weights follow the legs little change little. And with the actor's
-  // weights in stage I a skirt that swings turns the thighs (docs/accuracy.md).
+  // weights in stage I a skirt that swings turns the thighs (docs/experiments.md).
   HangingClothOptions hanging;
   // V^S of hanging cloth in stage II is not where skinning puts it but where it swings to.
   bool simulate_cloth = true;

@@ -1,5 +1,5 @@
 // What monocular networks get wrong about a person's posture, taken out of the 3D keypoints. Over whole sequences with
-// ground truth (docs/accuracy.md), in the person's own frame:
+// ground truth (docs/experiments.md), in the person's own frame:
 //  - the trunk's lean towards the camera or away from it is mostly noise of 7 to 11 degrees, larger than what people
 //    really lean and hardly related to it; only its mean over time is right, and that leans too far forward;
 //  - arms hang too close and too far back, knees are too close and too far back.

@@ -1,7 +1,7 @@
 // Bare skin has no texture that could be matched, but it has shading: how bright a limb is tells how far it is turned
 // towards the light, and so towards or from the camera, which its outline does not. With true normals the tilt of
 // forearms and shins that explains a path-traced picture best is within 5 to 10 degrees of the truth in half of the
-// frames (docs/accuracy.md).
+// frames (docs/experiments.md).
 //
 //   SkinShading shading(device, actor, camera, options);
 //   shading.measure(frame, raster, positions, normals, visible);  // `raster` has rendered `positions`

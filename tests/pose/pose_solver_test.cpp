@@ -402,7 +402,7 @@ TEST(PoseSolver, DefaultWeightsAreTheTermTables) {
   const PoseWeights weights;
   EXPECT_EQ(weights.keypoint_2d, find_term("keypoint_2d")->paper_weight);
   EXPECT_EQ(weights.keypoint_3d, find_term("keypoint_3d")->paper_weight);
-  EXPECT_EQ(weights.silhouette, 4.25 * find_term("pose_silhouette")->paper_weight);  // see docs/accuracy.md
+  EXPECT_EQ(weights.silhouette, 4.25 * find_term("pose_silhouette")->paper_weight);  // see docs/experiments.md
   EXPECT_EQ(weights.temporal, find_term("temporal")->paper_weight);
   EXPECT_EQ(weights.anatomic, 10 * find_term("anatomic")->paper_weight);
 }

@@ -51,7 +51,7 @@ std::vector<Detections> detect_in_views(ocl::DeviceContext& device, const std::s
                                         const std::vector<View>& views, const std::function<bool(int, int)>& progress) {
   detect::PoseDetectorOptions options;
   options.model = model;
-  options.filter = options.keep_sides = options.correct_posture = options.alternate_mirror = false;
+  options.filter = options.keep_sides = options.drop_jumps = options.correct_posture = options.alternate_mirror = false;
   detect::PoseDetector detector(device, options);
   std::vector<Detections> detections(views.size());
   for (size_t i = 0; i < views.size(); ++i) {

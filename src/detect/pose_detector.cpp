@@ -44,6 +44,7 @@ void PoseDetectorOptions::validate() const {
     throw ConfigError(format("heatmap threshold %g must not be negative", double(refine_threshold)));
   if (max_missed_frames < 0) throw ConfigError(format("max_missed_frames %d must not be negative", max_missed_frames));
   sides.validate();
+  jumps.validate();
   posture.validate();
   filter_2d.validate();
   filter_3d.validate();
@@ -67,6 +68,7 @@ void PoseDetector::forget_person() {
   mirrored_ = false;
   mirror_bias_.reset();
   sides_.reset();
+  jumps_.reset();
   for (auto& keypoint : filters_) {
     for (OneEuroFilter& filter : keypoint) filter.reset();
   }
@@ -138,6 +140,11 @@ void PoseDetector::turn_to_camera_axes(const Camera& camera) {
   }
 }
 
+void PoseDetector::drop_jumps(double dt_s, double mm_per_px, Detections& detections) {
+  if (sides_.changed_sides()) jumps_.reset();
+  jumps_.update(options_.jumps, dt_s, mm_per_px, detections.keypoints);
+}
+
 void PoseDetector::filter_keypoints(double dt_s, Detections& detections) {
   const double crop_px = BlazePose::kCropSize / estimate_.crop.side_px;
   const double cm = 0.1;
@@ -177,7 +184,9 @@ Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camer
   detections.keypoints = keypoints_from_landmarks(raw_);
   if (options_.alternate_mirror) mirror_bias_.update(mirrored_, detections.keypoints);
   const double dt_s = time_s > last_time_s_ ? time_s - last_time_s_ : kUsualPeriodS;
-  if (options_.keep_sides) sides_.update(options_.sides, dt_s, kCropMm / estimate_.crop.side_px, detections.keypoints);
+  const double mm_per_px = kCropMm / estimate_.crop.side_px;
+  if (options_.keep_sides) sides_.update(options_.sides, dt_s, mm_per_px, detections.keypoints);
+  if (options_.drop_jumps) drop_jumps(dt_s, mm_per_px, detections);
   if (options_.correct_posture) posture_.update(options_.posture, dt_s, detections.keypoints);
   if (options_.filter) filter_keypoints(dt_s, detections);
   if (options_.mask && options_.lay_mask) {

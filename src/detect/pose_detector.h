@@ -9,6 +9,7 @@
 
 #include "base/image_rgb.h"
 #include "detect/blazepose.h"
+#include "detect/jump_gate.h"
 #include "detect/mirror_bias.h"
 #include "detect/one_euro.h"
 #include "detect/posture.h"
@@ -35,6 +36,8 @@ struct PoseDetectorOptions {
   int max_missed_frames = 5;
   bool keep_sides = true;  // undo sudden exchanges of left and right
   SideTrackerOptions sides;
+  bool drop_jumps = true;  // keypoints that cannot have got there in a frame count as unknown
+  JumpGateOptions jumps;
   bool correct_posture = true;
   PostureOptions posture;
   bool filter = true;  // 1 euro filters on the keypoints
@@ -63,8 +66,8 @@ class PoseDetector {
   // Forgets the person and the filters' past.
   void reset();
 
-  // The network's own landmarks of the last frame (before sides, posture and filters; 3D in camera axes, mm, mid-hip
-  // origin). Empty when nobody was found.
+  // The network's own landmarks of the last frame (before sides, jumps, posture and filters; 3D in camera axes, mm,
+  // mid-hip origin). Empty when nobody was found.
   const std::vector<RawLandmark>& raw_landmarks() const { return raw_; }
 
   // The crop of the last frame's result.
@@ -76,6 +79,7 @@ class PoseDetector {
   bool accept(const ImageRgb& image);
   bool find_person(const ImageRgb& image);
   void turn_to_camera_axes(const Camera& camera);
+  void drop_jumps(double dt_s, double mm_per_px, Detections& detections);
   void filter_keypoints(double dt_s, Detections& detections);
 
   PoseDetectorOptions options_;
@@ -92,6 +96,7 @@ class PoseDetector {
   int search_step_ = 0;     // which window is tried next while nobody is found
   double last_time_s_ = 0;  // of the last frame with the person that is followed; without one, of the last frame
   SideTracker sides_;
+  JumpGate jumps_;
   Posture posture_;
   std::array<std::array<OneEuroFilter, 5>, kKeypointCount> filters_;
 };

@@ -49,6 +49,7 @@ void SideTrackerOptions::validate() const {
 }
 
 bool SideTracker::update(const SideTrackerOptions& options, double dt_s, double mm_per_px, Keypoints& keypoints) {
+  changed_sides_ = false;
   if (!started_) {
     started_ = true;
     agreement_s_[0] = agreement_s_[1] = 0;
@@ -74,6 +75,7 @@ bool SideTracker::update(const SideTrackerOptions& options, double dt_s, double 
     if (agreement_s < -options.change_s) {
       exchange = !exchange;
       agreement_s = options.change_s;
+      changed_sides_ = true;
     }
     any = any || exchange;
     const auto settle_depth = [&](Keypoint k) {

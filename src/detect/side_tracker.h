@@ -29,10 +29,13 @@ class SideTracker {
   // mm_per_px: roughly the size of a pixel at the person, weighs 2D against 3D distances.
   bool update(const SideTrackerOptions& options, double dt_s, double mm_per_px,
               std::array<KeypointDetection, kKeypointCount>& keypoints);
+  // Whether it began to believe the network in the last update: then keypoints lie elsewhere than in the frame before.
+  bool changed_sides() const { return changed_sides_; }
   void reset() { started_ = false; }
 
  private:
   bool started_ = false;
+  bool changed_sides_ = false;
   double agreement_s_[2] = {0, 0};  // arms, legs: time the network agreed minus time it disagreed
   std::array<KeypointDetection, kKeypointCount> last_{};
   std::array<float, kKeypointCount> agreed_z_mm_{};  // depth when the network last agreed

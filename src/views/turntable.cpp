@@ -92,7 +92,7 @@ void use_fitted_angles(const Camera& camera, const std::vector<Detections>& dete
 detect::PoseDetectorOptions detector_options(const std::string& model) {
   detect::PoseDetectorOptions options;
   options.model = model;
-  options.mask = options.filter = options.correct_posture = options.alternate_mirror = false;
+  options.mask = options.filter = options.drop_jumps = options.correct_posture = options.alternate_mirror = false;
   return options;
 }
 

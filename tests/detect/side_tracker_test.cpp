@@ -56,6 +56,7 @@ TEST(SideTracker, BelievesANetworkThatInsists) {
   for (int i = 0; i < 60 && healed < 0; ++i) {
     k = person(i);
     if (!tracker.update({}, kDt, 4, k)) healed = i;
+    EXPECT_EQ(tracker.changed_sides(), healed >= 0) << i;
   }
   EXPECT_GE(healed, 3);
   EXPECT_LE(healed, 10);

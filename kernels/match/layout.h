@@ -37,6 +37,8 @@ typedef struct {
 #define LC_SKIN_LIMBS 8
 // All pixels so far around the vertex are averaged, and must be of skin.
 #define LC_SKIN_RADIUS 2
+// Work-items of a GPU for each vertex.
+#define LC_SKIN_SHARE 32
 
 typedef struct {
   int level;  // matched at: 0 = full resolution
@@ -47,7 +49,29 @@ typedef struct {
   float depth_range_mm;   // pixels of a patch further from the vertex than that belong to something else
 } PatchOptions;
 
-// Vertices of a work-item of a CPU that moves patches.
+// For see_actor.cl: its work-items, which are those of two tiles; and its local memory, in floats.
+#define LC_SEE_GROUP (2 * LC_MATCH_TILE * LC_MATCH_TILE)
+#define LC_SEE_LOCAL (2 * (LC_MATCH_TILE + 2 * LC_MATCH_RADIUS) * (5 * LC_MATCH_TILE + 4 * LC_MATCH_RADIUS))
+// How often its groups wait for each other.
+#define LC_SEE_WAITS 5
+
+typedef struct {
+  float least_moved_px;  // less than what stands in `moved`: nothing is done
+  int n_vertices, n_triangles;
+  int n_skin;       // vertices of skin that are measured
+  int new_picture;  // whether the camera's pyramid is made first
+  int width, height;
+  int cull;
+  int contour_radius_px;
+  float visible_tolerance_mm, contour_tolerance_mm;
+  int texels, texture_width, texture_height;  // see textured_actor
+  float focal_px;
+  float variance_floor;
+  float min_facing, skin_range_mm;  // see skin_brightness
+} SeeOptions;
+
+// Vertices of a work-item of a CPU that moves patches, and work-items of a GPU for each vertex.
 #define LC_MATCH_VERTICES 64
+#define LC_MATCH_SHARE 8
 
 #endif

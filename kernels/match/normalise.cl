@@ -7,14 +7,14 @@
 #include "shared/wide.h"
 
 #if LC_CPU
-typedef float16 pix_t;
-#define LOAD(p) vload16(0, p)
+typedef float16 window_t;
+#define LOAD_PIXELS(p) vload16(0, p)
 #define SUMS_SPACE global
 // Rows of a work-item: windows are summed anew at the first and carried on from there.
 #define BAND LC_MATCH_BAND
 #else
-typedef float pix_t;
-#define LOAD(p) (*(p))
+typedef float window_t;
+#define LOAD_PIXELS(p) (*(p))
 #define SUMS_SPACE local
 // A work-group has TILE x TILE pixels and, at their sides, what their windows reach.
 #define TILE LC_MATCH_TILE
@@ -23,10 +23,10 @@ typedef float pix_t;
 
 // Sums over a window: pixels that count, their light, its square.
 typedef struct {
-  pix_t n, s, ss;
+  window_t n, s, ss;
 } Sums;
 
-static inline void add_row(Sums* sums, pix_t light, pix_t weight) {
+static inline void add_row(Sums* sums, window_t light, window_t weight) {
   sums->n += weight;
   sums->s += light;
   sums->ss += light * light;
@@ -34,25 +34,25 @@ static inline void add_row(Sums* sums, pix_t light, pix_t weight) {
 
 // (light - mean) / sqrt(variance + floor) of neighbouring pixels, 0 where there is nobody. sums: three planes of column
 // sums.
-static inline pix_t normalised(SUMS_SPACE const float* restrict sums, int plane, int radius, pix_t light, pix_t weight,
-                               float variance_floor) {
-  pix_t n = 0.0f, s = 0.0f, ss = 0.0f;
+static inline window_t normalised(SUMS_SPACE const float* restrict sums, int plane, int radius, window_t light,
+                                  window_t weight, float variance_floor) {
+  window_t n = 0.0f, s = 0.0f, ss = 0.0f;
   for (int k = -radius; k <= radius; ++k) {
-    n += LOAD(sums + k);
-    s += LOAD(sums + plane + k);
-    ss += LOAD(sums + 2 * plane + k);
+    n += LOAD_PIXELS(sums + k);
+    s += LOAD_PIXELS(sums + plane + k);
+    ss += LOAD_PIXELS(sums + 2 * plane + k);
   }
-  n = LC_GREATER(n, (pix_t)1.0f);
-  const pix_t mean = s / n;
-  const pix_t unbounded = ss / n - mean * mean;
-  const pix_t variance = LC_GREATER(unbounded, (pix_t)0.0f);
+  n = LC_GREATER(n, (window_t)1.0f);
+  const window_t mean = s / n;
+  const window_t unbounded = ss / n - mean * mean;
+  const window_t variance = LC_GREATER(unbounded, (window_t)0.0f);
   return (light - mean) / sqrt(variance + variance_floor) * weight;
 }
 
 // light, weight: the box of a level, from `at` on. Out: normal = box, likewise, 0 in the margins.
 #if LC_CPU
 
-static inline void remove_row(Sums* sums, pix_t light, pix_t weight) {
+static inline void remove_row(Sums* sums, window_t light, window_t weight) {
   sums->n -= weight;
   sums->s -= light;
   sums->ss -= light * light;
@@ -62,8 +62,8 @@ static inline void remove_row(Sums* sums, pix_t light, pix_t weight) {
 static inline void move_down(Sums* sums, int y, int first, MatchBox box, int radius, global const float* restrict light,
                              global const float* restrict weight) {
   const int enters = (y + radius) * box.width, leaves = (y - radius - 1) * box.width;
-  if (y + radius < box.height) add_row(sums, LOAD(light + enters), LOAD(weight + enters));
-  if (y > first && y - radius - 1 >= 0) remove_row(sums, LOAD(light + leaves), LOAD(weight + leaves));
+  if (y + radius < box.height) add_row(sums, LOAD_PIXELS(light + enters), LOAD_PIXELS(weight + enters));
+  if (y > first && y - radius - 1 >= 0) remove_row(sums, LOAD_PIXELS(light + leaves), LOAD_PIXELS(weight + leaves));
 }
 
 // What a band's first row has in its window before move_down.
@@ -71,7 +71,7 @@ static inline Sums sums_above(int first, MatchBox box, int radius, global const 
                               global const float* restrict weight) {
   Sums sums = {0.0f, 0.0f, 0.0f};
   for (int y = max(first - radius, 0); y < min(first + radius, box.height); ++y)
-    add_row(&sums, LOAD(light + y * box.width), LOAD(weight + y * box.width));
+    add_row(&sums, LOAD_PIXELS(light + y * box.width), LOAD_PIXELS(weight + y * box.width));
   return sums;
 }
 
@@ -116,41 +116,53 @@ kernel void normalise(MatchBox box, int level, int at, float variance_floor, glo
 
 #else
 
-// Over (box.width, box.height).
-kernel __attribute__((reqd_work_group_size(TILE, TILE, 1))) void normalise(MatchBox box, int level, int at,
-                                                                           float variance_floor,
-                                                                           global const float* restrict light,
-                                                                           global const float* restrict weight,
-                                                                           global float* restrict normal) {
-  local float lights[WITH_SIDES * WITH_SIDES], weights[WITH_SIDES * WITH_SIDES];
-  local float sums[3 * TILE * WITH_SIDES];  // over the rows around each of TILE
+// A tile, by TILE * TILE work-items: `id` of them; `there`: whether there is such a tile. near: [NORMALISE_LOCAL].
+#define NORMALISE_LOCAL (WITH_SIDES * (2 * WITH_SIDES + 3 * TILE))
+static inline void normalise_tile(int there, int tile_x, int tile_y, int id, MatchBox box, int level,
+                                  float variance_floor, global const float* restrict light,
+                                  global const float* restrict weight, local float* near,
+                                  global float* restrict normal) {
+  local float* lights = near;
+  local float* weights = lights + WITH_SIDES * WITH_SIDES;
+  local float* sums = weights + WITH_SIDES * WITH_SIDES;  // over the rows around each of TILE
   const int radius = LC_MATCH_RADIUS >> level, margin = LC_MATCH_MARGIN >> level, reach = TILE + 2 * radius;
-  const int id = get_local_id(1) * TILE + get_local_id(0);
-  const int x0 = (int)get_group_id(0) * TILE - radius, y0 = (int)get_group_id(1) * TILE - radius;
-  light += at;
-  weight += at;
-  for (int i = id; i < reach * reach; i += TILE * TILE) {
+  const int x0 = tile_x * TILE - radius, y0 = tile_y * TILE - radius;
+#pragma unroll 7
+  for (int i = id; there && i < reach * reach; i += TILE * TILE) {
     const int x = x0 + i % reach, y = y0 + i / reach;
     const bool inside = x >= 0 && x < box.width && y >= 0 && y < box.height;
     lights[i] = inside ? light[y * box.width + x] : 0.0f;
     weights[i] = inside ? weight[y * box.width + x] : 0.0f;
   }
   barrier(CLK_LOCAL_MEM_FENCE);
-  for (int i = id; i < TILE * reach; i += TILE * TILE) {
+  for (int i = id; there && i < TILE * reach; i += TILE * TILE) {
     Sums column = {0.0f, 0.0f, 0.0f};
+#pragma unroll 5
     for (int k = 0; k <= 2 * radius; ++k) add_row(&column, lights[i + k * reach], weights[i + k * reach]);
     sums[i] = column.n;
     sums[TILE * reach + i] = column.s;
     sums[2 * TILE * reach + i] = column.ss;
   }
   barrier(CLK_LOCAL_MEM_FENCE);
-  const int x = get_global_id(0), y = get_global_id(1);
-  if (x >= box.width || y >= box.height) return;
-  const int here = get_local_id(1) * reach + get_local_id(0) + radius;
-  const int middle = here + radius * reach;
-  const int counts = x >= margin && x < box.width - margin && weights[middle] > 0.0f;
-  normal[at + y * box.width + x] =
-      counts ? normalised(sums + here, TILE * reach, radius, lights[middle], weights[middle], variance_floor) : 0.0f;
+  const int x = tile_x * TILE + id % TILE, y = tile_y * TILE + id / TILE;
+  if (there && x < box.width && y < box.height) {
+    const int here = id / TILE * reach + id % TILE + radius;
+    const int middle = here + radius * reach;
+    const int counts = x >= margin && x < box.width - margin && weights[middle] > 0.0f;
+    normal[y * box.width + x] =
+        counts ? normalised(sums + here, TILE * reach, radius, lights[middle], weights[middle], variance_floor) : 0.0f;
+  }
+}
+
+// Over (box.width, box.height).
+kernel __attribute__((reqd_work_group_size(TILE, TILE, 1))) void normalise(MatchBox box, int level, int at,
+                                                                           float variance_floor,
+                                                                           global const float* restrict light,
+                                                                           global const float* restrict weight,
+                                                                           global float* restrict normal) {
+  local float near[NORMALISE_LOCAL];
+  normalise_tile(1, get_group_id(0), get_group_id(1), get_local_id(1) * TILE + get_local_id(0), box, level,
+                 variance_floor, light + at, weight + at, near, normal + at);
 }
 
 #endif

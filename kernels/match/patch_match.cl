@@ -1,76 +1,11 @@
 // Where the camera's picture shows each visible vertex: 8 x 8 patches of the textured actor are moved, coarse to fine,
 // until they lie on the camera's picture (inverse compositional alignment; Baker and Matthews 2004). On a CPU two
-// patches at a time, a row of each in one vector.
+// patches at a time, a row of each in one vector; on a GPU a patch by eight work-items, a column each.
 #include "match/layout.h"
 #include "shared/plain_math.h"
 
 #define PATCH 8
 #define HALF (PATCH / 2)
-
-#if LC_CPU
-#define TOGETHER 2
-typedef float16 row_t;  // of each patch
-typedef float2 each_t;  // a value of each patch
-typedef int2 each_int_t;
-#define ANY_OF(condition) any(condition)
-#define EACH_INT convert_int2
-#define EACH_REAL convert_float2
-#else
-#define TOGETHER 1
-typedef float8 row_t;
-typedef float each_t;
-typedef int each_int_t;
-#define ANY_OF(condition) (condition)
-#define EACH_INT convert_int
-#define EACH_REAL convert_float
-#endif
-
-typedef struct {
-  int at[TOGETHER];
-} Places;
-
-static inline Places places_of(each_int_t at) {
-#if LC_CPU
-  const Places p = {{at.x, at.y}};
-#else
-  const Places p = {{at}};
-#endif
-  return p;
-}
-
-// Eight pixels of each patch, `by` pixels from its place.
-static inline row_t rows_at(global const float* restrict image, Places p, int by) {
-#if LC_CPU
-  return (float16)(vload8(0, image + p.at[0] + by), vload8(0, image + p.at[1] + by));
-#else
-  return vload8(0, image + p.at[0] + by);
-#endif
-}
-
-static inline row_t along_rows(each_t value) {
-#if LC_CPU
-  return (float16)((float8)value.x, (float8)value.y);
-#else
-  return value;
-#endif
-}
-
-static inline each_t sum_of_rows(row_t v) {
-#if LC_CPU
-  const float8 a = (float8)(v.lo.lo, v.hi.lo) + (float8)(v.lo.hi, v.hi.hi);
-  const float4 b = (float4)(a.lo.lo, a.hi.lo) + (float4)(a.lo.hi, a.hi.hi);
-  return b.even + b.odd;
-#else
-  const float4 a = v.lo + v.hi;
-  const float2 b = a.lo + a.hi;
-  return b.x + b.y;
-#endif
-}
-
-typedef struct {
-  each_t xx, xy, yy;  // sums of gradient products
-  each_t n;           // pixels that count
-} Structure;
 
 typedef struct {
   int width, height;
@@ -83,6 +18,67 @@ typedef struct {
 static inline int has_patch(const Level* level, int x, int y) {
   return x >= HALF + 2 && y >= HALF + 2 && x < level->width - HALF - 2 && y < level->height - HALF - 2;
 }
+
+typedef struct {
+  float xx, xy, yy, n, dx, dy, correlation;
+} Aligned;  // see align()
+
+// out: the vertex's match, of which 7 is there; u, v: its pixel.
+static inline void write_match(Aligned m, PatchOptions options, float u, float v, global float* restrict out) {
+  if (!(m.n > 0.0f) || !(m.correlation >= options.min_correlation)) return;
+  if (!(m.dx * m.dx + m.dy * m.dy <= options.max_move_px * options.max_move_px)) return;
+
+  // S (S + softness)^-1: 1 along directions in which the patch has structure, 0 along those in which it has none.
+  const float sxx = m.xx / m.n, sxy = m.xy / m.n, syy = m.yy / m.n;
+  const float det = (sxx + options.softness) * (syy + options.softness) - sxy * sxy;
+  const float wxx = (sxx * (syy + options.softness) - sxy * sxy) / det;
+  const float wyy = (syy * (sxx + options.softness) - sxy * sxy) / det;
+  const float wxy = options.softness * sxy / det;
+  const float a = sqrt(fmax(wxx, 1e-6f));
+  const float b = wxy / a;
+  const float c = sqrt(fmax(wyy - b * b, 0.0f));
+
+  const float scale = (float)(1 << options.level), wanted = out[LC_MATCH_SEEN_PX];
+  vstore8((float8)(u + m.dx * scale, v + m.dy * scale, a, b, c, m.correlation * wanted, m.correlation, wanted), 0, out);
+}
+
+#if LC_CPU
+#define TOGETHER 2
+typedef float16 row_t;  // of each patch
+typedef float2 each_t;  // a value of each patch
+typedef int2 each_int_t;
+#define ANY_OF(condition) any(condition)
+#define EACH_INT convert_int2
+#define EACH_REAL convert_float2
+
+typedef struct {
+  int at[TOGETHER];
+} Places;
+
+static inline Places places_of(each_int_t at) {
+  const Places p = {{at.x, at.y}};
+  return p;
+}
+
+// Eight pixels of each patch, `by` pixels from its place.
+static inline row_t rows_at(global const float* restrict image, Places p, int by) {
+  return (float16)(vload8(0, image + p.at[0] + by), vload8(0, image + p.at[1] + by));
+}
+
+static inline row_t along_rows(each_t value) {
+  return (float16)((float8)value.x, (float8)value.y);
+}
+
+static inline each_t sum_of_rows(row_t v) {
+  const float8 a = (float8)(v.lo.lo, v.hi.lo) + (float8)(v.lo.hi, v.hi.hi);
+  const float4 b = (float4)(a.lo.lo, a.hi.lo) + (float4)(a.lo.hi, a.hi.hi);
+  return b.even + b.odd;
+}
+
+typedef struct {
+  each_t xx, xy, yy;  // sums of gradient products
+  each_t n;           // pixels that count
+} Structure;
 
 // Rows of the camera's picture moved by fx of a pixel.
 static inline row_t moved_rows(global const float* restrict camera, Places p, int by, row_t fx) {
@@ -174,48 +170,27 @@ static Structure align(const Level* level, each_int_t x, each_int_t y, each_t de
   return s;
 }
 
-typedef struct {
-  float xx, xy, yy, n, dx, dy, correlation;  // see align()
-} Aligned;
+#else
+#include "match/patch_columns.h"
+#endif
 
-// out: the vertex's match, of which 7 is there; u, v: its pixel.
-static inline void write_match(Aligned m, PatchOptions options, float u, float v, global float* restrict out) {
-  if (!(m.n > 0.0f) || !(m.correlation >= options.min_correlation)) return;
-  if (!(m.dx * m.dx + m.dy * m.dy <= options.max_move_px * options.max_move_px)) return;
-
-  // S (S + softness)^-1: 1 along directions in which the patch has structure, 0 along those in which it has none.
-  const float sxx = m.xx / m.n, sxy = m.xy / m.n, syy = m.yy / m.n;
-  const float det = (sxx + options.softness) * (syy + options.softness) - sxy * sxy;
-  const float wxx = (sxx * (syy + options.softness) - sxy * sxy) / det;
-  const float wyy = (syy * (sxx + options.softness) - sxy * sxy) / det;
-  const float wxy = options.softness * sxy / det;
-  const float a = sqrt(fmax(wxx, 1e-6f));
-  const float b = wxy / a;
-  const float c = sqrt(fmax(wyy - b * b, 0.0f));
-
-  const float scale = (float)(1 << options.level), wanted = out[LC_MATCH_SEEN_PX];
-  vstore8((float8)(u + m.dx * scale, v + m.dy * scale, a, b, c, m.correlation * wanted, m.correlation, wanted), 0, out);
-}
-
-// The vertices from `first` on, PATCH_VERTICES at most. box, actor, depth: of the level; camera likewise, from `at` on.
+// box, actor, depth: of the level; camera likewise, from `at` on.
 // areas [n] mm^2 of the template around each vertex; share [n] its factor, 0 = never matched. Out: matches
 // [LC_MATCH*n].
+// Over the vertices: on CPUs LC_MATCH_VERTICES a work-item, on GPUs eight work-items each, a multiple of that a group;
+// sums: one for each of the group.
 #if LC_CPU
-#define PATCH_VERTICES LC_MATCH_VERTICES
-#else
-#define PATCH_VERTICES 1
-#endif
 kernel void match_patches(int n, MatchBox box, PatchOptions options, int at, float focal_px,
                           global const float* restrict positions, global const float* restrict normals,
                           global const int* restrict visible, global const float* restrict projected,
                           global const float* restrict areas, global const float* restrict share,
                           global const float* restrict actor, global const float* restrict depth,
                           global const float* restrict camera, global float* restrict matches) {
-  const int first = (int)get_global_id(0) * PATCH_VERTICES;
+  const int first = (int)get_global_id(0) * LC_MATCH_VERTICES;
   const Level level = {box.width, box.height, actor, depth, camera + at};
-  int vertices[PATCH_VERTICES + TOGETHER], xs[PATCH_VERTICES + TOGETHER], ys[PATCH_VERTICES + TOGETHER];
+  int vertices[LC_MATCH_VERTICES + TOGETHER], xs[LC_MATCH_VERTICES + TOGETHER], ys[LC_MATCH_VERTICES + TOGETHER];
   int n_patches = 0;
-  for (int i = first; i < min(first + PATCH_VERTICES, n); ++i) {
+  for (int i = first; i < min(first + LC_MATCH_VERTICES, n); ++i) {
     global float* out = matches + LC_MATCH * i;
     vstore8((float8)0.0f, 0, out);
     if (!visible[i] || !(share[i] > 0.0f)) continue;
@@ -232,19 +207,26 @@ kernel void match_patches(int n, MatchBox box, PatchOptions options, int at, flo
   }
   for (int k = 0; k < n_patches; k += TOGETHER) {
     each_t dx, dy, correlation;
-#if LC_CPU
     const int a = k, b = min(k + 1, n_patches - 1);
     const float2 z = (float2)(projected[4 * vertices[a] + 3], projected[4 * vertices[b] + 3]);
     const Structure s = align(&level, (int2)(xs[a], xs[b]), (int2)(ys[a], ys[b]), z, options, &dx, &dy, &correlation);
     const Aligned two[2] = {{s.xx.x, s.xy.x, s.yy.x, s.n.x, dx.x, dy.x, correlation.x},
                             {s.xx.y, s.xy.y, s.yy.y, s.n.y, dx.y, dy.y, correlation.y}};
-#else
-    const Structure s = align(&level, xs[k], ys[k], projected[4 * vertices[k] + 3], options, &dx, &dy, &correlation);
-    const Aligned two[1] = {{s.xx, s.xy, s.yy, s.n, dx, dy, correlation}};
-#endif
     for (int j = 0; j < min(TOGETHER, n_patches - k); ++j) {
       const int i = vertices[k + j];
       write_match(two[j], options, projected[4 * i], projected[4 * i + 1], matches + LC_MATCH * i);
     }
   }
 }
+#else
+kernel void match_patches(int n, MatchBox box, PatchOptions options, int at, float focal_px,
+                          global const float* restrict positions, global const float* restrict normals,
+                          global const int* restrict visible, global const float* restrict projected,
+                          global const float* restrict areas, global const float* restrict share,
+                          global const float* restrict actor, global const float* restrict depth,
+                          global const float* restrict camera, global float* restrict matches, local float4* sums) {
+  const Level level = {box.width, box.height, actor, depth, camera + at};
+  match_vertex(get_global_id(0) / PATCH, n, level, options, focal_px, positions, normals, visible, projected, areas,
+               share, sums, matches, box.x, box.y);
+}
+#endif

@@ -176,15 +176,13 @@ kernel void textured_actor(MatchBox box, int level, int width, int height, int t
 
 #else
 
-// Over (box.width, box.height).
-kernel void textured_actor(MatchBox box, int level, int width, int height, int texels, int tw, int th,
-                           global const int* restrict ids, global const float* restrict depth,
-                           global const float* restrict projected, global const int* restrict triangles,
-                           global const float* restrict uvs, global const ushort* restrict texture,
-                           global float* restrict light, global float* restrict weight,
-                           global float* restrict box_depth) {
-  const int bx = get_global_id(0), by = get_global_id(1);
-  if (bx >= box.width || by >= box.height) return;
+// Pixel (bx, by) of the box.
+static inline void draw_texture(int bx, int by, MatchBox box, int level, int width, int height, int texels, int tw,
+                                int th, global const int* restrict ids, global const float* restrict depth,
+                                global const float* restrict projected, global const int* restrict triangles,
+                                global const float* restrict uvs, global const ushort* restrict texture,
+                                global float* restrict light, global float* restrict weight,
+                                global float* restrict box_depth) {
   const int at = by * box.width + bx;
   const int left = box.x + (bx << level), top = box.y + (by << level);
   const int x = left + drawn_at(level), y = top + drawn_at(level);
@@ -201,6 +199,19 @@ kernel void textured_actor(MatchBox box, int level, int width, int height, int t
   light[at] = sample_wrapped(texture + texels, tw, th, u, v);
   weight[at] = 1.0f;
   box_depth[at] = depth[y * width + x];
+}
+
+// Over (box.width, box.height).
+kernel void textured_actor(MatchBox box, int level, int width, int height, int texels, int tw, int th,
+                           global const int* restrict ids, global const float* restrict depth,
+                           global const float* restrict projected, global const int* restrict triangles,
+                           global const float* restrict uvs, global const ushort* restrict texture,
+                           global float* restrict light, global float* restrict weight,
+                           global float* restrict box_depth) {
+  const int bx = get_global_id(0), by = get_global_id(1);
+  if (bx < box.width && by < box.height)
+    draw_texture(bx, by, box, level, width, height, texels, tw, th, ids, depth, projected, triangles, uvs, texture,
+                 light, weight, box_depth);
 }
 
 #endif

@@ -26,6 +26,7 @@ static double4 quat_about(double3 axis, double angle) {
 // The largest of values that are not negative, [n], n a multiple of 4.
 static double largest_of(int n, local const double* values) {
   double4 most = 0.0;
+#pragma unroll 4
   for (int k = 0; k < n; k += 4) {
     const double4 v = vload4(0, values + k);
     most = most < v ? v : most;
@@ -45,6 +46,7 @@ typedef struct {
   local double* before;     // [4*n_dofs]
   local double* bone;       // [4*n_bones]
   local double* keypoints;  // [3*LC_POSE_KEYPOINTS] camera frame, mm
+  local double* start;      // [3*LC_POSE_KEYPOINTS] likewise, of the first pose
   local double* moved_px;   // [LC_POSE_MOVED] since the pose before
 } Chain;
 
@@ -59,7 +61,8 @@ static Chain chain_in(PoseLayout layout, global const double* restrict constants
   c.before = c.joint + 4 * layout.n_dofs;
   c.bone = c.before + 4 * layout.n_dofs;
   c.keypoints = c.bone + 4 * layout.n_bones;
-  c.moved_px = c.keypoints + 3 * LC_POSE_KEYPOINTS;
+  c.start = c.keypoints + 3 * LC_POSE_KEYPOINTS;
+  c.moved_px = c.start + 3 * LC_POSE_KEYPOINTS;
   c.links = (local int*)(c.moved_px + LC_POSE_MOVED);
   for (int i = get_local_id(0); i < LC_POSE_CHAIN_SIZE(layout); i += LC_POSE_GROUP) c.constants[i] = constants[i];
   for (int i = get_local_id(0); i < LC_POSE_LINKS_SIZE(layout); i += LC_POSE_GROUP) c.links[i] = links[i];
@@ -142,21 +145,33 @@ static void write_columns(PoseLayout layout, local const double* state, Chain c,
   }
 }
 
+// The motion of bone b from rest, moved on by `by`: a dual quaternion.
+static float8 bone_motion(int b, double3 by, Chain c) {
+  local const double* bone_from_rest = c.constants + b * LC_POSE_CHAIN_BONE + 3;
+  const double4 turn = vload4(b, c.turn);
+  double4 real = quat_product(turn, vload4(0, bone_from_rest));
+  if (real.w < 0.0) real = -real;
+  const double3 move = by + vload3(b, c.origin) + quat_turn(turn, vload3(0, bone_from_rest + 4));
+  const double4 dual = quat_product((double4)(0.5 * move, 0.0), real);
+  return (float8)(convert_float4(real.wxyz), convert_float4(dual.wxyz));
+}
+
 static void write_bones(PoseLayout layout, Chain c, local float* step) {
   for (int b = first_from(LC_POSE_GROUP / 4); b < layout.n_bones; b += LC_POSE_GROUP) {
-    local const double* bone_from_rest = c.constants + b * LC_POSE_CHAIN_BONE + 3;
-    const double4 turn = vload4(b, c.turn);
-    double4 real = quat_product(turn, vload4(0, bone_from_rest));
-    if (real.w < 0.0) real = -real;
-    const double3 move = vload3(b, c.origin) + quat_turn(turn, vload3(0, bone_from_rest + 4));
-    const double4 dual = quat_product((double4)(0.5 * move, 0.0), real);
-    vstore4(convert_float4(real.wxyz), 2 * b, step + LC_POSE_STEP_DUAL_QUATS(layout));
-    vstore4(convert_float4(dual.wxyz), 2 * b + 1, step + LC_POSE_STEP_DUAL_QUATS(layout));
+    const float8 motion = bone_motion(b, (double3)(0.0, 0.0, 0.0), c);
+    vstore4(motion.lo, 2 * b, step + LC_POSE_STEP_DUAL_QUATS(layout));
+    vstore4(motion.hi, 2 * b + 1, step + LC_POSE_STEP_DUAL_QUATS(layout));
   }
 }
 
-// And how far each keypoint of the actor went in the picture since the last call; infinite for one that is not before
-// the camera.
+// How far keypoint k goes in the picture; infinite where it is not before the camera, 0 where the actor has none.
+static double way_px(PoseLayout layout, float4 camera, int k, Chain c, double3 from, double3 to) {
+  const double2 way = convert_double2(camera.xy) * (to.xy / to.z - from.xy / from.z);
+  const bool seen = c.links[LC_POSE_LINKS_POINTS(layout) + k] >= 0;
+  return !seen ? 0.0 : from.z > 0.0 && to.z > 0.0 ? sqrt(dot(way, way)) : (double)INFINITY;
+}
+
+// And how far each keypoint of the actor went in the picture since the last call.
 static void write_points(PoseLayout layout, float4 camera, local const double* state, Chain c, local float* step) {
   for (int k = first_from(LC_POSE_GROUP / 2); k < LC_POSE_KEYPOINTS + layout.n_soles; k += LC_POSE_GROUP) {
     const double3 point = chain_point(layout, k, c);
@@ -166,9 +181,7 @@ static void write_points(PoseLayout layout, float4 camera, local const double* s
     vstore3(convert_float3(point), 0, step + at);
     if (!is_keypoint) continue;
     const double3 from = vload3(k, c.keypoints), to = point + vload3(0, state + LC_POSE_STATE_ROOT);
-    const double2 way = convert_double2(camera.xy) * (to.xy / to.z - from.xy / from.z);
-    const bool seen = c.links[LC_POSE_LINKS_POINTS(layout) + k] >= 0;
-    c.moved_px[k] = !seen ? 0.0 : from.z > 0.0 && to.z > 0.0 ? sqrt(dot(way, way)) : (double)INFINITY;
+    c.moved_px[k] = way_px(layout, camera, k, c, from, to);
     vstore3(to, k, c.keypoints);
   }
 }

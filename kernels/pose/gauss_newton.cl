@@ -18,6 +18,7 @@
 #include "pose/damped_step.h"
 #include "pose/match_records.cl"
 #include "pose/point_records.cl"
+#include "pose/round_start.h"
 #include "pose/shading_records.cl"
 #include "shared/all_arrived.h"
 //
@@ -74,9 +75,10 @@ static void add_parts(int n, int n_parts, global const float* parts, global floa
 // steps.most steps from the state in the inputs on and the residuals where they end; or, if that is negative, rows,
 // residuals and parts there, by a group for each ROWS rows (without LC_POSE_TAKES_STEPS: at `from`). Rows: point rows,
 // then contour, then matches (two each), then shaded vertices, each kind from a multiple of ROWS on. Other arguments:
-// layout.h and the functions that are called. Out: results: layout.h; J [n_rows*n_columns]; parts
-// [n_parts][n_tiles][8][8] and their sum gram. state: see all_arrived.h. rows: ROWS * n_columns floats; near:
-// LC_POSE_NEAR_SIZE; memory: LC_POSE_LOCAL.
+// layout.h and the functions that are called. Out: results: layout.h; moved: how far a keypoint went, px, -1 after a
+// failure; motions [8*n_bones]: dual quaternions where it ended; J [n_rows*n_columns]; parts [n_parts][n_tiles][8][8]
+// and their sum gram. state: see all_arrived.h; next: of the launch that follows, set to 0. rows: ROWS * n_columns
+// floats; near: LC_POSE_NEAR_SIZE; memory: LC_POSE_LOCAL.
 kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gauss_newton(
     PoseLayout layout, float4 camera, PoseContour contour, float keypoint_huber_px, float match_huber_px,
     float shading_huber, float sqrt_anatomic, PoseInputs at, PoseStepsArg steps, global const float* restrict inputs,
@@ -84,8 +86,8 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
     global const float* restrict limits, global const float* restrict rest, global const float* restrict rest_normals,
     global const float* restrict displacement, global const int* restrict bones, global const float* restrict weights,
     global const float* restrict distance, global const float* restrict from, global float* restrict J,
-    global float* parts, global float* gram, global float* results, volatile global int* state, local float4* rows,
-    local float* near, local real64* memory) {
+    global float* parts, global float* gram, global float* results, volatile global int* state, global float* moved,
+    global float* motions, volatile global int* next, local float4* rows, local float* near, local real64* memory) {
   const int id = get_local_id(0), group = get_group_id(0), n_groups = get_num_groups(0);
   const int n_columns = layout.n_columns, n_point = LC_POSE_POINT_ROWS + layout.n_dofs + layout.n_soles;
   global const int* counts = (global const int*)(inputs + at.counts);
@@ -102,22 +104,29 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
   local float* step = near;
   local float* records = step + LC_POSE_STEP_SIZE(layout);
   local float* of_rows = records + ROWS * LC_POSE_RECORD;
+  local float* targets = of_rows + ROWS;
+  local float* ground = targets + LC_POSE_TARGET * LC_POSE_KEYPOINTS;
+  for (int i = id; i < LC_POSE_TARGET * LC_POSE_KEYPOINTS; i += LC_POSE_GROUP) targets[i] = inputs[at.targets + i];
+  for (int i = id; i < LC_POSE_GROUND_STANDS + layout.n_soles; i += LC_POSE_GROUP) ground[i] = inputs[at.ground + i];
 #if LC_POSE_TAKES_STEPS
   (void)from;
+  if (moved[0] < steps.least_moved_px) return;
   local int given_up, finite[2];
   local double* unknowns = memory;
   local double* chain_memory = unknowns + LC_POSE_STATE_SIZE(layout);
   const Chain chain = chain_in(layout, constants, links, chain_memory);
   int arrived = steps.arrived, together = 1, status = LC_POSE_SOLVED, taken = 0;
-  for (int i = id; i < LC_POSE_STATE_SIZE(layout); i += LC_POSE_GROUP) unknowns[i] = ((global const double*)inputs)[i];
+  global const double* first = (global const double*)(steps.continues ? results : inputs + at.start);
+  for (int i = id; i < LC_POSE_STATE_SIZE(layout); i += LC_POSE_GROUP) unknowns[i] = first[i];
   barrier(CLK_LOCAL_MEM_FENCE);
   while (true) {
     pose_chain(layout, unknowns, chain);
     const double moved_px = write_step(layout, camera, unknowns, chain, step);
+    start_round(taken == 0, layout, steps, inputs + at.soles_before, chain, unknowns, step, targets, ground);
     const int is_last = taken >= steps.most || (taken > 0 && moved_px < steps.settled_px);
     const int counts_rows = !is_last || steps.most < 0;
 #else
-  (void)constants, (void)gram, (void)state, (void)memory;
+  (void)constants, (void)gram, (void)state, (void)memory, (void)moved, (void)motions, (void)next;
   for (int i = id; i < LC_POSE_STEP_SIZE(layout); i += LC_POSE_GROUP) step[i] = from[i];
   barrier(CLK_LOCAL_MEM_FENCE);
   const int counts_rows = 1;
@@ -135,8 +144,8 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
         const Pinhole cam = {camera.x, camera.y, camera.z, camera.w};
         if (id < left && (limit >= 0 || row % LC_POSE_ROWS_PER_KEYPOINT == 0))
           point_records(limit >= 0 ? LC_POSE_KEYPOINTS + limit : row / LC_POSE_ROWS_PER_KEYPOINT, layout, cam,
-                        keypoint_huber_px, first, step, inputs + at.targets, links + LC_POSE_LINKS_POINTS(layout),
-                        limits, inputs + at.ground, sqrt_anatomic, records, of_rows);
+                        keypoint_huber_px, first, step, targets, links + LC_POSE_LINKS_POINTS(layout), limits, ground,
+                        sqrt_anatomic, records, of_rows);
       } else if (kind == 1) {
         if (id < left)
           contour_records(first + id, id, layout, camera, contour, step,
@@ -188,9 +197,23 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
   if (group > 0) return;
   for (int i = id; i < LC_POSE_STATE_SIZE(layout); i += LC_POSE_GROUP) ((global double*)results)[i] = unknowns[i];
   if (id < LC_POSE_COUNTS) told[LC_POSE_RESULT_COUNTS(layout) + id] = counts[id];
+  if (id < LC_POSE_KEYPOINTS) {
+    results[LC_POSE_RESULT_ROOTS_3D(layout) + id] = targets[LC_POSE_TARGET * id + LC_POSE_TARGET_ROOT_3D];
+    chain.moved_px[id] = way_px(layout, camera, id, chain, vload3(id, chain.start), vload3(id, chain.keypoints));
+  }
+  const double3 root = vload3(0, unknowns + LC_POSE_STATE_ROOT);
+  for (int b = first_from(LC_POSE_GROUP / 4); b < layout.n_bones; b += LC_POSE_GROUP)
+    vstore8(bone_motion(b, root, chain), b, motions);
+  barrier(CLK_LOCAL_MEM_FENCE);
   if (id == 0) {
+    const float most = (float)largest_of(LC_POSE_MOVED, chain.moved_px);
     told[LC_POSE_RESULT_TAKEN(layout)] = taken;
     told[LC_POSE_RESULT_STATUS(layout)] = status;
+    told[LC_POSE_RESULT_ROUND(layout)] = steps.round;
+    results[LC_POSE_RESULT_MOVED(layout)] = most;
+    moved[0] = status == LC_POSE_SOLVED ? most : -1.0f;
+    if (next[1]) told[LC_POSE_RESULT_GAVE_UP(layout)] = 1;
+    next[0] = 0;
   }
 #else
   }

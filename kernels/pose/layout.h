@@ -49,6 +49,7 @@
 // One keypoint of the frame, in 12 floats: target u, v (px); target x, y, z (mm); square roots of the 2D, 3D and
 // temporal weights, 0 = no such row; position in the previous frame (mm); unused.
 #define LC_POSE_TARGET 12
+#define LC_POSE_TARGET_ROOT_3D 6
 
 typedef struct {
   int n_dofs;
@@ -69,14 +70,15 @@ typedef struct {
 #define LC_POSE_STEP_SOLES(layout) (LC_POSE_STEP_DUAL_QUATS(layout) + 8 * (layout).n_bones)
 #define LC_POSE_STEP_SIZE(layout) (LC_POSE_STEP_SOLES(layout) + 3 * (layout).n_soles)
 
-// What the rows of a frame are made of, one upload: first the state that gauss_newton.cl starts from, then, where this
-// says, in words, each thing. Vertices are template vertex indices, int. From `counts` on it is chosen by the host or
-// by choose.cl.
+// What the rows of a frame are made of, one upload: where this says, in words, each thing. Vertices are template vertex
+// indices, int. From `counts` on it is chosen by the host or by choose.cl.
 typedef struct {
+  int start;             // [LC_POSE_STATE_SIZE], doubles: the state
   int choice;            // [LC_POSE_CHOICE_NUMBERS], doubles: what choose.cl chooses by
   int lights;            // [2*LC_POSE_LIGHT] likewise
   int targets;           // [LC_POSE_TARGET*LC_POSE_KEYPOINTS]
   int ground;            // [LC_POSE_GROUND_STANDS + n_soles]
+  int soles_before;      // [3*n_soles] camera frame, mm: where they were in the frame before
   int counts;            // [LC_POSE_COUNTS]
   int contour_vertices;  // [n]
   int match_vertices;    // [n]
@@ -139,7 +141,7 @@ typedef struct {
 // Local memory of gauss_newton.cl. In doubles: state, posed chain, damped system.
 #define LC_POSE_MOVED ((LC_POSE_KEYPOINTS + 3) / 4 * 4)
 #define LC_POSE_CHAIN_LOCAL(layout)                                                                                   \
-  (LC_POSE_CHAIN_SIZE(layout) + 11 * (layout).n_bones + 8 * (layout).n_dofs + 3 * LC_POSE_KEYPOINTS + LC_POSE_MOVED + \
+  (LC_POSE_CHAIN_SIZE(layout) + 11 * (layout).n_bones + 8 * (layout).n_dofs + 6 * LC_POSE_KEYPOINTS + LC_POSE_MOVED + \
    (LC_POSE_LINKS_SIZE(layout) + 1) / 2)
 // Rows of the damped system: an even number of unknowns and the right-hand side, rounded up. The kernel has it as
 // LC_POSE_SYSTEM_SIDE.
@@ -149,8 +151,10 @@ typedef struct {
 #endif
 #define LC_POSE_SOLVE_LOCAL(layout) (13 * LC_POSE_SIDE(layout))
 #define LC_POSE_LOCAL(layout) (LC_POSE_STATE_SIZE(layout) + LC_POSE_CHAIN_LOCAL(layout) + LC_POSE_SOLVE_LOCAL(layout))
-// In floats: the step, records and residuals of a group's rows.
-#define LC_POSE_NEAR_SIZE(layout) (LC_POSE_STEP_SIZE(layout) + LC_POSE_GROUP_ROWS * (LC_POSE_RECORD + 1))
+// In floats: the step, records and residuals of a group's rows, targets, ground.
+#define LC_POSE_NEAR_SIZE(layout)                                                                               \
+  (LC_POSE_STEP_SIZE(layout) + LC_POSE_GROUP_ROWS * (LC_POSE_RECORD + 1) + LC_POSE_TARGET * LC_POSE_KEYPOINTS + \
+   LC_POSE_GROUND_STANDS + (layout).n_soles)
 
 // Entries of [J | F]^T [J | F] in gram.cl's tiles.
 #define LC_POSE_GRAM_SIZE(layout) ((layout).n_columns * ((layout).n_columns + 8) / 2)
@@ -164,19 +168,37 @@ typedef struct {
   float damping_largest;
   float max_step_rad;
   float rank_threshold;  // pivots below this share of the largest count as zero
+  int round;             // of those that are launched one after the other
+  int continues;  // whether it starts where the one before ended: the rest as src/pose/pose_solver.cpp prepares it
+  float least_moved_px;  // nothing is done when the one before moved no keypoint so far; it moved -1 where it failed
+  float doubt_mm;        // of 3D detections where it continues, see src/pose/targets.h; 0: none
+  int rests;             // whether soles_before are known
 } PoseStepsArg;
+
+// Rounds at most.
+#define LC_POSE_MOST_ROUNDS 8
+
+// For how sure a sole is to rest (src/pose/floor.cpp): mm above its lowest point; heights and moves in mm at which
+// being at rest is a quarter as sure.
+#define LC_POSE_RESTING_MM 10
+#define LC_POSE_NEAR_MM 30
+#define LC_POSE_STILL_MM 20
 
 #define LC_POSE_SOLVED 0
 #define LC_POSE_RANK_DEFICIENT 1
 #define LC_POSE_NOT_FINITE 2
 // What it says, in words: the state where the steps ended (doubles); how many were begun; LC_POSE_SOLVED or why the
-// last one failed; whether a wait was given up (never reset); the inputs' counts; F^T F before each; the residuals of
-// all rows, then the contour's distances_px.
+// last one failed; whether a wait was given up (never reset); the round; how far a keypoint moved at most, px; the
+// targets' roots of 3D weights; the inputs' counts; F^T F before each; the residuals of all rows, then the contour's
+// distances_px.
 #define LC_POSE_MOST_STEPS 32
 #define LC_POSE_RESULT_TAKEN(layout) (2 * LC_POSE_STATE_SIZE(layout))
 #define LC_POSE_RESULT_STATUS(layout) (LC_POSE_RESULT_TAKEN(layout) + 1)
 #define LC_POSE_RESULT_GAVE_UP(layout) (LC_POSE_RESULT_TAKEN(layout) + 2)
-#define LC_POSE_RESULT_COUNTS(layout) (LC_POSE_RESULT_TAKEN(layout) + 3)
+#define LC_POSE_RESULT_ROUND(layout) (LC_POSE_RESULT_TAKEN(layout) + 3)
+#define LC_POSE_RESULT_MOVED(layout) (LC_POSE_RESULT_TAKEN(layout) + 4)
+#define LC_POSE_RESULT_ROOTS_3D(layout) (LC_POSE_RESULT_TAKEN(layout) + 5)
+#define LC_POSE_RESULT_COUNTS(layout) (LC_POSE_RESULT_ROOTS_3D(layout) + LC_POSE_KEYPOINTS)
 #define LC_POSE_RESULT_ENERGY(layout) (LC_POSE_RESULT_COUNTS(layout) + LC_POSE_COUNTS)
 #define LC_POSE_RESULT_RESIDUALS(layout) (LC_POSE_RESULT_ENERGY(layout) + LC_POSE_MOST_STEPS)
 

@@ -27,9 +27,9 @@ LC_FN void write_point_row(LC_POSE_SPACE float* restrict record, LC_POSE_SPACE f
 // step, targets, ground: see layout.h. bones [LC_POSE_KEYPOINTS + n_soles], -1 for a keypoint without anchor, which has
 // no rows. limits [2*n_dofs] min, max. Out: records [LC_POSE_RECORD * rows], residuals [rows], from row `first` on.
 static inline void point_records(int i, PoseLayout layout, Pinhole cam, float huber_px, int first,
-                                 LC_POSE_SPACE const float* restrict step, global const float* restrict targets,
+                                 LC_POSE_SPACE const float* restrict step, LC_POSE_SPACE const float* restrict targets,
                                  global const int* restrict bones, global const float* restrict limits,
-                                 global const float* restrict ground, float sqrt_anatomic,
+                                 LC_POSE_SPACE const float* restrict ground, float sqrt_anatomic,
                                  LC_POSE_SPACE float* restrict records, LC_POSE_SPACE float* restrict residuals) {
   const Vec3 zero = vec3(0.0f, 0.0f, 0.0f);
 
@@ -57,7 +57,7 @@ static inline void point_records(int i, PoseLayout layout, Pinhole cam, float hu
   const int t_prime_column = layout.n_unknowns - 3;
   LC_POSE_SPACE float* record = records + at * LC_POSE_RECORD;
   LC_POSE_SPACE float* residual = residuals + at;
-  global const float* target = targets + i * LC_POSE_TARGET;
+  LC_POSE_SPACE const float* target = targets + i * LC_POSE_TARGET;
   const int bone = max(bones[i], 0);
   const Vec3 p = LOAD_VEC3(step + LC_POSE_STEP_KEYPOINTS(layout) + 3 * i);
   const Vec3 p_camera = add3(p, LOAD_VEC3(step + LC_POSE_STEP_ROOT(layout)));

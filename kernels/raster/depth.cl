@@ -132,12 +132,9 @@ kernel void raster_depths(int n_triangles, int width, int height, int n_bands, i
 
 #else
 
-// Projects the vertices and clears the picture, LC_RASTER_CLEAR pixels a work-item, over whichever are more. Positive
-// floats order like their bits, so a minimum over uint is a minimum over depth.
-kernel void raster_begin(int n_vertices, int n_pixels, float4 camera, global const float* restrict positions,
-                         global float* restrict projected, global uint* restrict depth, global uint* restrict ids) {
-  const int i = get_global_id(0);
-  if (i < n_vertices) project_lanes(i, n_vertices, camera, positions, projected);
+// Clears LC_RASTER_CLEAR pixels, the i-th so many. Positive floats order like their bits, so a minimum over uint is a
+// minimum over depth.
+static inline void clear_pixels(int i, int n_pixels, global uint* restrict depth, global uint* restrict ids) {
   const int first = LC_RASTER_CLEAR * i, end = min(first + LC_RASTER_CLEAR, n_pixels);
   if (end - first == LC_RASTER_CLEAR) {  // one store each: vstore4 would be four
     *(global uint4*)(depth + first) = (uint4)(as_uint(INFINITY));
@@ -150,15 +147,22 @@ kernel void raster_begin(int n_vertices, int n_pixels, float4 camera, global con
   }
 }
 
-// LC_RASTER_SHARE work-items per triangle, every so many rows each.
-kernel void raster_nearest(int n_triangles, int width, int height, int cull, global const float* restrict projected,
-                           global const int* restrict triangles, global uint* restrict depth) {
-  const int t = get_global_id(0) / LC_RASTER_SHARE;
-  if (t >= n_triangles) return;
+// Projects the vertices and clears the picture, over whichever are more.
+kernel void raster_begin(int n_vertices, int n_pixels, float4 camera, global const float* restrict positions,
+                         global float* restrict projected, global uint* restrict depth, global uint* restrict ids) {
+  const int i = get_global_id(0);
+  if (i < n_vertices) project_lanes(i, n_vertices, camera, positions, projected);
+  clear_pixels(i, n_pixels, depth, ids);
+}
+
+// LC_RASTER_SHARE work-items per triangle, every so many rows each: item < n_triangles * LC_RASTER_SHARE.
+static inline void draw_nearest(int item, int width, int height, int cull, global const float* restrict projected,
+                                global const int* restrict triangles, global uint* restrict depth) {
+  const int t = item / LC_RASTER_SHARE;
   const RasterTriangles tri = raster_triangles(t, width, height, cull, projected, triangles);
   if (!tri.covers) return;
   const RasterTriangle edges = one_triangle(&tri, 0);
-  for (int y = tri.y0 + get_global_id(0) % LC_RASTER_SHARE; y <= tri.y1; y += LC_RASTER_SHARE) {
+  for (int y = tri.y0 + item % LC_RASTER_SHARE; y <= tri.y1; y += LC_RASTER_SHARE) {
     for (int x = tri.x0; x <= tri.x1; ++x) {
       const float z = raster_depth(&edges, (float)x, (float)y);
       if (z < INFINITY) atomic_min(depth + y * width + x, as_uint(z));
@@ -166,21 +170,34 @@ kernel void raster_nearest(int n_triangles, int width, int height, int cull, glo
   }
 }
 
-// Second pass: the lowest triangle that has the winning depth. -1 (all bits set) stays where there is none.
-kernel void raster_ids(int n_triangles, int width, int height, int cull, global const float* restrict projected,
-                       global const int* restrict triangles, global const uint* restrict depth,
-                       global uint* restrict ids) {
-  const int t = get_global_id(0) / LC_RASTER_SHARE;
-  if (t >= n_triangles) return;
+kernel void raster_nearest(int n_triangles, int width, int height, int cull, global const float* restrict projected,
+                           global const int* restrict triangles, global uint* restrict depth) {
+  const int item = get_global_id(0);
+  if (item / LC_RASTER_SHARE < n_triangles) draw_nearest(item, width, height, cull, projected, triangles, depth);
+}
+
+// Second pass, item by item too: the lowest triangle that has the winning depth. -1 (all bits set) stays where there is
+// none.
+static inline void draw_ids(int item, int width, int height, int cull, global const float* restrict projected,
+                            global const int* restrict triangles, global const uint* restrict depth,
+                            global uint* restrict ids) {
+  const int t = item / LC_RASTER_SHARE;
   const RasterTriangles tri = raster_triangles(t, width, height, cull, projected, triangles);
   if (!tri.covers) return;
   const RasterTriangle edges = one_triangle(&tri, 0);
-  for (int y = tri.y0 + get_global_id(0) % LC_RASTER_SHARE; y <= tri.y1; y += LC_RASTER_SHARE) {
+  for (int y = tri.y0 + item % LC_RASTER_SHARE; y <= tri.y1; y += LC_RASTER_SHARE) {
     for (int x = tri.x0; x <= tri.x1; ++x) {
       const float z = raster_depth(&edges, (float)x, (float)y);
       if (z < INFINITY && as_uint(z) == depth[y * width + x]) atomic_min(ids + y * width + x, (uint)t);
     }
   }
+}
+
+kernel void raster_ids(int n_triangles, int width, int height, int cull, global const float* restrict projected,
+                       global const int* restrict triangles, global const uint* restrict depth,
+                       global uint* restrict ids) {
+  const int item = get_global_id(0);
+  if (item / LC_RASTER_SHARE < n_triangles) draw_ids(item, width, height, cull, projected, triangles, depth, ids);
 }
 
 #endif

@@ -8,9 +8,9 @@
 #include "shared/lanes.h"
 
 #if LC_CPU
-typedef float8 pix_t;
+typedef float8 edge_t;
 #else
-typedef float pix_t;
+typedef float edge_t;
 #endif
 
 // Of one triangle (float) or of several (REAL). Edge k lies opposite corner k, positive inside; depths in mm.
@@ -108,17 +108,17 @@ static inline RasterTriangle one_triangle(const RasterTriangles* tri, int k) {
 }
 
 // Depth (mm) of the triangle at pixel (px, py), perspective-correct; INFINITY outside.
-static inline pix_t raster_depth(const RasterTriangle* tri, pix_t px, float py) {
-  const pix_t e0 = fma((pix_t)(-tri->dy[0]), px - tri->ax[0], (pix_t)(tri->dx[0] * (py - tri->ay[0])));
-  const pix_t e1 = fma((pix_t)(-tri->dy[1]), px - tri->ax[1], (pix_t)(tri->dx[1] * (py - tri->ay[1])));
-  const pix_t e2 = fma((pix_t)(-tri->dy[2]), px - tri->ax[2], (pix_t)(tri->dx[2] * (py - tri->ay[2])));
-  const pix_t sum = e0 + e1 + e2;
-  const pix_t weighted = fma(e0, (pix_t)tri->inv_z[0], fma(e1, (pix_t)tri->inv_z[1], e2 * (pix_t)tri->inv_z[2]));
-  const pix_t near_z = tri->near_z, far_z = tri->far_z;
-  const pix_t quotient = sum / weighted;  // a number inside
-  const pix_t not_nearer = quotient > near_z ? quotient : near_z;
-  const pix_t z = not_nearer < far_z ? not_nearer : far_z;
-  return select((pix_t)INFINITY, z, (e0 >= 0.0f) & (e1 >= 0.0f) & (e2 >= 0.0f) & (sum > 0.0f));
+static inline edge_t raster_depth(const RasterTriangle* tri, edge_t px, float py) {
+  const edge_t e0 = fma((edge_t)(-tri->dy[0]), px - tri->ax[0], (edge_t)(tri->dx[0] * (py - tri->ay[0])));
+  const edge_t e1 = fma((edge_t)(-tri->dy[1]), px - tri->ax[1], (edge_t)(tri->dx[1] * (py - tri->ay[1])));
+  const edge_t e2 = fma((edge_t)(-tri->dy[2]), px - tri->ax[2], (edge_t)(tri->dx[2] * (py - tri->ay[2])));
+  const edge_t sum = e0 + e1 + e2;
+  const edge_t weighted = fma(e0, (edge_t)tri->inv_z[0], fma(e1, (edge_t)tri->inv_z[1], e2 * (edge_t)tri->inv_z[2]));
+  const edge_t near_z = tri->near_z, far_z = tri->far_z;
+  const edge_t quotient = sum / weighted;  // a number inside
+  const edge_t not_nearer = quotient > near_z ? quotient : near_z;
+  const edge_t z = not_nearer < far_z ? not_nearer : far_z;
+  return select((edge_t)INFINITY, z, (e0 >= 0.0f) & (e1 >= 0.0f) & (e2 >= 0.0f) & (sum > 0.0f));
 }
 
 #endif

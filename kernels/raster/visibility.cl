@@ -93,6 +93,21 @@ static inline int is_at_outline(int x, int y, float z, int width, int height, in
 #endif
   int outside = 0;
   float farthest = 0.0f;  // of the rendered pixels
+#if !LC_CPU
+  for (int dv = -radius_px; dv <= radius_px; ++dv) {
+    const int v = clamp(y + dv, 0, height - 1);
+#pragma unroll 5
+    for (int du = -radius_px; du <= radius_px; ++du) {  // loaded whether it counts or not: no look waits for another
+      const int u = clamp(x + du, 0, width - 1);
+      const float d = depth[v * width + u];
+      const int counts = u == x + du && v == y + dv && du * du + dv * dv <= radius_px * radius_px;
+      const int drawn = d < INFINITY;
+      outside |= counts && !drawn;
+      farthest = counts && drawn && d > farthest ? d : farthest;
+    }
+  }
+  return outside && (farthest == 0.0f || z <= farthest + tolerance_mm) ? 1 : 0;
+#endif
   for (int dv = -radius_px; dv <= radius_px; ++dv) {
     for (int du = -radius_px; du <= radius_px; ++du) {
       const int u = x + du;
@@ -124,12 +139,24 @@ static inline LaneInt contour_lanes(int first, int n, int width, int height, int
   if (ANY_LANE(q.is_in_image)) {
     const LaneInt begin = gather_int(fan_offsets, i), end = gather_int(fan_offsets, i + 1), none = 0;
     LaneInt front = 0, back = 0;
+#if LC_CPU
     for (LaneInt k = begin; ANY_LANE(k < end); k += 1) {
       const LaneInt is_one = k < end;
       const LaneInt side = face_side(gather_int(fan_triangles, is_one ? k : none), projected, faces);
       front |= is_one && side > 0;
       back |= is_one && side < 0;
     }
+#else
+    (void)none;
+    for (int first = begin; first < end; first += 4) {
+#pragma unroll
+      for (int k = 0; k < 4; ++k) {  // loaded at once; those beyond the last are the last again
+        const int side = face_side(fan_triangles[min(first + k, end - 1)], projected, faces);
+        front |= side > 0;
+        back |= side < 0;
+      }
+    }
+#endif
     const LaneInt candidate = gather_int(candidates, i);
     const LaneInt bends = q.is_in_image && candidate >= 0 && ((front && back) || (candidate > 0 && (front || back)));
 #if LC_CPU

@@ -20,17 +20,23 @@ static inline DualQuat blended_motion(LaneInt i, global const int* restrict bone
   return sum;
 }
 
+// See skin_vertices; the lanes from vertex `first` < n on.
+static inline void skin_lanes(int first, int n, global const float* restrict rest,
+                              global const float* restrict displacement, global const int* restrict bones,
+                              global const float* restrict weights, global const float* restrict dual_quats,
+                              global float* restrict out) {
+  const LaneInt i = lane_rows(first, n);
+  const Vec3 p = add3(gather_vec3(rest, i), gather_vec3(displacement, i));
+  store_vec3(dual_quat_transform(blended_motion(i, bones, weights, dual_quats), p), out, first, n);
+}
+
 // out = DQS(rest + displacement). All [3n] mm.
 kernel void skin_vertices(int n, global const float* restrict rest, global const float* restrict displacement,
                           global const int* restrict bones,         // [4n]
                           global const float* restrict weights,     // [4n]
                           global const float* restrict dual_quats,  // [8 n_bones]
                           global float* restrict out) {
-  const int first = FIRST_ROW;
-  if (first >= n) return;
-  const LaneInt i = lane_rows(first, n);
-  const Vec3 p = add3(gather_vec3(rest, i), gather_vec3(displacement, i));
-  store_vec3(dual_quat_transform(blended_motion(i, bones, weights, dual_quats), p), out, first, n);
+  if (FIRST_ROW < n) skin_lanes(FIRST_ROW, n, rest, displacement, bones, weights, dual_quats, out);
 }
 
 // out = share R^-1 (deformed - skinned), R the blended rotation. All [3n] mm.
@@ -101,18 +107,33 @@ kernel void vertex_normals(int n, global const float* restrict areas,  // [4*n_t
 
 #else
 
+// See vertex_normals; of vertex i.
+static inline void normal_of_vertex(int i, int n, global const float* restrict positions,
+                                    global const int* restrict fan_offsets, global const int* restrict fan_triangles,
+                                    global float* restrict out) {
+  Vec3 sum = vec3(0.0f, 0.0f, 0.0f);
+  const int end = fan_offsets[i + 1];
+  for (int first = fan_offsets[i]; first < end; first += 4) {
+    Vec3 areas[4];  // loaded at once; those beyond the last are the last again
+#pragma unroll
+    for (int k = 0; k < 4; ++k) {
+      const int3 corners = vload3(min(first + k, end - 1), fan_triangles);
+      areas[k] = doubled_area(gather_vec3(positions, corners.x), gather_vec3(positions, corners.y),
+                              gather_vec3(positions, corners.z));
+    }
+#pragma unroll
+    for (int k = 0; k < 4; ++k)
+      if (first + k < end) sum = add3(sum, areas[k]);
+  }
+  store_unit(sum, out, i, n);
+}
+
 kernel void vertex_normals(int n, global const float* restrict positions,
                            global const int* restrict fan_offsets,    // [n+1]
                            global const int* restrict fan_triangles,  // [3 fan_offsets[n]] corners
                            global float* restrict out) {
   const int i = get_global_id(0);
-  if (i >= n) return;
-  Vec3 sum = vec3(0.0f, 0.0f, 0.0f);
-  for (int f = fan_offsets[i]; f < fan_offsets[i + 1]; ++f)
-    sum = add3(sum, doubled_area(gather_vec3(positions, fan_triangles[3 * f]),
-                                 gather_vec3(positions, fan_triangles[3 * f + 1]),
-                                 gather_vec3(positions, fan_triangles[3 * f + 2])));
-  store_unit(sum, out, i, n);
+  if (i < n) normal_of_vertex(i, n, positions, fan_offsets, fan_triangles, out);
 }
 
 #endif

@@ -1,6 +1,7 @@
 #include "capture/pose_stage.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -52,6 +53,7 @@ PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camer
       visibility_(visibility),
       matcher_(device, actor, camera, options.match),
       shading_(device, actor, camera, options.shading),
+      sight_(device, camera, skinner_, rasterizer, visibility, matcher_, shading_),
       floor_(actor, options.floor, measured_floor(camera)),
       solver_(device, actor, skin_, camera, options.pose),
       zero_(device, size_t(3) * actor.n_vertices()),
@@ -78,7 +80,23 @@ bool PoseStage::shading(const PoseStageInput& input) const {
 }
 
 void PoseStage::set_picture(const PoseStageInput& input) {
-  if (matches(input)) matcher_.set_picture(input.frame, input.silhouette.box);
+  if (!matches(input)) return;
+  picture_due_ = true;
+  if (looks_ahead(input)) {
+    matcher_.set_box(input.frame, input.silhouette.box);
+  } else {
+    find_picture(input);
+  }
+}
+
+void PoseStage::find_picture(const PoseStageInput& input) {
+  if (picture_due_) matcher_.set_picture(input.frame, input.silhouette.box);
+  picture_due_ = false;
+}
+
+// Whether all rounds are launched before the first is over.
+bool PoseStage::looks_ahead(const PoseStageInput& input) const {
+  return sight_.usable() && solver_.chooses() && matches(input) && options_.match_levels.size() <= LC_POSE_MOST_ROUNDS;
 }
 
 void PoseStage::reset() {
@@ -127,7 +145,8 @@ void PoseStage::find_contour_and_visible(const Pose& pose, bool refining) {
   }
 }
 
-void PoseStage::find_matches(int level, bool refining) {
+void PoseStage::find_matches(const PoseStageInput& input, int level, bool refining) {
+  find_picture(input);
   matcher_.match(rasterizer_, skinned_, normals_, visibility_.visible(), refining ? refined_share_ : matched_share_,
                  level);
 }
@@ -136,6 +155,11 @@ void PoseStage::find_matches(int level, bool refining) {
 // nothing to match.
 PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, const Detections& detections,
                                                const Pose& initial, const Pose* previous, int first_round) {
+  if (looks_ahead(input)) {
+    std::optional<Solution> ahead = solve_ahead(input, detections, initial, previous, first_round);
+    if (ahead) return std::move(*ahead);
+    picture_due_ = true;  // it may have been in vain
+  }
   const int n_levels = matches(input) ? int(options_.match_levels.size()) : 0;
   Solution solution;
   solution.pose.pose = initial;
@@ -153,24 +177,90 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
     } else {
       find_contour(input, from);
     }
-    if (n_levels > 0) find_matches(level, refining);
+    if (n_levels > 0) find_matches(input, level, refining);
     if (shades) shading_.measure(input.frame, rasterizer_, skinned_, normals_, visibility_.visible());
-    const bool has_contour = !input.silhouette.empty();
-    PoseInput solve{.detections = detections,
-                    .initial = from,
-                    .previous = previous,
-                    .frame = has_contour ? &input.frame : nullptr,
-                    .floor = floor_.floor(),
-                    .arms_3d = refining ? options_.refined_arms_3d : 1,
-                    .doubt_3d_mm = refining ? options_.refined_doubt_3d_mm : 0,
-                    .n_steps = previous ? options_.pose.steps : options_.pose.first_steps,
-                    .settled_px = level == 0 ? options_.settled_last_step_px : options_.settled_step_px};
+    PoseInput solve = round_input(input, detections, from, previous, level, refining);
     solution.pose = solver_.chooses() ? solve_seen(solve, n_levels > 0, shades, solution.skin)
                                       : solve_read(solve, n_levels > 0, shades, solution.skin);
-    solution.cost = solution.pose.energy.total() +
-                    options_.pose.weights.match * solution.pose.missed_weight * options_.missed_px * options_.missed_px;
+    solution.cost = cost_of(solution.pose);
   }
   return solution;
+}
+
+PoseInput PoseStage::round_input(const PoseStageInput& input, const Detections& detections, const Pose& initial,
+                                 const Pose* previous, int level, bool refining) const {
+  return {.detections = detections,
+          .initial = initial,
+          .previous = previous,
+          .frame = input.silhouette.empty() ? nullptr : &input.frame,
+          .floor = floor_.floor(),
+          .arms_3d = refining ? options_.refined_arms_3d : 1,
+          .doubt_3d_mm = refining ? options_.refined_doubt_3d_mm : 0,
+          .n_steps = previous ? options_.pose.steps : options_.pose.first_steps,
+          .settled_px = level == 0 ? options_.settled_last_step_px : options_.settled_step_px};
+}
+
+// The same rounds on a GPU that decides between them by itself; the host waits once. Nothing where that did not work.
+std::optional<PoseStage::Solution> PoseStage::solve_ahead(const PoseStageInput& input, const Detections& detections,
+                                                          const Pose& initial, const Pose* previous, int first_round) {
+  const std::vector<int>& levels = options_.match_levels;
+  const int n_rounds = int(levels.size()) - first_round;
+  const bool has_skin = shading(input);
+  SeenVertices known;
+  known.match_area_px = matcher_.weight_area_px();
+  if (has_skin) known.skin = shading_.seen();
+  const auto refines = [&](int round) { return round >= int(levels.size()) - options_.refining_rounds; };
+  std::vector<PoseInput> inputs;
+  std::vector<PoseSolver::Round> rounds;
+  inputs.reserve(n_rounds);
+  for (int round = first_round; round < int(levels.size()); ++round) {
+    const int level = levels[round];
+    const bool again = round > first_round && level == levels[round - 1] && refines(round) == refines(round - 1);
+    inputs.push_back(round_input(input, detections, initial, previous, level, refines(round)));
+    rounds.push_back({&inputs.back(), again ? options_.settled_round_px * (1 << level) : 0});
+  }
+  if (rounds.empty()) return std::nullopt;
+  const PoseSystem& system = solver_.system();
+  solver_.start_rounds(initial);
+  bool shades = false;
+  for (int k = 0; k < n_rounds; ++k) {
+    const int level = levels[first_round + k];
+    const bool refining = refines(first_round + k), shades_now = has_skin && level == 0;
+    shades = shades || shades_now;
+    sight_.look({.level = level,
+                 .new_picture = std::exchange(picture_due_, false),
+                 .shades = shades_now,
+                 .frame = input.frame,
+                 .motions = system.motions(),
+                 .displacement = zero_,
+                 .share = refining ? refined_share_ : matched_share_,
+                 .candidates = refining ? &refining_candidates_ : nullptr,
+                 .skinned = skinned_,
+                 .normals = normals_,
+                 .moved = system.moved(),
+                 .least_moved_px = k > 0 ? float(rounds[k].least_moved_px) : -INFINITY,
+                 .state = system.look_state(),
+                 .next = system.steps_state()});
+    if (k == 0 && !solver_.begin_rounds(rounds, known)) return std::nullopt;  // while the device looks
+    SeenVertices seen = known;
+    seen.contour = &visibility_.contour();
+    seen.matches = &matcher_.matches();
+    if (!shades_now) seen.skin.samples = nullptr;
+    solver_.launch_round(k, seen);
+  }
+  if (shades) shading_.read_later();
+  std::optional<PoseResult> result = solver_.finish_rounds();
+  if (!result || result->status != SolveStatus::kOk) return std::nullopt;
+  Solution solution;
+  solution.pose = std::move(*result);
+  solution.cost = cost_of(solution.pose);
+  if (shades) solution.skin = shading_.samples();
+  return solution;
+}
+
+double PoseStage::cost_of(const PoseResult& pose) const {
+  return pose.energy.total() +
+         options_.pose.weights.match * pose.missed_weight * options_.missed_px * options_.missed_px;
 }
 
 // With the vertices that the device chooses of what it has found. skin: what was seen of it.

@@ -2,6 +2,7 @@
 // and what is tried beside the predicted pose where that may have led to the wrong place.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "actor/actor.h"
@@ -10,6 +11,7 @@
 #include "image/device_frame.h"
 #include "image/silhouette.h"
 #include "livecap/camera.h"
+#include "match/actor_sight.h"
 #include "match/skin_shading.h"
 #include "match/texture_matcher.h"
 #include "pose/floor.h"
@@ -64,6 +66,13 @@ class PoseStage {
   Solution solve_in_rounds(const PoseStageInput& input, const Detections& detections, const Pose& initial,
                            const Pose* previous, int first_round = 0);
   Solution solve_anew(const PoseStageInput& input);
+  std::optional<Solution> solve_ahead(const PoseStageInput& input, const Detections& detections, const Pose& initial,
+                                      const Pose* previous, int first_round);
+  bool looks_ahead(const PoseStageInput& input) const;
+  PoseInput round_input(const PoseStageInput& input, const Detections& detections, const Pose& initial,
+                        const Pose* previous, int level, bool refining) const;
+  double cost_of(const PoseResult& pose) const;
+  void find_picture(const PoseStageInput& input);
   PoseResult solve_seen(PoseInput& solve, bool matches, bool shades, std::vector<SkinSample>& skin);
   PoseResult solve_read(PoseInput& solve, bool matches, bool shades, std::vector<SkinSample>& skin);
   void find_contour(const PoseStageInput& input, const Pose& pose);
@@ -71,7 +80,7 @@ class PoseStage {
   bool matches(const PoseStageInput& input) const;
   bool shading(const PoseStageInput& input) const;
   void find_contour_and_visible(const Pose& pose, bool refining);
-  void find_matches(int level, bool refining);
+  void find_matches(const PoseStageInput& input, int level, bool refining);
   void try_anew(const PoseStageInput& input, Solution& best);
   void try_exchanged_legs(const PoseStageInput& input, const Pose& predicted, const Pose& previous,
                           const std::vector<KeypointDetections>& alternatives, Solution& best);
@@ -94,6 +103,8 @@ class PoseStage {
   SurfaceVisibility& visibility_;
   TextureMatcher matcher_;
   SkinShading shading_;
+  ActorSight sight_;
+  bool picture_due_ = false;  // the matcher does not have the frame's picture yet
   FloorFinder floor_;
   PoseSolver solver_;
   ocl::Buffer<float> zero_;                   // [3n] always zero

@@ -51,6 +51,7 @@ SkinShading::SkinShading(ocl::DeviceContext& device, const Actor& actor, const C
       width_(camera.width),
       height_(camera.height),
       focal_px_(float((camera.fx + camera.fy) / 2)),
+      is_cpu_(device.is_cpu()),
       lights_{SkinLight(options.light), SkinLight(options.light)} {
   options.validate();
   const std::vector<int> limb_of_bone = long_limbs(actor.skeleton);
@@ -87,20 +88,24 @@ void SkinShading::measure(const DeviceFrame& frame, const DepthRasterizer& raste
     throw LogicError(
         format("shading: frame is %d x %d, the camera %d x %d", frame.width, frame.height, width_, height_));
   const int n = int(skin_.size());
-  struct {
-    float red_blue[4];
-  } tints;
-  struct {
-    float of[2];
-  } off_tint;
+  const Tints tint = tints();
+  const auto launch = [&](size_t n_items, const auto&... more) {
+    kernel_.launch(n_items, kLocal, n, width_, height_, focal_px_, options_.min_facing, options_.depth_range_mm,
+                   tint.red_blue, tint.off, vertices_, limbs_, albedo_, areas_, is_skin_, positions, normals, visible,
+                   raster.projected(), raster.triangle_ids(), raster.depth(), raster.triangles(), frame.signed_distance,
+                   frame.rgb, samples_, more...);
+  };
+  if (is_cpu_) return launch(n);
+  launch(size_t(LC_SKIN_SHARE) * n, ocl::LocalMemory{4 * sizeof(float) * kLocal});
+}
+
+SkinShading::Tints SkinShading::tints() const {
+  Tints tints{};
   for (int i = 0; i < 2; ++i) {
-    for (int k = 0; k < 2; ++k) tints.red_blue[2 * i + k] = float(lights_[i].tint()[k]);
-    off_tint.of[i] = float(lights_[i].off_tint());
+    for (int k = 0; k < 2; ++k) tints.red_blue.of[2 * i + k] = float(lights_[i].tint()[k]);
+    tints.off.of[i] = float(lights_[i].off_tint());
   }
-  kernel_.launch(n, kLocal, n, width_, height_, focal_px_, options_.min_facing, options_.depth_range_mm, tints,
-                 off_tint, vertices_, limbs_, albedo_, areas_, is_skin_, positions, normals, visible,
-                 raster.projected(), raster.triangle_ids(), raster.depth(), raster.triangles(), frame.signed_distance,
-                 frame.rgb, samples_);
+  return tints;
 }
 
 std::vector<SkinSample> SkinShading::read() {

@@ -48,6 +48,17 @@ class SkinShading {
   void measure(const DeviceFrame& frame, const DepthRasterizer& raster, const ocl::Buffer<float>& positions,
                const ocl::Buffer<float>& normals, const ocl::Buffer<int32_t>& visible);
 
+  // Of skin in either light, red and blue, and how far from these something else begins: as kernels take them.
+  struct Tints {
+    struct {
+      float of[4];
+    } red_blue;
+    struct {
+      float of[2];
+    } off;
+  };
+  Tints tints() const;
+
   // What was measured last. Blocking.
   std::vector<SkinSample> read();
   // In two parts: samples() once a blocking read through the same queue has come after read_later().
@@ -68,6 +79,7 @@ class SkinShading {
   void forget();
 
  private:
+  friend class ActorSight;  // does the same in one launch with more
   struct SkinVertex {
     int32_t vertex;
     int bone;   // its strongest
@@ -78,6 +90,7 @@ class SkinShading {
   SkinShadingOptions options_;
   int width_, height_;
   float focal_px_;
+  bool is_cpu_;
   std::vector<SkinVertex> skin_;
   std::array<SkinLight, 2> lights_;  // on arms; on legs, which stand in the shadow of clothes
   std::vector<float> host_;

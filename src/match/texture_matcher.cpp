@@ -111,8 +111,9 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
   texture_ = {device, texels};
   uvs_ = {device, uvs};
   areas_ = {device, vertex_areas(actor.mesh)};
-  light_ = {device, pyramid_size(w, h)};
-  weight_ = {device, pyramid_size(w, h)};
+  const size_t beside = is_cpu_ ? 0 : box;  // ActorSight keeps the actor behind the camera's pyramid
+  light_ = {device, pyramid_size(w, h) + beside};
+  weight_ = {device, pyramid_size(w, h) + beside};
   if (is_cpu_) sums_ = {device, 3 * box};
   actor_ = {device, box};
   depth_ = {device, box};
@@ -148,7 +149,7 @@ void TextureMatcher::normalise(int level, int offset, ocl::Buffer<float>& normal
   }
 }
 
-void TextureMatcher::set_picture(const DeviceFrame& frame, const PixelBox& person) {
+void TextureMatcher::set_box(const DeviceFrame& frame, const PixelBox& person) {
   if (!usable()) return;
   if (frame.width != width_ || frame.height != height_)
     throw LogicError(format("match: frame is %d x %d, the camera %d x %d", frame.width, frame.height, width_, height_));
@@ -159,6 +160,11 @@ void TextureMatcher::set_picture(const DeviceFrame& frame, const PixelBox& perso
         format("match: the person's box ends at %d, %d of %d x %d", person.x1, person.y1, width_, height_));
   box_ = {person.x0 - kBeyond, person.y0 - kBeyond, int(round_up(person.width() + 2 * kBeyond, kWidthStep)),
           int(round_up(person.height() + 2 * kBeyond, 4))};
+}
+
+void TextureMatcher::set_picture(const DeviceFrame& frame, const PixelBox& person) {
+  set_box(frame, person);
+  if (box_.width == 0) return;
   camera_picture_.launch(ocl::Range{size_t(box_.width / 16), size_t(box_.height), 1, 1}, box_, width_, height_,
                          frame.rgb, frame.signed_distance, light_, weight_);
   for (int level = 0; level <= LC_MATCH_LEVELS; ++level) {
@@ -188,16 +194,24 @@ void TextureMatcher::match(const DepthRasterizer& raster, const ocl::Buffer<floa
                          texture.height, raster.triangle_ids(), raster.depth(), raster.projected(), raster.triangles(),
                          uvs_, texture_, light_, weight_, depth_);
   normalise(level, 0, actor_);
-  const PatchOptions patch{level,
-                           options_.iterations,
-                           options_.softness,
-                           options_.max_move_px,
-                           options_.min_correlation,
-                           options_.depth_range_mm};
-  const size_t blocks = (n_vertices_ + LC_MATCH_VERTICES - 1) / LC_MATCH_VERTICES;
-  match_patches_.launch(is_cpu_ ? blocks : n_vertices_, is_cpu_ ? 1 : kLocal, n_vertices_, box, patch,
-                        level_offset(level), focal_px_, positions, normals, visible, raster.projected(), areas_, share,
-                        actor_, depth_, camera_, matches_);
+  if (is_cpu_) {
+    match_patches_.launch((n_vertices_ + LC_MATCH_VERTICES - 1) / LC_MATCH_VERTICES, 1, n_vertices_, box,
+                          patch_options(level), level_offset(level), focal_px_, positions, normals, visible,
+                          raster.projected(), areas_, share, actor_, depth_, camera_, matches_);
+  } else {
+    match_patches_.launch(size_t(LC_MATCH_SHARE) * n_vertices_, kLocal, n_vertices_, box, patch_options(level),
+                          level_offset(level), focal_px_, positions, normals, visible, raster.projected(), areas_,
+                          share, actor_, depth_, camera_, matches_, ocl::LocalMemory{4 * sizeof(float) * kLocal});
+  }
+}
+
+PatchOptions TextureMatcher::patch_options(int level) const {
+  return {level,
+          options_.iterations,
+          options_.softness,
+          options_.max_move_px,
+          options_.min_correlation,
+          options_.depth_range_mm};
 }
 
 Matches TextureMatcher::read() {

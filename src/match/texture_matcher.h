@@ -51,6 +51,8 @@ class TextureMatcher {
 
   // person: the box around the silhouette. Enqueued, nothing blocks. Throws LogicError for a frame of another size.
   void set_picture(const DeviceFrame& frame, const PixelBox& person);
+  // The same without looking at the picture, for ActorSight.
+  void set_box(const DeviceFrame& frame, const PixelBox& person);
 
   // raster: rendered the positions. positions, normals [3*n_vertices] mm and unit, camera frame; visible [n_vertices];
   // share [n_vertices]: factor of each vertex's weight, 0 = not wanted. level: pictures of 2^-level of the resolution,
@@ -68,8 +70,10 @@ class TextureMatcher {
   float weight_area_px() const { return options_.weight_area_px; }
 
  private:
+  friend class ActorSight;  // does the same in one launch with more
   MatchBox level_box(int level) const;
   int level_offset(int level) const;
+  PatchOptions patch_options(int level) const;
   void normalise(int level, int offset, ocl::Buffer<float>& normal);
 
   MatchOptions options_;

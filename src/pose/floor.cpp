@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "livecap/error.h"
+#include "pose/layout.h"
 #include "pose/targets.h"
 
 namespace livecap {
@@ -21,9 +22,7 @@ constexpr Foot kFeet[] = {{kLeftAnkle, "left_ankle"}, {kRightAnkle, "right_ankle
 constexpr int kPointsPerSole = 6;
 constexpr double kSoleMm = 12;      // above the lowest vertex of a foot
 constexpr float kOwnWeight = 0.9f;  // of a vertex that moves with its foot
-constexpr double kRestingMm = 10;   // above the lowest point of a sole
-constexpr double kNearMm = 30;      // heights and moves
-constexpr double kStillMm = 20;     //   at which being at rest is a quarter as sure
+constexpr double kRestingMm = LC_POSE_RESTING_MM, kNearMm = LC_POSE_NEAR_MM, kStillMm = LC_POSE_STILL_MM;
 constexpr float kTrusted = 0.5f;    // confidence of an ankle
 constexpr double kUprightY = -0.5;  // above that in the camera frame nobody stands before a level camera
 constexpr double kMmPerM = 1000;

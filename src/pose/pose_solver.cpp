@@ -68,13 +68,17 @@ PoseSolver::Prepared PoseSolver::prepare(const PoseInput& input) const {
                     .doubt_3d_mm = input.doubt_3d_mm,
                     .stands = {},
                     .keypoints_mm = keypoints(input.initial)};
-  for (int k : {kLeftElbow, kRightElbow, kLeftWrist, kRightWrist, kLeftHand, kRightHand})
-    prepared.targets[k].weight_3d *= input.arms_3d;
-  for (int k = 0; k < kKeypointCount; ++k) prepared.undoubted_3d[k] = prepared.targets[k].weight_3d;
+  weigh_arms(prepared, input.arms_3d);
   if (input.doubt_3d_mm > 0) doubt_far_detections(prepared.targets, prepared.keypoints_mm, input.doubt_3d_mm);
   if (input.floor)
     prepared.stands = standing(system_.soles(), actor_.skeleton, *input.floor, input.initial, input.previous);
   return prepared;
+}
+
+void PoseSolver::weigh_arms(Prepared& prepared, double arms_3d) const {
+  for (int k : {kLeftElbow, kRightElbow, kLeftWrist, kRightWrist, kLeftHand, kRightHand})
+    prepared.targets[k].weight_3d *= arms_3d;
+  for (int k = 0; k < kKeypointCount; ++k) prepared.undoubted_3d[k] = prepared.targets[k].weight_3d;
 }
 
 PoseResult PoseSolver::solve(const PoseInput& input, const Prepared& prepared) {
@@ -107,14 +111,81 @@ PoseResult PoseSolver::solve(const PoseInput& input, const Prepared& prepared) {
   result.step_energy = std::move(steps->step_energy);
   if (result.status != SolveStatus::kOk) return result;
   result.missed_weight = input.seen ? system_.missed_weight() : 0;
-  measure(steps->state, steps->residuals, prepared, result);
+  take(*steps, prepared, result);
+  if (result.status == SolveStatus::kOk) result.moved_px = moved_px(actor_, camera_, initial, keypoints(result.pose));
+  return result;
+}
+
+// Where steps that went well ended.
+void PoseSolver::take(const PoseSteps& steps, const Prepared& prepared, PoseResult& result) const {
+  measure(steps.state, steps.residuals, prepared, result);
   if (!std::isfinite(result.energy.total())) {
     result.status = SolveStatus::kNotFinite;
-    return result;
+    return;
   }
-  result.pose = steps->state.pose;
-  result.t_prime_mm = steps->state.t_prime_mm;
-  result.moved_px = moved_px(actor_, camera_, initial, keypoints(result.pose));
+  result.pose = steps.state.pose;
+  result.t_prime_mm = steps.state.t_prime_mm;
+}
+
+void PoseSolver::start_rounds(const Pose& initial) {
+  system_.set_motions(bone_dual_quats(forward_kinematics(actor_.skeleton, initial)));
+}
+
+// Doubt, t' and soles at rest of all rounds but the first are the device's to prepare.
+bool PoseSolver::begin_rounds(std::span<const Round> rounds, const SeenVertices& known) {
+  const PoseInput& first = *rounds.front().input;
+  rounds_.assign(rounds.begin(), rounds.end());
+  prepared_.clear();
+  std::vector<float> soles_before;
+  const std::vector<SolePoint>& soles = system_.soles();
+  if (first.previous) {
+    const PosedSkeleton before = forward_kinematics(actor_.skeleton, *first.previous);
+    for (const SolePoint& sole : soles)
+      for (const double value : Eigen::Vector3d(before.camera_from_rest[sole.bone] * sole.rest_mm))
+        soles_before.push_back(float(value));
+  }
+  PoseInput plain = first;
+  plain.arms_3d = 1;
+  plain.doubt_3d_mm = 0;
+  const Prepared same = prepare(plain);  // of all rounds
+  for (const Round& round : rounds) {
+    Prepared prepared = same;
+    weigh_arms(prepared, round.input->arms_3d);
+    if (prepared_.empty() && first.doubt_3d_mm > 0)
+      doubt_far_detections(prepared.targets, prepared.keypoints_mm, first.doubt_3d_mm);
+    prepared.doubt_3d_mm = round.input->doubt_3d_mm;
+    system_.set_round(int(prepared_.size()), prepared.targets, known, first.floor, prepared.stands, soles_before);
+    prepared_.push_back(std::move(prepared));
+  }
+  if (!has_observation(prepared_.front().targets)) return false;
+  const PoseState start{first.initial, best_t_prime(prepared_.front().targets, prepared_.front().keypoints_mm)};
+  system_.begin_rounds(int(rounds.size()), start, first.frame);
+  return true;
+}
+
+void PoseSolver::launch_round(int round, const SeenVertices& seen) {
+  const PoseInput& input = *rounds_[round].input;
+  system_.launch_round({.round = round,
+                        .n_steps = input.n_steps > 0 ? input.n_steps : options_.steps,
+                        .settled_px = input.settled_px,
+                        .doubt_3d_mm = input.doubt_3d_mm,
+                        .least_moved_px = round > 0 ? float(rounds_[round].least_moved_px) : -INFINITY},
+                       seen);
+}
+
+std::optional<PoseResult> PoseSolver::finish_rounds() {
+  std::optional<PoseSystem::Rounds> done = system_.read_rounds();
+  if (!done) return std::nullopt;
+  Prepared& prepared = prepared_[done->round];
+  for (int k = 0; k < kKeypointCount; ++k) prepared.targets[k].weight_3d = done->weights_3d[k];
+  PoseResult result;
+  result.pose = rounds_.front().input->initial;
+  result.status = done->steps.status;
+  result.step_energy = std::move(done->steps.step_energy);
+  if (result.status != SolveStatus::kOk) return result;
+  result.missed_weight = system_.missed_weight();
+  result.moved_px = done->moved_px;
+  take(done->steps, prepared, result);
   return result;
 }
 

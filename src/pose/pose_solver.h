@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -93,6 +94,22 @@ class PoseSolver {
   PoseResult solve(const PoseInput& input) { return solve(input, prepare(input)); }
   PoseResult solve(const PoseInput& input, const Prepared& prepared);
 
+  // Solves that start where the one before ended, launched one after the other on a device that chooses(); what each
+  // of them sees is launched by the caller in between, for the pose that motions() holds.
+  struct Round {
+    const PoseInput* input;     // initial: of the first one; no vertices
+    double least_moved_px = 0;  // left out where the one before moved no keypoint so far
+  };
+  // First motions() are set to those of the first pose: what the first solve sees is launched before this prepares it.
+  void start_rounds(const Pose& initial);
+  // False where there is nothing to launch: solve() then tells why. The rounds' inputs must outlive finish_rounds().
+  // seen: of all rounds; not what is seen but what is known of it.
+  bool begin_rounds(std::span<const Round> rounds, const SeenVertices& known);
+  void launch_round(int round, const SeenVertices& seen);
+  // What came of the last round that was not left out. Blocking. Nothing where the device could not.
+  std::optional<PoseResult> finish_rounds();
+  const PoseSystem& system() const { return system_; }
+
   // Whether the device chooses from what it has seen; false for ever once it could not.
   bool chooses() const { return system_.chooses(); }
 
@@ -101,7 +118,9 @@ class PoseSolver {
  private:
   using KeypointPositions = std::array<Eigen::Vector3d, kKeypointCount>;
   KeypointPositions keypoints(const Pose& pose) const;
+  void weigh_arms(Prepared& prepared, double arms_3d) const;
   PoseSteps take_steps(const PoseState& start, int n_steps, double settled_px);
+  void take(const PoseSteps& steps, const Prepared& prepared, PoseResult& result) const;
   void measure(const PoseState& state, const PoseResiduals& residuals, const Prepared& prepared,
                PoseResult& result) const;
 
@@ -109,6 +128,8 @@ class PoseSolver {
   Camera camera_;
   PoseOptions options_;
   PoseSystem system_;
+  std::vector<Round> rounds_;
+  std::vector<Prepared> prepared_;  // of each
 };
 
 // Known-answer tests of kernels/pose against double precision on the host.

@@ -24,8 +24,8 @@ constexpr int kTile = 8;
 constexpr int kMaxBones = LC_POSE_NO_BONE;
 
 static_assert(LC_POSE_KEYPOINTS == kKeypointCount);
-static_assert(sizeof(PoseLayout) == 20 && sizeof(PoseContour) == 24 && sizeof(PoseInputs) == 40 &&
-              sizeof(PoseChoice) == 28 && sizeof(PoseStepsArg) == 32);
+static_assert(sizeof(PoseLayout) == 20 && sizeof(PoseContour) == 24 && sizeof(PoseInputs) == 48 &&
+              sizeof(PoseChoice) == 28 && sizeof(PoseStepsArg) == 52);
 
 void require(bool ok, const std::string& message) {
   if (!ok) throw LogicError("pose: " + message);
@@ -93,7 +93,7 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
   const size_t n_contour = round_up(options.max_contour_vertices, LC_POSE_SLICE);
   step_host_.resize(LC_POSE_STEP_SIZE(layout_));
   gram_host_.resize(LC_POSE_GRAM_SIZE(layout_));
-  inputs_ = PoseRowInputs(layout_, options, n_vertices_);
+  inputs_ = PoseRowInputs(layout_, options, n_vertices_, is_cpu_ ? 1 : LC_POSE_MOST_ROUNDS);
   inputs_on_device_ = ocl::Buffer<float>(device, inputs_.words().size());
   links_ = ocl::Buffer<int32_t>(device, chain_links(points_));
   limits_ = ocl::Buffer<float>(device, limits);
@@ -117,6 +117,12 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
     most_rows_ = n_point_rows_ + 2 * n_contour + 2 * n_matches + n_shaded;
     results_ = ocl::Buffer<float>(device, LC_POSE_RESULT_RESIDUALS(layout_) + most_rows_);
     results_.fill(0);
+    moved_ = ocl::Buffer<float>(device, 1);
+    motions_ = ocl::Buffer<float>(device, size_t(8) * layout_.n_bones);
+    look_state_ = ocl::Buffer<int32_t>(device, 2);
+    steps_state_ = ocl::Buffer<int32_t>(device, 2);
+    moved_.fill(0);
+    for (ocl::Buffer<int32_t>* state : {&look_state_, &steps_state_}) state->fill(0);
     const std::string option =
         format("-D LC_POSE_TAKES_STEPS=%d -D LC_POSE_SYSTEM_SIDE=%d", takes_steps_ ? 1 : 0, LC_POSE_SIDE(layout_));
     gauss_newton_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_gauss_newton", option);
@@ -238,7 +244,7 @@ void PoseSystem::launch_rows() {
 }
 
 // From the inputs uploaded.
-void PoseSystem::launch_choice() {
+void PoseSystem::launch_choice(float least_moved_px) {
   const PoseWeights& weights = options_.weights;
   const SeenSkin& skin = seen_->skin;
   const bool has_contour = seen_->contour && frame_ && weights.silhouette > 0;
@@ -248,7 +254,7 @@ void PoseSystem::launch_choice() {
       {options_.max_contour_vertices, options_.max_matches, options_.max_shaded},
       skin.limb_area_px};
   choose_kernel_.launch(
-      size_t(3) * LC_POSE_CHOICE_GROUP, LC_POSE_CHOICE_GROUP, inputs_.places(), choice,
+      size_t(3) * LC_POSE_CHOICE_GROUP, LC_POSE_CHOICE_GROUP, inputs_.places(), choice, least_moved_px, moved_,
       has_contour ? *seen_->contour : links_, has_matches ? *seen_->matches : rest_, has_skin ? *skin.samples : rest_,
       has_skin ? *skin.vertices : links_, has_skin ? *skin.limbs : links_, inputs_on_device_,
       ocl::LocalMemory{2 * sizeof(int64_t) * LC_POSE_CHOICE_GROUP}, ocl::LocalMemory{sizeof(double) * LC_SKIN_LIMBS},
@@ -265,13 +271,13 @@ void PoseSystem::read_choice() {
 }
 
 // On GPUs.
-void PoseSystem::launch_gauss_newton(size_t n_groups, const PoseStepsArg& steps) {
+void PoseSystem::launch_gauss_newton(size_t n_groups, const PoseStepsArg& steps, const ocl::Buffer<int32_t>& state) {
   gauss_newton_kernel_.launch(
       n_groups * LC_POSE_GROUP, LC_POSE_GROUP, layout_, pinhole_, contour_arg(), float(options_.keypoint_2d_huber_px),
       float(options_.match_huber_px), float(options_.shading_huber), float(std::sqrt(options_.weights.anatomic)),
       inputs_.places(), steps, inputs_on_device_, chain_, links_, moves_, limits_, rest_, rest_normals_,
       displacement_ ? *displacement_ : rest_, bones_, weights_, frame_ ? frame_->signed_distance : rest_, step_, J_,
-      parts_, gram_, results_, groups_.state(),
+      parts_, gram_, results_, state, moved_, motions_, look_state_,
       ocl::LocalMemory{sizeof(float) * LC_POSE_GROUP_ROWS * layout_.n_columns},
       ocl::LocalMemory{sizeof(float) * LC_POSE_NEAR_SIZE(layout_)},
       ocl::LocalMemory{takes_steps_ ? sizeof(double) * LC_POSE_LOCAL(layout_) : sizeof(double)});
@@ -288,26 +294,88 @@ void PoseSystem::launch_normal_equations(bool write_rows) {
   PoseStepsArg none{};
   none.most = -1;
   none.write_rows = write_rows;
-  launch_gauss_newton(n_parts(), none);
+  none.least_moved_px = -INFINITY;
+  launch_gauss_newton(n_parts(), none, groups_.state());
 }
 
 std::optional<PoseSteps> PoseSystem::take_steps(const PoseState& start, int n_steps, double settled_px) {
   if (!takes_steps_ || !groups_.work() || n_steps > LC_POSE_MOST_STEPS) return std::nullopt;
   upload(start);
   if (seen_) launch_choice();
-  launch_gauss_newton(groups_.n(), {.most = n_steps,
-                                    .arrived = groups_.arrived(),
-                                    .write_rows = 0,
-                                    .settled_px = float(settled_px),
-                                    .damping_own = float(options_.damping_own),
-                                    .damping_largest = float(options_.damping_largest),
-                                    .max_step_rad = float(options_.max_step_rad),
-                                    .rank_threshold = float(kRankThreshold)});
+  PoseStepsArg steps = steps_arg(n_steps, settled_px);
+  steps.arrived = groups_.arrived();
+  launch_gauss_newton(groups_.n(), steps, groups_.state());
   read_results(seen_ ? most_rows_ : n_rows() + n_contour());
-  const auto told = [this](int place) { return std::bit_cast<int32_t>(results_host_[place]); };
   if (groups_.gave_up("pose", told(LC_POSE_RESULT_GAVE_UP(layout_)) != 0)) return std::nullopt;
-  const int n_taken = told(LC_POSE_RESULT_TAKEN(layout_));
-  groups_.launched(2 * size_t(n_taken));
+  groups_.launched(2 * size_t(told(LC_POSE_RESULT_TAKEN(layout_))));
+  return steps_read();
+}
+
+PoseStepsArg PoseSystem::steps_arg(int n_steps, double settled_px) const {
+  return {.most = n_steps,
+          .arrived = 0,
+          .write_rows = 0,
+          .settled_px = float(settled_px),
+          .damping_own = float(options_.damping_own),
+          .damping_largest = float(options_.damping_largest),
+          .max_step_rad = float(options_.max_step_rad),
+          .rank_threshold = float(kRankThreshold),
+          .round = 0,
+          .continues = 0,
+          .least_moved_px = -INFINITY,
+          .doubt_mm = 0,
+          .rests = 0};
+}
+
+void PoseSystem::set_round(int round, const KeypointTargets& targets, const SeenVertices& seen, const Floor* floor,
+                           std::span<const double> stands, std::span<const float> soles_before) {
+  require(chooses() && round < LC_POSE_MOST_ROUNDS, format("there is no round %d", round));
+  inputs_.select_round(round);
+  inputs_.set_targets(targets);
+  inputs_.set_choice(seen);
+  inputs_.set_floor(floor, stands);
+  inputs_.set_soles_before(soles_before);
+  rests_ = !soles_before.empty();
+  inputs_.select_round(0);
+}
+
+void PoseSystem::begin_rounds(int n_rounds, const PoseState& start, const DeviceFrame* frame) {
+  set_picture(frame, nullptr);
+  inputs_.set_start(state_values(start));
+  inputs_on_device_.write_later(inputs_.words_given(n_rounds));
+}
+
+void PoseSystem::launch_round(const Round& round, const SeenVertices& seen) {
+  seen_ = seen;
+  inputs_.select_round(round.round);
+  launch_choice(round.least_moved_px);
+  PoseStepsArg steps = steps_arg(round.n_steps, round.settled_px);
+  steps.round = round.round;
+  steps.continues = round.round > 0;
+  steps.least_moved_px = round.least_moved_px;
+  steps.doubt_mm = float(round.doubt_3d_mm);
+  steps.rests = rests_;
+  launch_gauss_newton(groups_.n(), steps, steps_state_);
+  inputs_.select_round(0);
+}
+
+std::optional<PoseSystem::Rounds> PoseSystem::read_rounds() {
+  read_results(most_rows_);
+  if (groups_.gave_up("pose", told(LC_POSE_RESULT_GAVE_UP(layout_)) != 0)) return std::nullopt;
+  Rounds rounds{told(LC_POSE_RESULT_ROUND(layout_)), steps_read(), results_host_[LC_POSE_RESULT_MOVED(layout_)], {}};
+  for (int k = 0; k < kKeypointCount; ++k) {
+    const double root = results_host_[LC_POSE_RESULT_ROOTS_3D(layout_) + k];
+    rounds.weights_3d[k] = root * root;
+  }
+  return rounds;
+}
+
+int PoseSystem::told(int place) const {
+  return std::bit_cast<int32_t>(results_host_[place]);
+}
+
+// Of the results read.
+PoseSteps PoseSystem::steps_read() {
   if (seen_)
     std::copy_n(results_host_.begin() + LC_POSE_RESULT_COUNTS(layout_), LC_POSE_COUNTS, inputs_.counts_read().begin());
   PoseSteps taken;
@@ -315,7 +383,7 @@ std::optional<PoseSteps> PoseSystem::take_steps(const PoseState& start, int n_st
   std::memcpy(state.data(), results_host_.data(), state.size() * sizeof(double));
   taken.state = state_of(state);
   const auto energy = results_host_.begin() + LC_POSE_RESULT_ENERGY(layout_);
-  taken.step_energy.assign(energy, energy + n_taken);
+  taken.step_energy.assign(energy, energy + told(LC_POSE_RESULT_TAKEN(layout_)));
   switch (told(LC_POSE_RESULT_STATUS(layout_))) {
     case LC_POSE_SOLVED:
       taken.residuals = residuals_read();

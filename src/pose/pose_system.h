@@ -4,6 +4,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <vector>
@@ -76,6 +78,38 @@ class PoseSystem {
   // first call. Holds until the next call.
   void set_floor(const Floor* floor, std::span<const double> stands);
 
+  // Rounds of steps that are launched one after the other, each from where the one before ended; the host reads once.
+  // Only where chooses(). For each round, from 0 on, at most LC_POSE_MOST_ROUNDS: what set_seen_frame() and
+  // set_floor() say, without doubt and, but of the first, without stands. soles_before: see PoseInputs; empty: unknown.
+  void set_round(int round, const KeypointTargets& targets, const SeenVertices& seen, const Floor* floor,
+                 std::span<const double> stands, std::span<const float> soles_before);
+  // Of rounds that were set.
+  void begin_rounds(int n_rounds, const PoseState& start, const DeviceFrame* frame);
+  void set_motions(std::span<const float> dual_quats) { motions_.write_later(dual_quats); }
+  struct Round {
+    int round = 0;
+    int n_steps = 0;
+    double settled_px = 0;
+    double doubt_3d_mm = 0;
+    float least_moved_px = -INFINITY;  // nothing is done where the round before moved no keypoint so far
+  };
+  // With vertices that the device chooses from `seen`.
+  void launch_round(const Round& round, const SeenVertices& seen);
+  // What came of the last round that was not left out. Blocking. Nothing where the device could not.
+  struct Rounds {
+    int round = 0;
+    PoseSteps steps;
+    double moved_px = 0;                            // furthest that a keypoint went in it
+    std::array<double, kKeypointCount> weights_3d;  // of the targets, doubted
+  };
+  std::optional<Rounds> read_rounds();
+  // Of the rounds: how far the last one moved a keypoint, its bones' motions, and for launches of groups that wait
+  // for each other between two rounds their state and that of the steps (kernels/shared/all_arrived.h).
+  const ocl::Buffer<float>& moved() const { return moved_; }
+  const ocl::Buffer<float>& motions() const { return motions_; }
+  const ocl::Buffer<int32_t>& look_state() const { return look_state_; }
+  const ocl::Buffer<int32_t>& steps_state() const { return steps_state_; }
+
   PoseNormalEquations assemble(const PoseState& state);
   PoseResiduals residuals(const PoseState& state);
   // n_steps, fewer where one moves no keypoint by settled_px (0: never), in one launch with one read. Nothing where the
@@ -100,8 +134,11 @@ class PoseSystem {
   void upload(const PoseState& state);
   void launch_records();
   void launch_rows();
-  void launch_choice();
-  void launch_gauss_newton(size_t n_groups, const PoseStepsArg& steps);
+  void launch_choice(float least_moved_px = -INFINITY);
+  void launch_gauss_newton(size_t n_groups, const PoseStepsArg& steps, const ocl::Buffer<int32_t>& state);
+  PoseStepsArg steps_arg(int n_steps, double settled_px) const;
+  PoseSteps steps_read();
+  int told(int place) const;
   size_t n_parts() const;
   void launch_normal_equations(bool write_rows);
   void read_results(size_t n_rows);
@@ -125,6 +162,7 @@ class PoseSystem {
   PoseRowInputs inputs_;
   bool inputs_changed_ = true;        // since they were uploaded
   std::optional<SeenVertices> seen_;  // what the device is to choose from
+  bool rests_ = false;                // whether soles_before of the rounds are known
   size_t most_rows_ = 0;              // and distances_px
   std::vector<float> step_host_;
   std::vector<float> gram_host_;
@@ -154,8 +192,10 @@ class PoseSystem {
   ocl::Buffer<float> shading_residuals_;
   ocl::Buffer<float> J_;
   ocl::Buffer<float> gram_;
-  ocl::Buffer<float> parts_;    // of gram_, GPUs
-  ocl::Buffer<float> results_;  // GPUs
+  ocl::Buffer<float> parts_;                       // of gram_, GPUs
+  ocl::Buffer<float> results_;                     // GPUs
+  ocl::Buffer<float> moved_, motions_;             // GPUs, see the rounds
+  ocl::Buffer<int32_t> look_state_, steps_state_;  // likewise
   ocl::Kernel point_records_kernel_;
   ocl::Kernel contour_records_kernel_;
   ocl::Kernel match_records_kernel_;

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <utility>
 
+#include "base/round_up.h"
 #include "base/text.h"
 #include "livecap/error.h"
 #include "pose/thinning.h"
@@ -34,21 +35,32 @@ std::vector<Weighted> thinned(std::span<const Weighted> all, int most) {
 
 }  // namespace
 
-PoseRowInputs::PoseRowInputs(const PoseLayout& layout, const PoseOptions& options, int n_vertices)
+PoseRowInputs::PoseRowInputs(const PoseLayout& layout, const PoseOptions& options, int n_vertices, int n_rounds)
     : layout_(layout), options_(options), n_vertices_(n_vertices) {
-  int end = 2 * LC_POSE_STATE_SIZE(layout);
+  int end = 0;
   const auto next = [&end](int n) { return std::exchange(end, end + n); };
-  places_ = {.choice = next(2 * LC_POSE_CHOICE_NUMBERS),
-             .lights = next(2 * LC_POSE_LIGHT),
-             .targets = next(LC_POSE_TARGET * kKeypointCount),
-             .ground = next(LC_POSE_GROUND_STANDS + layout.n_soles),
-             .counts = next(LC_POSE_COUNTS),
-             .contour_vertices = next(options.max_contour_vertices),
-             .match_vertices = next(options.max_matches),
-             .match_targets = next(LC_POSE_MATCH * options.max_matches),
-             .shaded_vertices = next(options.max_shaded),
-             .shaded_targets = next(LC_POSE_SHADED * options.max_shaded)};
+  places_.start = next(2 * LC_POSE_STATE_SIZE(layout));
+  places_.choice = next(2 * LC_POSE_CHOICE_NUMBERS);
+  places_.lights = next(2 * LC_POSE_LIGHT);
+  places_.targets = next(LC_POSE_TARGET * kKeypointCount);
+  places_.ground = next(LC_POSE_GROUND_STANDS + layout.n_soles);
+  places_.soles_before = next(3 * layout.n_soles);
+  n_given_ = int(round_up(end, 2));  // each round begins with doubles
+  end = n_rounds * n_given_;
+  places_.counts = next(LC_POSE_COUNTS);
+  places_.contour_vertices = next(options.max_contour_vertices);
+  places_.match_vertices = next(options.max_matches);
+  places_.match_targets = next(LC_POSE_MATCH * options.max_matches);
+  places_.shaded_vertices = next(options.max_shaded);
+  places_.shaded_targets = next(LC_POSE_SHADED * options.max_shaded);
   words_.assign(end, 0.0f);
+}
+
+void PoseRowInputs::select_round(int round) {
+  const int by = round * n_given_ - places_.start;
+  for (int* place :
+       {&places_.start, &places_.choice, &places_.lights, &places_.targets, &places_.ground, &places_.soles_before})
+    *place += by;
 }
 
 // The message of a check that is made for every vertex of every round is only written when it fails.
@@ -140,8 +152,12 @@ void PoseRowInputs::set_floor(const Floor* floor, std::span<const double> stands
   std::copy(stands.begin(), stands.end(), ground + LC_POSE_GROUND_STANDS);
 }
 
+void PoseRowInputs::set_soles_before(std::span<const float> soles_mm) {
+  std::ranges::copy(soles_mm, words_.begin() + places_.soles_before);
+}
+
 void PoseRowInputs::set_start(std::span<const double> state) {
-  std::memcpy(words_.data(), state.data(), state.size_bytes());
+  std::memcpy(words_.data() + places_.start, state.data(), state.size_bytes());
 }
 
 }  // namespace livecap

@@ -20,7 +20,11 @@ namespace livecap {
 class PoseRowInputs {
  public:
   PoseRowInputs() = default;
-  PoseRowInputs(const PoseLayout& layout, const PoseOptions& options, int n_vertices);
+  // n_rounds: what the host gives is there so many times, what is chosen by it once.
+  PoseRowInputs(const PoseLayout& layout, const PoseOptions& options, int n_vertices, int n_rounds = 1);
+
+  // That the others are of; 0 at first.
+  void select_round(int round);
 
   void set_targets(const KeypointTargets& targets);
   // More vertices than the options allow are thinned. Those of terms without weight are left out. Throws LogicError for
@@ -31,6 +35,9 @@ class PoseRowInputs {
   void set_choice(const SeenVertices& seen);
   // stands: [n_soles]. floor nullptr: none is known, as before the first call. Throws LogicError for a wrong count.
   void set_floor(const Floor* floor, std::span<const double> stands);
+
+  // [3*n_soles], or nothing.
+  void set_soles_before(std::span<const float> soles_mm);
 
   // The state that the device starts from, [LC_POSE_STATE_SIZE].
   void set_start(std::span<const double> state);
@@ -43,8 +50,8 @@ class PoseRowInputs {
   double missed_weight() const { return words_[places_.counts + LC_POSE_COUNT_MISSED]; }
   const PoseInputs& places() const { return places_; }
   std::span<const float> words() const { return words_; }
-  // Without what the device chooses.
-  std::span<const float> words_given() const { return words().first(places_.counts); }
+  // Without what the device chooses, of the first rounds.
+  std::span<const float> words_given(int n_rounds = 1) const { return words().first(n_rounds * n_given_); }
   // For what the device chose: all of it, or its counts.
   std::span<float> words_read() { return words_; }
   std::span<float> counts_read() { return std::span(words_).subspan(places_.counts, LC_POSE_COUNTS); }
@@ -59,6 +66,7 @@ class PoseRowInputs {
   PoseOptions options_;
   int n_vertices_ = 0;
   PoseInputs places_{};
+  int n_given_ = 0;  // words of each round that the host gives
   std::vector<float> words_;
 };
 

@@ -51,6 +51,7 @@ class DepthRasterizer {
   ImageGray read_mask() const;
 
  private:
+  friend class ActorSight;  // does the same in one launch with more
   void draw(bool with_ids, const ocl::Buffer<float>& positions_camera, const Camera& camera);
 
   int width_;

@@ -50,6 +50,7 @@ class SurfaceVisibility {
   std::vector<int32_t> contour_found() const;
 
  private:
+  friend class ActorSight;  // does the same in one launch with more
   void require(const DepthRasterizer& raster) const;
   void require(const ocl::Buffer<float>& positions_camera, const ocl::Buffer<float>& normals) const;
   ocl::Range over_vertices() const;

@@ -114,16 +114,23 @@ std::vector<PoseResult> track(ocl::DeviceContext& device, int n_frames) {
   return results;
 }
 
+// Of a GPU that launches a round's kernels one by one.
+ocl::DeviceInfo without_sight(ocl::DeviceInfo info) {
+  info.local_memory_bytes = sizeof(float) * LC_SEE_LOCAL;
+  return info;
+}
+
 // The rounds of a frame come to the same bits whether the device chooses or the host of what it reads.
 TEST(PoseStage, WhatTheDeviceChoosesIsWhatIsRead) {
   test::on_every_gpu_body([](ocl::DeviceContext& device) {
-    ocl::DeviceInfo info = device.info();
+    ocl::DeviceInfo info = without_sight(device.info());
+    ocl::DeviceContext chooses(info);
     info.max_work_group_size = LC_POSE_CHOICE_GROUP / 2;
     ocl::DeviceContext reads(info);
     const Actor& actor = test::builtin_actor("skirt");
-    ASSERT_TRUE(PoseSolver(device, actor, test::portrait_camera(), {}).chooses());
+    ASSERT_TRUE(PoseSolver(chooses, actor, test::portrait_camera(), {}).chooses());
     ASSERT_FALSE(PoseSolver(reads, actor, test::portrait_camera(), {}).chooses());
-    const std::vector<PoseResult> got = track(device, 2), expected = track(reads, 2);
+    const std::vector<PoseResult> got = track(chooses, 2), expected = track(reads, 2);
     EXPECT_GT(expected[0].energy.match, 0);
     EXPECT_GT(expected[0].energy.silhouette, 0);
     EXPECT_GT(expected[1].energy.shading, 0) << "the light is known by then";
@@ -133,6 +140,26 @@ TEST(PoseStage, WhatTheDeviceChoosesIsWhatIsRead) {
       EXPECT_EQ(got[frame].step_energy, expected[frame].step_energy);
       EXPECT_EQ(got[frame].n_contour_visible, expected[frame].n_contour_visible);
       EXPECT_NEAR(got[frame].missed_weight, expected[frame].missed_weight, 1e-4 * expected[frame].missed_weight);
+    }
+  });
+}
+
+// All rounds launched at once, with what the device decides in between, against the host that waits for each.
+TEST(PoseStage, RoundsAheadAreTheHosts) {
+  test::on_every_gpu_body([](ocl::DeviceContext& device) {
+    ocl::DeviceContext one_by_one(without_sight(device.info()));
+    const std::vector<PoseResult> got = track(device, 3), expected = track(one_by_one, 3);
+    EXPECT_GT(expected[2].energy.shading, 0) << "the light is known by then";
+    for (int frame = 0; frame < 3; ++frame) {
+      const PoseResult &ahead = got[frame], &waits = expected[frame];
+      EXPECT_LT((ahead.pose.angles_rad - waits.pose.angles_rad).lpNorm<Eigen::Infinity>(), test::kRoundsRad);
+      EXPECT_LT((ahead.pose.root_translation_mm - waits.pose.root_translation_mm).norm(), test::kRoundsMm);
+      EXPECT_EQ(ahead.step_energy.size(), waits.step_energy.size());
+      EXPECT_EQ(ahead.n_contour_visible, waits.n_contour_visible);
+      EXPECT_NEAR(ahead.missed_weight, waits.missed_weight, 1e-4 * waits.missed_weight);
+      EXPECT_NEAR(ahead.energy.keypoint_3d, waits.energy.keypoint_3d, 1e-3 * waits.energy.keypoint_3d);
+      EXPECT_NEAR(ahead.energy.total(), waits.energy.total(), 1e-3 * waits.energy.total());
+      EXPECT_NEAR(ahead.moved_px, waits.moved_px, 1e-3);
     }
   });
 }

@@ -1,0 +1,115 @@
+// patch_match.cl on GPUs: a patch by eight work-items, neighbours, each with a column of it.
+#ifndef LC_MATCH_PATCH_COLUMNS_H
+#define LC_MATCH_PATCH_COLUMNS_H
+
+// Sums over the eight work-items of a patch, in the order of a CPU's. sums: one for each of the group. With barriers.
+static inline float4 sum_of_columns(float4 value, local float4* sums) {
+  const int id = get_local_id(0);
+  barrier(CLK_LOCAL_MEM_FENCE);
+  sums[id] = value;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  local const float4* s = sums + id / PATCH * PATCH;
+  return ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
+}
+
+static inline float at_most_2(float step) {
+  return clamp(step, -2.0f, 2.0f);
+}
+
+// A column of the camera's picture moved by (fx, fy) of a pixel, from `camera` on.
+static inline void moved_column(global const float* restrict camera, int width, float fx, float fy, float* column) {
+  float top = camera[0] + fx * (camera[1] - camera[0]);
+#pragma unroll
+  for (int r = 0; r < PATCH; ++r) {
+    global const float* below = camera + (r + 1) * width;
+    const float bottom = below[0] + fx * (below[1] - below[0]);
+    column[r] = top + fy * (bottom - top);
+    top = bottom;
+  }
+}
+
+// The match of vertex i < n by the work-items get_local_id(0) / 8 * 8 .. + 7; with barriers, so by all of a group. See
+// the kernel.
+static inline void match_vertex(int i, int n, Level level, PatchOptions options, float focal_px,
+                                global const float* restrict positions, global const float* restrict normals,
+                                global const int* restrict visible, global const float* restrict projected,
+                                global const float* restrict areas, global const float* restrict share,
+                                local float4* sums, global float* restrict matches, int x_of_box, int y_of_box) {
+  const int own = get_local_id(0) % PATCH, width = level.width;
+  int x = 0, y = 0, sees = 0;
+  float u = 0.0f, v = 0.0f, z = 0.0f, seen_px = 0.0f;
+  if (i < n && visible[i] && share[i] > 0.0f) {
+    const float3 p = vload3(i, positions), normal = vload3(i, normals);
+    const float facing = -(p.x * normal.x + p.y * normal.y + p.z * normal.z) / sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
+    seen_px = share[i] * areas[i] * fmax(facing, 0.0f) * focal_px * focal_px / (p.z * p.z);
+    u = projected[4 * i];
+    v = projected[4 * i + 1];
+    z = projected[4 * i + 3];
+    x = ((int)LC_RINT(u) - x_of_box) >> options.level;
+    y = ((int)LC_RINT(v) - y_of_box) >> options.level;
+    sees = has_patch(&level, x, y);
+  }
+  float actor[PATCH], gx[PATCH], gy[PATCH], inside[PATCH];
+  float4 s = 0.0f;
+  if (sees) {
+    global const float* a = level.actor + (y - HALF) * width + x - HALF + own;
+    global const float* d = level.depth + (y - HALF) * width + x - HALF + own;
+#pragma unroll
+    for (int r = 0; r < PATCH; ++r) {
+      const int row = r * width;
+      const float beside = fmax(fabs(d[row - 1] - z), fabs(d[row + 1] - z));
+      const float above = fmax(fabs(d[row - width] - z), fabs(d[row + width] - z));
+      inside[r] = fmax(fabs(d[row] - z), fmax(beside, above)) < options.depth_range_mm ? 1.0f : 0.0f;
+      actor[r] = a[row];
+      gx[r] = 0.5f * inside[r] * (a[row + 1] - a[row - 1]);
+      gy[r] = 0.5f * inside[r] * (a[row + width] - a[row - width]);
+      s += (float4)(gx[r] * gx[r], gx[r] * gy[r], gy[r] * gy[r], inside[r]);
+    }
+  }
+  s = sum_of_columns(s, sums);
+  sees = sees && s.w >= 20.0f;
+  const float soft = options.softness * s.w, hxx = s.x + soft, hyy = s.z + soft;
+  const float inv = 1.0f / (hxx * hyy - s.y * s.y);
+  float dx = 0.0f, dy = 0.0f, column[PATCH];
+  float4 means = 0.0f;
+  float product = 0.0f;
+  for (int k = 0; k <= options.iterations; ++k) {
+    const float px = (float)(x - HALF) + dx, py = (float)(y - HALF) + dy, fx0 = floor(px), fy0 = floor(py);
+    sees = sees && fx0 >= 0.0f && fy0 >= 0.0f && fx0 + (PATCH + 1) < (float)width &&
+           fy0 + (PATCH + 1) < (float)level.height;
+    float ex = 0.0f, ey = 0.0f;
+    if (sees) {
+      moved_column(level.camera + (int)fy0 * width + (int)fx0 + own, width, px - fx0, py - fy0, column);
+      if (k < options.iterations) {
+#pragma unroll
+        for (int r = 0; r < PATCH; ++r) {
+          ex += gx[r] * (column[r] - actor[r]);
+          ey += gy[r] * (column[r] - actor[r]);
+        }
+      } else {
+#pragma unroll
+        for (int r = 0; r < PATCH; ++r) {
+          const float a = inside[r] * actor[r], b = inside[r] * column[r];
+          means += (float4)(a, b, a * a, b * b);
+          product += a * b;
+        }
+      }
+    }
+    const float4 e = sum_of_columns((float4)(ex, ey, product, 0.0f), sums);
+    dx -= k < options.iterations ? at_most_2((hyy * e.x - s.y * e.y) * inv) : 0.0f;
+    dy -= k < options.iterations ? at_most_2((hxx * e.y - s.y * e.x) * inv) : 0.0f;
+    product = e.z;
+  }
+  means = sum_of_columns(means, sums) / s.w;
+  if (i >= n || own > 0) return;
+  global float* out = matches + LC_MATCH * i;
+  vstore8((float8)0.0f, 0, out);
+  out[LC_MATCH_SEEN_PX] = seen_px;
+  if (!sees) return;
+  const float va = means.z - means.x * means.x, vb = means.w - means.y * means.y;
+  const Aligned m = {
+      s.x, s.y, s.z, s.w, dx, dy, (product / s.w - means.x * means.y) / sqrt((va + 0.01f) * (vb + 0.01f))};
+  write_match(m, options, u, v, out);
+}
+
+#endif

@@ -24,11 +24,12 @@ struct Segment {
 // The line of flesh each bone moves. The chest is a cage, not a line: without the ribs out to the sides the collarbones
 // and upper arms own up to half of it (the nearest lines), and a twist of the trunk is taken for one of theirs.
 std::vector<Segment> bone_segments(const BodyJoints& j) {
-  constexpr double kRibsDown[] = {0.15, 0.3};  // below the neck, of neck to hips: under the collarbones, at the armpits
-  constexpr double kRibsWide = 0.7;            // of the way to the shoulder joints
-  constexpr double kFree = 0.3;                // of collarbone and neck: the inner part is the cage's
-  constexpr double kJaw = 0.8;   // of the neck's length in front of the head's joint: else it is the neck's
-  constexpr double kHeel = 0.3;  // of the foot's length behind the ankle: else half of it is the shank's
+  // Below the neck, of neck to hips: under the collarbones, at the armpits, above the waist.
+  constexpr double kRibsDown[] = {0.15, 0.3, 0.5};
+  constexpr double kRibsWide = 0.7;  // of the way to the shoulder joints
+  constexpr double kFree = 0.3;      // of collarbone and neck: the inner part is the cage's
+  constexpr double kJaw = 0.8;       // of the neck's length in front of the head's joint: else it is the neck's
+  constexpr double kHeel = 0.3;      // of the foot's length behind the ankle: else half of it is the shank's
   const double head = (j[kHeadBone] - j[kNeckBone]).norm();
   const Vector3d crown = j[kHeadBone] + 1.2 * head * Vector3d::UnitY();
   std::vector<Segment> segments = {{kHipsBone, j[kHipsBone], j[kSpineBone]},

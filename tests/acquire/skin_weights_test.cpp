@@ -105,6 +105,32 @@ TEST(SkinWeights, PoseLikeTheRecordedRig) {
   check(load_actor(path), "recorded", test::kPosedMm);
 }
 
+// Between the hips and the middle of the trunk no author lets an arm move what is not an arm or a sleeve.
+TEST(SkinWeights, TheBellyIsNotTheArms) {
+  for (const char* name : {"trousers", "skirt"}) {
+    const Actor actor = test::builtin_actor(name);
+    const SkinWeights own = own_weights(actor);
+    const BodyJoints joints = test::true_joints(actor);
+    const double hips = joints[acquire::kHipsBone].y(), neck = joints[acquire::kNeckBone].y();
+    double mean = 0;
+    int n = 0;
+    for (int i = 0; i < actor.n_vertices(); ++i) {
+      const Vector3d p = Eigen::Map<const Eigen::Vector3f>(&actor.mesh.positions[3 * i]).cast<double>();
+      const double up = (p.y() - hips) / (neck - hips);
+      if (actor.labels[i] != 5 || up < 0.1 || up > 0.5 || std::abs(p.x()) > joints[acquire::kLeftArmBone].x()) continue;
+      ++n;
+      for (int k = 4 * i; k < 4 * i + 4; ++k) {
+        const std::string& bone = actor.skeleton.bones[own.bones[k]].name;
+        if (bone.ends_with("clavicle") || bone.ends_with("shoulder") || bone.ends_with("elbow")) mean += own.weights[k];
+      }
+    }
+    ASSERT_GT(n, 100) << name;
+    mean /= n;
+    std::printf("%s: arms and collarbones %.4f of the belly\n", name, mean);
+    EXPECT_LT(mean, test::kArmsOnBelly) << name;
+  }
+}
+
 // The least girth left of an upper arm or forearm whose bone is twisted to its limits: 1 keeps it. A candy wrapper is
 // where a limb's vertices fall onto its axis.
 double twisted_girth(const Actor& actor, const SkinWeights& skin) {

@@ -99,11 +99,6 @@ bool PoseStage::looks_ahead(const PoseStageInput& input) const {
   return sight_.usable() && solver_.chooses() && matches(input) && options_.match_levels.size() <= LC_POSE_MOST_ROUNDS;
 }
 
-void PoseStage::lose_person() {
-  exchanged_frames_ = 0;
-  usual_energy_ = {};
-}
-
 void PoseStage::reset() {
   lose_person();
   last_skin_.clear();
@@ -336,7 +331,6 @@ PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& pre
   try_bent_back(input, previous, best);
   try_mirrored_forearms(input, previous, best);
   try_mirrored_arms(input, previous, best);
-  try_detected_arms(input, previous, best);
   if (best.exchanged && exchanged_frames_ >= options_.max_exchanged_frames) try_anew(input, best);
   if (best.exchanged) ++exchanged_frames_;
   last_skin_ = std::move(best.skin);
@@ -393,7 +387,7 @@ void PoseStage::try_mirrored_forearms(const PoseStageInput& input, const Pose& p
       return shading_.misfit(best.skin, other->bone, turn, options_.pose.shading_huber);
     };
     if (misfit(other->turn) < options_.mirrored_misfit * misfit(Eigen::Matrix3d::Identity()))
-      try_refined(input, with_mirrored_forearm(actor_, best.pose.pose, *other), previous, 1, best);
+      try_refined(input, with_mirrored_forearm(actor_, best.pose.pose, *other), previous, best);
   }
 }
 
@@ -402,32 +396,17 @@ void PoseStage::try_mirrored_arms(const PoseStageInput& input, const Pose& previ
   for (Keypoint elbow : {kLeftElbow, kRightElbow}) {
     for (const Pose& other :
          mirrored_arms(actor_, best.pose.pose, elbow, input.detections, options_.pose, options_.mirrored_arms))
-      try_refined(input, other, previous, 1, best);
+      try_refined(input, other, previous, best);
   }
 }
 
-// An arm that has lost its way often agrees with detections that are unsure of its depth; what it cannot have is the
-// energy of an arm that is right.
-void PoseStage::try_detected_arms(const PoseStageInput& input, const Pose& previous, Solution& best) {
-  if (!matches(input) || best.pose.status != SolveStatus::kOk || best.exchanged) return;
-  if (usual_energy_.exceeded_by(best.pose.energy.of_frame(), options_.unusual_energy)) {
-    for (Keypoint elbow : {kLeftElbow, kRightElbow}) {
-      const auto other = with_detected_arm(actor_, camera_, best.pose.pose, input.detections, options_.pose, elbow);
-      if (other) try_refined(input, *other, previous, options_.detected_arm_energy, best);
-    }
-  }
-  usual_energy_.learn(best.pose.energy.of_frame());
-}
-
-// From the last rounds on: the rest of the body stays, so that the costs tell the arms apart. They count where the
-// energy falls below `share` of what it was: unlike that of other starts without what was not matched, which is chance
-// here, and without E_temporal, which would keep an arm that has strayed.
-void PoseStage::try_refined(const PoseStageInput& input, const Pose& initial, const Pose& previous, double share,
-                            Solution& best) {
+// From the last rounds on: the rest of the body stays, so that the energies tell the arms apart. Unlike other starts
+// without what was not matched, which is chance here, and without E_temporal, which would keep an arm that has strayed.
+void PoseStage::try_refined(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best) {
   const int last_rounds =
       matches(input) ? std::max(0, int(options_.match_levels.size()) - options_.refining_rounds) : 0;
   Solution solved = solve_in_rounds(input, input.detections, initial, &previous, last_rounds);
-  if (solved.pose.status == SolveStatus::kOk && solved.pose.energy.of_frame() < share * best.pose.energy.of_frame())
+  if (solved.pose.status == SolveStatus::kOk && solved.pose.energy.of_frame() < best.pose.energy.of_frame())
     best = std::move(solved);
 }
 

@@ -17,7 +17,6 @@
 #include "pose/floor.h"
 #include "pose/leg_exchange.h"
 #include "pose/pose_solver.h"
-#include "pose/usual_energy.h"
 #include "raster/depth.h"
 #include "raster/visibility.h"
 
@@ -51,7 +50,7 @@ class PoseStage {
   void learn(const Pose* previous, const Pose& pose, const Detections& detections);
 
   // Forgets what it knew of the last frames, but for light and floor.
-  void lose_person();
+  void lose_person() { exchanged_frames_ = 0; }
   // Those too.
   void reset();
 
@@ -90,9 +89,7 @@ class PoseStage {
   void try_bent_back(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_mirrored_forearms(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_mirrored_arms(const PoseStageInput& input, const Pose& previous, Solution& best);
-  void try_detected_arms(const PoseStageInput& input, const Pose& previous, Solution& best);
-  void try_refined(const PoseStageInput& input, const Pose& initial, const Pose& previous, double share,
-                   Solution& best);
+  void try_refined(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best);
   static void keep_better(Solution other, Solution& best);
   void try_from(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best);
 
@@ -117,7 +114,6 @@ class PoseStage {
   ocl::Buffer<float> refined_share_;          // [n] the same in the last rounds: less for hanging cloth
   ocl::Buffer<int32_t> refining_candidates_;  // the same for contour vertices of the last rounds
   std::vector<SkinSample> last_skin_;
-  UsualEnergy usual_energy_;
   int exchanged_frames_ = 0;  // since the detections last agreed with the prediction, or were tried as named
 };
 

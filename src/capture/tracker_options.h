@@ -66,11 +66,6 @@ struct TrackerOptions {
   double mirrored_misfit = 0.9;
   // Likewise one with an arm that the detections rather see mirrored.
   MirroredArmOptions mirrored_arms;
-  // Where the energy of a frame is so many times the usual one, arms as detected are tried as well
-  // (pose/other_starts.h); they count where it falls below this share. With less built actors got worse: the energy of
-  // theirs is less right than the pose.
-  double unusual_energy = 1.25;
-  double detected_arm_energy = 0.85;
   bool solve_pose = true;          // false: stage I ends with its initialisation from each frame's detections alone
   bool enable_surface = true;      // false: the result is the skinned template of stage I
   bool warp_displacements = true;  // carry the non-rigid displacement to the next frame

@@ -11,7 +11,9 @@ namespace livecap::detect {
 
 struct JumpGateOptions {
   // A keypoint that lies further than jump_mm + turn_mm_s * (seconds since the last frame) both from where it was and
-  // from where its last speed would have taken it has jumped: noise, and how much a hand's speed changes in a frame.
+  // from where its last speed would have taken it, and as far from its other side, has jumped. jump_mm is for noise,
+  // turn_mm_s for how much a hand's speed changes. (Where left and right are exchanged nothing has jumped: others
+  // decide which is which, see side_tracker.h and pose/leg_exchange.h.)
   double jump_mm = 150;
   double turn_mm_s = 3000;
   double believed_after_s = 0.1;  // one that stays away so long is believed

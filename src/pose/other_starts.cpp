@@ -27,19 +27,6 @@ bool hangs_on(const Skeleton& skeleton, int bone, const std::vector<int>& these)
   return false;
 }
 
-// `pose` with the joints of these bones, and of what hangs on them, as initialize_pose has them.
-std::optional<Pose> with_detected_angles(const Actor& actor, const Camera& camera, const Pose& pose,
-                                         const Detections& detections, const PoseOptions& options,
-                                         const std::vector<int>& bones) {
-  const std::optional<Pose> found = initialize_pose(actor, camera, detections, options);
-  if (!found) return std::nullopt;
-  Pose bent = pose;
-  for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
-    if (hangs_on(actor.skeleton, actor.skeleton.dofs[k].bone, bones)) bent.angles_rad[k] = found->angles_rad[k];
-  }
-  return bent;
-}
-
 }  // namespace
 
 std::optional<Pose> turned_trunk(const Actor& actor, const Pose& pose, const Detections& detections,
@@ -74,14 +61,13 @@ std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera,
     if (distance >= least_px) strayed.push_back(hip);
   }
   if (strayed.empty()) return std::nullopt;
-  return with_detected_angles(actor, camera, pose, detections, options, strayed);
-}
-
-std::optional<Pose> with_detected_arm(const Actor& actor, const Camera& camera, const Pose& pose,
-                                      const Detections& detections, const PoseOptions& options, Keypoint elbow) {
-  const int shoulder = actor.skeleton.bone_index(elbow == kLeftElbow ? "left_shoulder" : "right_shoulder");
-  if (shoulder < 0) return std::nullopt;
-  return with_detected_angles(actor, camera, pose, detections, options, {shoulder});
+  const std::optional<Pose> found = initialize_pose(actor, camera, detections, options);
+  if (!found) return std::nullopt;
+  Pose bent = pose;
+  for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
+    if (hangs_on(actor.skeleton, actor.skeleton.dofs[k].bone, strayed)) bent.angles_rad[k] = found->angles_rad[k];
+  }
+  return bent;
 }
 
 std::optional<Pose> with_hinges_bent_back(const Skeleton& skeleton, const Pose& pose, double least_rad) {

@@ -1,7 +1,7 @@
 // Poses to start from as well where texture and silhouette may have led astray, as the detections have them: whole
 // bodies that were matched one stripe or check further round, where clothes with a pattern look nearly right, and legs
-// that hold on to the other one's shoe, which the robust E_2D lets them. Arms, whose elbows the network bends too far,
-// only where something is wrong. Mirrored arms: pose/mirrored_arms.h.
+// that hold on to the other one's shoe, which the robust E_2D lets them. (The same for arms made two of five sequences
+// worse: the network's elbows are bent too far.) Mirrored arms: pose/mirrored_arms.h.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,11 +24,6 @@ std::optional<Pose> turned_trunk(const Actor& actor, const Pose& pose, const Det
 // nullopt when there is none or the detections do not tell.
 std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera, const Pose& pose,
                                        const Detections& detections, const PoseOptions& options, double least_px);
-
-// `pose` with the arm of this elbow (kLeftElbow, kRightElbow) bent as initialize_pose would bend it; its collarbone
-// stays. nullopt when the detections do not tell.
-std::optional<Pose> with_detected_arm(const Actor& actor, const Camera& camera, const Pose& pose,
-                                      const Detections& detections, const PoseOptions& options, Keypoint elbow);
 
 // `pose` with every hinge (elbow, knee: a bone of one angle) that is past its limit by at least least_rad bent as far
 // to the other side of the limit. In a picture a nearly straight limb that bends towards the camera looks as one that

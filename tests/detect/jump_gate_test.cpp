@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "livecap/error.h"
 
@@ -14,13 +15,14 @@ using Keypoints = std::array<KeypointDetection, kKeypointCount>;
 constexpr double kDt = 1.0 / 30;
 constexpr double kMmPerPx = 4;
 
-// All at rest but the right wrist, in px; 3D and confidence of each tell the frame.
+// All at rest, the left wrist apart, but the right wrist, in px; 3D and confidence of each tell the frame.
 Keypoints frame(int i, double x_px, double y_px = 0) {
   Keypoints k{};
   for (KeypointDetection& point : k) {
     point.z_mm = static_cast<float>(i);
     point.confidence = 0.9f;
   }
+  k[kLeftWrist].x_px = -200;
   k[kRightWrist].x_px = static_cast<float>(x_px);
   k[kRightWrist].y_px = static_cast<float>(y_px);
   return k;
@@ -81,6 +83,16 @@ TEST(JumpGate, LongerGapsAllowMore) {
     gate.update({}, dt_s, kMmPerPx, k);
     k = frame(1, 100);  // 400 mm
     EXPECT_EQ(gate.update({}, dt_s, kMmPerPx, k), dt_s == kDt);
+  }
+}
+
+TEST(JumpGate, ExchangedSidesHaveNotJumped) {
+  detect::JumpGate gate;
+  for (int i = 0; i < 20; ++i) {
+    Keypoints k = frame(i, 150);
+    if (i == 10) std::swap(k[kLeftWrist], k[kRightWrist]);
+    EXPECT_FALSE(gate.update({}, kDt, kMmPerPx, k)) << i;
+    EXPECT_FLOAT_EQ(k[kRightWrist].x_px, i == 10 ? -200 : 150) << i;
   }
 }
 

@@ -7,8 +7,6 @@
 #include <numbers>
 
 #include "livecap/error.h"
-#include "pose/initialize.h"
-#include "pose/usual_energy.h"
 #include "support/pose_scene.h"
 #include "support/tolerances.h"
 
@@ -83,51 +81,6 @@ TEST(OtherStarts, OnlyALegFarFromItsAnkleIsBentAnew) {
 }
 
 // Elbows and knees; shoulders have three angles and wrap round.
-TEST(OtherStarts, OnlyTheArmOfTheElbowIsBentAsDetected) {
-  const Actor actor = test::make_test_actor();
-  const Camera camera = test::portrait_camera();
-  const Pose truth = test::standing_pose(actor, 0);
-  const Detections detections = test::exact_detections(actor, camera, truth);
-  Pose strayed = truth;
-  for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
-    const std::string& name = actor.skeleton.dofs[k].name;
-    if (name.find("shoulder_y") != std::string::npos || name.find("elbow") != std::string::npos ||
-        name.find("clavicle") != std::string::npos || name == "left_hip_z")
-      strayed.angles_rad[k] += 0.3;
-  }
-  const auto bent = with_detected_arm(actor, camera, strayed, detections, as_detected(), kRightElbow);
-  ASSERT_TRUE(bent.has_value());
-  const auto found = initialize_pose(actor, camera, detections, as_detected());
-  ASSERT_TRUE(found.has_value());
-  for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
-    const std::string& name = actor.skeleton.dofs[k].name;
-    const bool arm = name.starts_with("right_shoulder") || name.starts_with("right_elbow");
-    EXPECT_EQ(bent->angles_rad[k], (arm ? *found : strayed).angles_rad[k]) << name;
-  }
-  Detections nobody = detections;
-  nobody.person = false;
-  EXPECT_FALSE(with_detected_arm(actor, camera, strayed, nobody, as_detected(), kRightElbow).has_value());
-}
-
-TEST(UsualEnergy, IsARunningMeanThatOneFrameDoesNotLift) {
-  UsualEnergy usual;
-  for (const double energy : {3.0, 5.0, 4.0, 2.0, 6.0}) usual.learn(energy);
-  EXPECT_FALSE(usual.exceeded_by(1e9, 1.25)) << "too few frames";
-  usual.learn(4.0);
-  EXPECT_TRUE(usual.exceeded_by(5.01, 1.25));
-  EXPECT_FALSE(usual.exceeded_by(4.99, 1.25));
-  usual.learn(1e9);  // counts 1.5 * 4: a seventh of it
-  const double lifted = 4.0 + 2.0 / 7;
-  EXPECT_TRUE(usual.exceeded_by(1.01 * lifted, 1));
-  EXPECT_FALSE(usual.exceeded_by(0.99 * lifted, 1));
-  for (int i = 0; i < 100; ++i) usual.learn(8.0);
-  EXPECT_TRUE(usual.exceeded_by(8.01, 1));
-  EXPECT_FALSE(usual.exceeded_by(7.99, 1.002));
-  usual.learn(7.0);  // a tenth of it
-  EXPECT_TRUE(usual.exceeded_by(7.91, 1));
-  EXPECT_FALSE(usual.exceeded_by(7.89, 1));
-}
-
 TEST(OtherStarts, HingesPastTheirLimitAreBentBack) {
   const Skeleton skeleton = test::make_test_actor().skeleton;
   const auto angle = [&](Pose& pose, const std::string& name) -> double& {

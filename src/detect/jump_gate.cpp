@@ -48,7 +48,6 @@ bool JumpGate::update(const JumpGateOptions& options, double dt_s, double mm_per
     if (!goes_on && !follows(before[other_side(k)]) && followed.doubted_s < options.believed_after_s) {
       followed.doubted_s += dt_s;
       now = followed.last;
-      now.confidence = 0;
       any = true;
       continue;
     }

@@ -1,6 +1,6 @@
-// Drops what no limb can do. Between two readings of a picture (a hidden face, legs that cross) a network's answer can
-// lie halfway for a single frame: hands before the belly, with a score of 0.98. One such frame is enough to throw an
-// arm, and a tracker needs long to find it again.
+// Leaves out what no limb can do. Between two readings of a picture (a hidden face, legs that cross) a network's answer
+// can lie halfway for a single frame: hands before the belly, with a score of 0.98. One such frame is enough to throw
+// an arm, and a tracker needs long to find it again.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ struct JumpGateOptions {
 // Judged in the picture, keypoint by keypoint.
 class JumpGate {
  public:
-  // Keypoints that jumped are put back to where they were, 3D as well, with a confidence of 0. dt_s > 0; mm_per_px:
+  // Keypoints that jumped are put back to where they were, 3D and confidence as well. dt_s > 0; mm_per_px:
   // roughly the size of a pixel at the person. True when there were any.
   bool update(const JumpGateOptions& options, double dt_s, double mm_per_px,
               std::array<KeypointDetection, kKeypointCount>& keypoints);

@@ -36,7 +36,7 @@ struct PoseDetectorOptions {
   int max_missed_frames = 5;
   bool keep_sides = true;  // undo sudden exchanges of left and right
   SideTrackerOptions sides;
-  bool drop_jumps = true;  // keypoints that cannot have got there in a frame count as unknown
+  bool drop_jumps = true;  // keypoints that cannot have got there in a frame stay where they were
   JumpGateOptions jumps;
   bool correct_posture = true;
   PostureOptions posture;

@@ -52,11 +52,9 @@ typedef struct {
 // For see_actor.cl: its work-items, which are those of two tiles; and its local memory, in floats.
 #define LC_SEE_GROUP (2 * LC_MATCH_TILE * LC_MATCH_TILE)
 #define LC_SEE_LOCAL (2 * (LC_MATCH_TILE + 2 * LC_MATCH_RADIUS) * (5 * LC_MATCH_TILE + 4 * LC_MATCH_RADIUS))
-// How often its groups wait for each other.
-#define LC_SEE_WAITS 5
 
 typedef struct {
-  float least_moved_px;  // less than what stands in `moved`: nothing is done
+  float least_moved_px;  // nothing is done where `moved` holds less
   int n_vertices, n_triangles;
   int n_skin;       // vertices of skin that are measured
   int new_picture;  // whether the camera's pyramid is made first

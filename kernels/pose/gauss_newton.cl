@@ -72,13 +72,13 @@ static void add_parts(int n, int n_parts, global const float* parts, global floa
   }
 }
 
-// steps.most steps from the state in the inputs on and the residuals where they end; or, if that is negative, rows,
-// residuals and parts there, by a group for each ROWS rows (without LC_POSE_TAKES_STEPS: at `from`). Rows: point rows,
-// then contour, then matches (two each), then shaded vertices, each kind from a multiple of ROWS on. Other arguments:
-// layout.h and the functions that are called. Out: results: layout.h; moved: how far a keypoint went, px, -1 after a
-// failure; motions [8*n_bones]: dual quaternions where it ended; J [n_rows*n_columns]; parts [n_parts][n_tiles][8][8]
-// and their sum gram. state: see all_arrived.h; next: of the launch that follows, set to 0. rows: ROWS * n_columns
-// floats; near: LC_POSE_NEAR_SIZE; memory: LC_POSE_LOCAL.
+// steps.most steps from the state in the inputs on (steps.continues: from that in results) and the residuals where they
+// end; or, if that is negative, rows, residuals and parts there, by a group for each ROWS rows (without
+// LC_POSE_TAKES_STEPS: at `from`). Rows: point rows, then contour, then matches (two each), then shaded vertices, each
+// kind from a multiple of ROWS on. Other arguments: layout.h and the functions that are called. Out: results: layout.h;
+// moved: how far a keypoint went, px, -1 after a failure; motions [8*n_bones]: dual quaternions where it ended; J
+// [n_rows*n_columns]; parts [n_parts][n_tiles][8][8] and their sum gram. state: see all_arrived.h; next: of the launch
+// that follows, set to 0. rows: ROWS * n_columns floats; near: LC_POSE_NEAR_SIZE; memory: LC_POSE_LOCAL.
 kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gauss_newton(
     PoseLayout layout, float4 camera, PoseContour contour, float keypoint_huber_px, float match_huber_px,
     float shading_huber, float sqrt_anatomic, PoseInputs at, PoseStepsArg steps, global const float* restrict inputs,

@@ -39,8 +39,8 @@ static double standing(PoseLayout layout, int i, double3 root, local const int* 
   return sqrt(nearness(height, LC_POSE_NEAR_MM) * nearness(sqrt(dot(across, across)), LC_POSE_STILL_MM));
 }
 
-// is_first: of the steps; otherwise nothing happens. c, step: of that pose. inputs: see layout.h. Out: targets' 3D
-// weights, the soles of `ground`, t' in state and step.
+// is_first: of the steps; otherwise nothing happens. c, step: of that pose. soles_before [3*n_soles]: mm, camera frame,
+// a frame ago. Out: targets' 3D weights, the soles of `ground`, t' in state and step.
 static void start_round(bool is_first, PoseLayout layout, PoseStepsArg steps, global const float* soles_before, Chain c,
                         local double* state, local float* step, local float* targets, local float* ground) {
   const int id = get_local_id(0), sole = first_from(LC_POSE_GROUP / 2);

@@ -49,6 +49,9 @@ class PoseStage {
   // before, nullptr after another one.
   void learn(const Pose* previous, const Pose& pose, const Detections& detections);
 
+  // Whether all rounds of a tracked frame are launched at once.
+  bool looks_ahead(const PoseStageInput& input) const;
+
   // Forgets what it knew of the last frames, but for light and floor.
   void lose_person() { exchanged_frames_ = 0; }
   // Those too.
@@ -68,7 +71,6 @@ class PoseStage {
   Solution solve_anew(const PoseStageInput& input);
   std::optional<Solution> solve_ahead(const PoseStageInput& input, const Detections& detections, const Pose& initial,
                                       const Pose* previous, int first_round);
-  bool looks_ahead(const PoseStageInput& input) const;
   PoseInput round_input(const PoseStageInput& input, const Detections& detections, const Pose& initial,
                         const Pose* previous, int level, bool refining) const;
   double cost_of(const PoseResult& pose) const;

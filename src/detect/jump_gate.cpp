@@ -28,37 +28,38 @@ void JumpGateOptions::validate() const {
 
 bool JumpGate::update(const JumpGateOptions& options, double dt_s, double mm_per_px,
                       std::array<KeypointDetection, kKeypointCount>& keypoints) {
-  const std::array<Followed, kKeypointCount> before = followed_;
-  bool any = false;
+  const auto follows = [&](const KeypointDetection& now, const Followed& past) {
+    const double since_s = past.doubted_s + dt_s;
+    const double x_px = now.x_px - past.last.x_px, y_px = now.y_px - past.last.y_px;
+    const double away_px = std::min(std::hypot(x_px, y_px),
+                                    std::hypot(x_px - past.speed_x_px_s * since_s, y_px - past.speed_y_px_s * since_s));
+    return away_px * mm_per_px <= options.jump_mm + options.turn_mm_s * since_s;
+  };
+  std::array<bool, kKeypointCount> moves{}, jumps{};
+  for (int k = 0; k < kKeypointCount && started_; ++k) {
+    const bool goes_on = follows(keypoints[k], followed_[k]);
+    moves[k] = goes_on && followed_[k].doubted_s == 0;
+    jumps[k] = !goes_on && !follows(keypoints[k], followed_[other_side(k)]) &&
+               followed_[k].doubted_s < options.believed_after_s;
+  }
+  const auto n_jumps = std::count(jumps.begin(), jumps.end(), true);
+  if (2 * n_jumps > kKeypointCount) jumps.fill(false);
   for (int k = 0; k < kKeypointCount; ++k) {
     KeypointDetection& now = keypoints[k];
     Followed& followed = followed_[k];
-    if (!started_) {
-      followed = {now};
-      continue;
-    }
-    const auto follows = [&](const Followed& past) {
-      const double since_s = past.doubted_s + dt_s;
-      const double x_px = now.x_px - past.last.x_px, y_px = now.y_px - past.last.y_px;
-      const double away_px = std::min(
-          std::hypot(x_px, y_px), std::hypot(x_px - past.speed_x_px_s * since_s, y_px - past.speed_y_px_s * since_s));
-      return away_px * mm_per_px <= options.jump_mm + options.turn_mm_s * since_s;
-    };
-    const bool goes_on = follows(before[k]);
-    if (!goes_on && !follows(before[other_side(k)]) && followed.doubted_s < options.believed_after_s) {
+    if (jumps[k]) {
       followed.doubted_s += dt_s;
       now = followed.last;
-      any = true;
       continue;
     }
-    const bool moves = goes_on && followed.doubted_s == 0;
-    followed.speed_x_px_s = moves ? (now.x_px - followed.last.x_px) / dt_s : 0;
-    followed.speed_y_px_s = moves ? (now.y_px - followed.last.y_px) / dt_s : 0;
-    followed.last = now;
-    followed.doubted_s = 0;
+    const Followed past = followed;
+    followed = {.last = now};
+    if (!moves[k]) continue;
+    followed.speed_x_px_s = (now.x_px - past.last.x_px) / dt_s;
+    followed.speed_y_px_s = (now.y_px - past.last.y_px) / dt_s;
   }
   started_ = true;
-  return any;
+  return std::find(jumps.begin(), jumps.end(), true) != jumps.end();
 }
 
 }  // namespace livecap::detect

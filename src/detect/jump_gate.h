@@ -10,10 +10,10 @@
 namespace livecap::detect {
 
 struct JumpGateOptions {
-  // A keypoint that lies further than jump_mm + turn_mm_s * (seconds since the last frame) both from where it was and
-  // from where its last speed would have taken it, and as far from its other side, has jumped. jump_mm is for noise,
-  // turn_mm_s for how much a hand's speed changes. (Where left and right are exchanged nothing has jumped: others
-  // decide which is which, see side_tracker.h and pose/leg_exchange.h.)
+  // A keypoint that lies further than jump_mm + turn_mm_s * (seconds since it was last believed) both from where it was
+  // and from where its last speed would have taken it, and as far from its other side, has jumped. jump_mm is for
+  // noise, turn_mm_s for how much a hand's speed changes. (Where left and right are exchanged nothing has jumped:
+  // others decide which is which, see side_tracker.h and pose/leg_exchange.h.)
   double jump_mm = 150;
   double turn_mm_s = 3000;
   double believed_after_s = 0.1;  // one that stays away so long is believed
@@ -26,7 +26,8 @@ struct JumpGateOptions {
 class JumpGate {
  public:
   // Keypoints that jumped are put back to where they were, 3D and confidence as well. dt_s > 0; mm_per_px:
-  // roughly the size of a pixel at the person. True when there were any.
+  // roughly the size of a pixel at the person. True when there were any. Where more than half of
+  // them jump it is another picture (a cut, somebody else), and all are believed.
   bool update(const JumpGateOptions& options, double dt_s, double mm_per_px,
               std::array<KeypointDetection, kKeypointCount>& keypoints);
   void reset() { started_ = false; }

@@ -101,7 +101,7 @@ PoseResult PoseSolver::solve(const PoseInput& input, const Prepared& prepared) {
 
   const KeypointPositions& initial = prepared.keypoints_mm;
   const PoseState start{input.initial, best_t_prime(targets, initial)};
-  const int n_steps = input.n_steps > 0 ? input.n_steps : options_.steps;
+  const int n_steps = steps_of(input);
   std::optional<PoseSteps> steps = system_.take_steps(start, n_steps, input.settled_px);
   if (!steps) {
     system_.read_choice();
@@ -132,8 +132,17 @@ void PoseSolver::start_rounds(const Pose& initial) {
 }
 
 // Doubt, t' and soles at rest of all rounds but the first are the device's to prepare.
+int PoseSolver::steps_of(const PoseInput& input) const {
+  return input.n_steps > 0 ? input.n_steps : options_.steps;
+}
+
 bool PoseSolver::begin_rounds(std::span<const Round> rounds, const SeenVertices& known) {
   const PoseInput& first = *rounds.front().input;
+  const auto too_long = [&](const Round& round) { return steps_of(*round.input) > LC_POSE_MOST_STEPS; };
+  if (std::any_of(rounds.begin(), rounds.end(), too_long)) {
+    system_.forget_look();
+    return false;
+  }
   rounds_.assign(rounds.begin(), rounds.end());
   prepared_.clear();
   std::vector<float> soles_before;
@@ -157,7 +166,10 @@ bool PoseSolver::begin_rounds(std::span<const Round> rounds, const SeenVertices&
     system_.set_round(int(prepared_.size()), prepared.targets, known, first.floor, prepared.stands, soles_before);
     prepared_.push_back(std::move(prepared));
   }
-  if (!has_observation(prepared_.front().targets)) return false;
+  if (!has_observation(prepared_.front().targets)) {
+    system_.forget_look();
+    return false;
+  }
   const PoseState start{first.initial, best_t_prime(prepared_.front().targets, prepared_.front().keypoints_mm)};
   system_.begin_rounds(int(rounds.size()), start, first.frame);
   return true;
@@ -166,7 +178,7 @@ bool PoseSolver::begin_rounds(std::span<const Round> rounds, const SeenVertices&
 void PoseSolver::launch_round(int round, const SeenVertices& seen) {
   const PoseInput& input = *rounds_[round].input;
   system_.launch_round({.round = round,
-                        .n_steps = input.n_steps > 0 ? input.n_steps : options_.steps,
+                        .n_steps = steps_of(input),
                         .settled_px = input.settled_px,
                         .doubt_3d_mm = input.doubt_3d_mm,
                         .least_moved_px = round > 0 ? float(rounds_[round].least_moved_px) : -INFINITY},

@@ -104,8 +104,8 @@ class PoseSolver {
   };
   // First motions() are set to those of the first pose: what the first solve sees is launched before this prepares it.
   void start_rounds(const Pose& initial);
-  // False where there is nothing to launch: solve() then tells why. The rounds' inputs must outlive finish_rounds().
-  // seen: of all rounds; not what is seen but what is known of it.
+  // False where there is nothing to launch, or more steps than the device takes at once: solve() then tells why. The
+  // rounds' inputs must outlive finish_rounds(). seen: of all rounds; not what is seen but what is known of it.
   bool begin_rounds(std::span<const Round> rounds, const SeenVertices& known);
   void launch_round(int round, const SeenVertices& seen);
   // What came of the last round that was not left out. Blocking. Nothing where the device could not.
@@ -121,6 +121,7 @@ class PoseSolver {
   using KeypointPositions = std::array<Eigen::Vector3d, kKeypointCount>;
   KeypointPositions keypoints(const Pose& pose) const;
   void weigh_arms(Prepared& prepared, double arms_3d) const;
+  int steps_of(const PoseInput& input) const;
   PoseSteps take_steps(const PoseState& start, int n_steps, double settled_px);
   void take(const PoseSteps& steps, const Prepared& prepared, PoseResult& result) const;
   void measure(const PoseState& state, const PoseResiduals& residuals, const Prepared& prepared,

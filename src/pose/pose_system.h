@@ -85,6 +85,7 @@ class PoseSystem {
                  std::span<const double> stands, std::span<const float> soles_before);
   // Of rounds that were set.
   void begin_rounds(int n_rounds, const PoseState& start, const DeviceFrame* frame);
+  // [8*n_bones], camera frame: see motions().
   void set_motions(std::span<const float> dual_quats) { motions_.write_later(dual_quats); }
   struct Round {
     int round = 0;
@@ -108,6 +109,8 @@ class PoseSystem {
   const ocl::Buffer<float>& moved() const { return moved_; }
   const ocl::Buffer<float>& motions() const { return motions_; }
   const ocl::Buffer<int32_t>& look_state() const { return look_state_; }
+  // After a look that no round follows: the next one waits from the beginning.
+  void forget_look() { look_state_.fill(0); }
   const ocl::Buffer<int32_t>& steps_state() const { return steps_state_; }
 
   PoseNormalEquations assemble(const PoseState& state);

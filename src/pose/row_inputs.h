@@ -20,10 +20,10 @@ namespace livecap {
 class PoseRowInputs {
  public:
   PoseRowInputs() = default;
-  // n_rounds: what the host gives is there so many times, what is chosen by it once.
+  // n_rounds: what the host gives is there so many times, what the device chooses once.
   PoseRowInputs(const PoseLayout& layout, const PoseOptions& options, int n_vertices, int n_rounds = 1);
 
-  // That the others are of; 0 at first.
+  // The round that set_... write to and arguments are of; 0 at first.
   void select_round(int round);
 
   void set_targets(const KeypointTargets& targets);

@@ -95,7 +95,7 @@ Pose turned(const Actor& actor, int frame) {
 }
 
 // Poses and energies of some frames, each tracked from the truth of the one before.
-std::vector<PoseResult> track(ocl::DeviceContext& device, int n_frames) {
+std::vector<PoseResult> track(ocl::DeviceContext& device, int n_frames, bool ahead = false) {
   Seen seen(device);
   TrackerOptions options;
   options.shading.light.least_frames = 0.5;
@@ -107,6 +107,7 @@ std::vector<PoseResult> track(ocl::DeviceContext& device, int n_frames) {
     const Detections detections = test::exact_detections(seen.actor, seen.camera, truth, 0.97);
     const PoseStageInput input{detections, silhouette, seen.frame};
     stage.set_picture(input);
+    EXPECT_EQ(stage.looks_ahead(input), ahead);
     results.push_back(stage.solve_tracked(input, before, before));
     EXPECT_EQ(results.back().status, SolveStatus::kOk);
     stage.learn(&before, results.back().pose, detections);
@@ -148,7 +149,7 @@ TEST(PoseStage, WhatTheDeviceChoosesIsWhatIsRead) {
 TEST(PoseStage, RoundsAheadAreTheHosts) {
   test::on_every_gpu_body([](ocl::DeviceContext& device) {
     ocl::DeviceContext one_by_one(without_sight(device.info()));
-    const std::vector<PoseResult> got = track(device, 3), expected = track(one_by_one, 3);
+    const std::vector<PoseResult> got = track(device, 3, true), expected = track(one_by_one, 3);
     EXPECT_GT(expected[2].energy.shading, 0) << "the light is known by then";
     for (int frame = 0; frame < 3; ++frame) {
       const PoseResult &ahead = got[frame], &waits = expected[frame];

@@ -96,6 +96,17 @@ TEST(JumpGate, ExchangedSidesHaveNotJumped) {
   }
 }
 
+TEST(JumpGate, AnotherPictureIsBelieved) {
+  detect::JumpGate gate;
+  for (int i = 0; i < 20; ++i) {
+    Keypoints k = frame(i, i);
+    for (KeypointDetection& point : k) point.y_px += i < 10 ? 0 : 500;
+    const Keypoints seen = k;
+    EXPECT_FALSE(gate.update({}, kDt, kMmPerPx, k)) << i;
+    for (int p = 0; p < kKeypointCount; ++p) EXPECT_EQ(k[p].y_px, seen[p].y_px) << i;
+  }
+}
+
 TEST(JumpGate, BadOptionsAreRefused) {
   for (const detect::JumpGateOptions& bad :
        {detect::JumpGateOptions{0, 3000, 0.1}, detect::JumpGateOptions{150, -1, 0.1},

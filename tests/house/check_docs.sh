@@ -21,7 +21,7 @@ done < <(grep -oE '`(src|include|kernels|tools|tests|cmake|docs|third_party)/[A-
 
 # The headings of a document as links name them.
 anchors() {
-  sed -n 's/^##* //p' "$1" | tr '[:upper:]' '[:lower:]' | sed -e 's/[^a-z0-9 -]//g' -e 's/ /-/g'
+  sed -n 's/^##* //p' "$1" | tr '[:upper:]' '[:lower:]' | sed -e 's/[^a-z0-9 _-]//g' -e 's/ /-/g'
 }
 
 while IFS=: read -r document link; do
@@ -31,7 +31,7 @@ while IFS=: read -r document link; do
   if [[ ! -e $target ]]; then
     echo "$document: there is no $file to link to"
     bad=1
-  elif [[ $link == *#* ]] && ! anchors "$target" | grep -qxF -- "${link#*#}"; then
+  elif [[ $link == *#* ]] && ! anchors "$target" | grep -xF -- "${link#*#}" >/dev/null; then
     echo "$document: ${file:-it} has no heading #${link#*#}"
     bad=1
   fi

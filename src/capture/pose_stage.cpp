@@ -400,13 +400,13 @@ void PoseStage::try_mirrored_arms(const PoseStageInput& input, const Pose& previ
   }
 }
 
-// From the last rounds on: the rest of the body stays, so that the energies tell the arms apart. Unlike other starts
-// without what was not matched, which is chance here, and without E_temporal, which would keep an arm that has strayed.
+// From the last rounds on: the rest of the body stays, so that the costs tell the arms apart. Unlike other starts
+// without what was not matched: here that is chance.
 void PoseStage::try_refined(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best) {
   const int last_rounds =
       matches(input) ? std::max(0, int(options_.match_levels.size()) - options_.refining_rounds) : 0;
   Solution solved = solve_in_rounds(input, input.detections, initial, &previous, last_rounds);
-  if (solved.pose.status == SolveStatus::kOk && solved.pose.energy.of_frame() < best.pose.energy.of_frame())
+  if (solved.pose.status == SolveStatus::kOk && solved.pose.energy.total() < best.pose.energy.total())
     best = std::move(solved);
 }
 

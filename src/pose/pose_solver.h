@@ -50,8 +50,6 @@ struct PoseEnergies {
   double total() const {
     return keypoint_2d + keypoint_3d + silhouette + match + shading + floor + temporal + anatomic;
   }
-  // Without E_temporal, which holds an arm or a leg where the last frame had it, rightly or not.
-  double of_frame() const { return total() - temporal; }
 };
 
 struct PoseResult {

@@ -119,8 +119,9 @@ kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
   together &= all_arrived(state, 5 * n_groups, &given_up);
 
   const Level at_level = {here.width, here.height, actor, box_depth, camera + level_offset(box, patch.level)};
-  for (int first = group * LC_SEE_GROUP / 8; together && first < n; first += n_groups * LC_SEE_GROUP / 8)
-    match_vertex(first + get_local_id(0) / 8, n, at_level, patch, see.focal_px, skinned, normals, visible, projected,
-                 areas, share, memory, matches, box.x, box.y);
+  for (int first = group * LC_SEE_GROUP / LC_MATCH_SHARE; together && first < n;
+       first += n_groups * LC_SEE_GROUP / LC_MATCH_SHARE)
+    match_vertex(first + get_local_id(0) / LC_MATCH_SHARE, n, at_level, patch, see.focal_px, skinned, normals, visible,
+                 projected, areas, share, memory, matches, box.x, box.y);
 }
 #endif

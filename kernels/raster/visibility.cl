@@ -106,8 +106,7 @@ static inline int is_at_outline(int x, int y, float z, int width, int height, in
       farthest = counts && drawn && d > farthest ? d : farthest;
     }
   }
-  return outside && (farthest == 0.0f || z <= farthest + tolerance_mm) ? 1 : 0;
-#endif
+#else
   for (int dv = -radius_px; dv <= radius_px; ++dv) {
     for (int du = -radius_px; du <= radius_px; ++du) {
       const int u = x + du;
@@ -121,6 +120,7 @@ static inline int is_at_outline(int x, int y, float z, int width, int height, in
       }
     }
   }
+#endif
   return outside && (farthest == 0.0f || z <= farthest + tolerance_mm) ? 1 : 0;
 }
 

@@ -14,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "livecap/method.h"
+
 namespace livecap {
 
 // What happened in one input frame. Every input frame gets exactly one.
@@ -34,32 +36,24 @@ inline bool is_tracked(TrackStatus status) {
   return status == TrackStatus::kOk || status == TrackStatus::kInitialized;
 }
 
-struct CaptureOptions {
-  std::string video;                 // video file, folder of images, or "webcam:N"
-  std::string camera;                // camera.json; or
-  double fov_deg = 0;                // field of view of the longer side, degrees
-  std::string background;            // picture of the empty scene; or
-  int background_frames = 0;         // the first N frames of the video are empty; or neither: the network's mask alone
-  std::string actor;                 // actor.glb or "builtin:skirt", "builtin:trousers"
-  double height_mm = 0;              // > 0: the actor is scaled to this height
-  std::string model = "full";        // lite | full | heavy | path of a .tflite file
-  std::string detections;            // detections.jsonl to use instead of the network
-  std::string out;                   // folder to write (created)
-  bool overlay = false;              // write overlay.mp4
-  std::string trace;                 // timeline of threads and devices to write, for chrome://tracing; empty: none
-  bool surface = true;               // false: stage I only
-  bool sequential = false;           // one thread; the result is the same
-  bool realtime = false;             // read the file at its own pace and drop what comes too early
-  bool decoded = false;              // decode all frames before the first is processed: 3 bytes a pixel and frame
-  bool smooth = false;               // filter the result with [0.15, 0.7, 0.15] over time once more
-  double missed_detections = 0;      // share of frames, chosen at random, in which the network is shown nothing: a test
-  std::vector<std::string> without;  // energy terms and components switched off (docs/conventions.md)
-  double rigidity = 0;               // > 0: material weight s_ij of the whole surface, instead of each label's
-  std::string cnn_device;            // selectors, see `livecap devices`; empty: chosen
-  std::string solver_device;
-  int64_t first = 0;         // first input frame to process
-  int64_t frames = -1;       // at most this many; -1: all
-  double bvh_unit_m = 0.01;  // length of one BVH unit in metres
+struct CaptureOptions : MethodOptions {
+  std::string video;             // video file, folder of images, or "webcam:N"
+  std::string camera;            // camera.json; or
+  double fov_deg = 0;            // field of view of the longer side, degrees
+  std::string background;        // picture of the empty scene; or
+  int background_frames = 0;     // the first N frames of the video are empty; or neither: the network's mask alone
+  std::string detections;        // detections.jsonl to use instead of the network
+  std::string out;               // folder to write (created)
+  bool overlay = false;          // write overlay.mp4
+  std::string trace;             // timeline of threads and devices to write, for chrome://tracing; empty: none
+  bool sequential = false;       // one thread; the result is the same
+  bool realtime = false;         // read the file at its own pace and drop what comes too early
+  bool decoded = false;          // decode all frames before the first is processed: 3 bytes a pixel and frame
+  bool smooth = false;           // filter the result with [0.15, 0.7, 0.15] over time once more
+  double missed_detections = 0;  // share of frames, chosen at random, in which the network is shown nothing: a test
+  int64_t first = 0;             // first input frame to process
+  int64_t frames = -1;           // at most this many; -1: all
+  double bvh_unit_m = 0.01;      // length of one BVH unit in metres
 
   // Throws ConfigError naming the option.
   void validate() const;

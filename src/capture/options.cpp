@@ -32,9 +32,18 @@ const char* stage_name(CaptureStage stage) {
   return index >= 0 && index < kStageCount ? kNames[index] : "?";
 }
 
+void MethodOptions::validate() const {
+  if (actor.empty()) throw ConfigError("--actor is missing: an actor.glb or builtin:skirt, builtin:trousers");
+  if (height_mm != 0 && !(height_mm >= 500 && height_mm <= 3000))
+    throw ConfigError(format("--height %g m: must be between 0.5 and 3 metres", height_mm / 1000));
+  if (rigidity != 0 && !(rigidity > 0 && rigidity <= 1e6))
+    throw ConfigError(format("--rigidity %g: must be between 0 and 1e6; the labels' are 1 to 200", rigidity));
+  for (const std::string& name : without) require_component(name);
+}
+
 void CaptureOptions::validate() const {
   if (video.empty()) throw ConfigError("--video is missing: a video file, a folder of images or webcam:N");
-  if (actor.empty()) throw ConfigError("--actor is missing: an actor.glb or builtin:skirt, builtin:trousers");
+  MethodOptions::validate();
   if (out.empty()) throw ConfigError("--out is missing: the folder to write");
   if (const auto folder = std::filesystem::path(trace).parent_path();
       !folder.empty() && !std::filesystem::is_directory(folder))
@@ -46,8 +55,6 @@ void CaptureOptions::validate() const {
     throw ConfigError("give either --background or --background-frames, not both");
   if (background_frames < 0)
     throw ConfigError(format("--background-frames %d: must not be negative", background_frames));
-  if (height_mm != 0 && !(height_mm >= 500 && height_mm <= 3000))
-    throw ConfigError(format("--height %g m: must be between 0.5 and 3 metres", height_mm / 1000));
   if (first < 0) throw ConfigError(format("--first %lld: must not be negative", static_cast<long long>(first)));
   if (frames == 0 || frames < -1) throw ConfigError("--frames: must be at least 1");
   if (!detections.empty() && background.empty() && background_frames == 0)
@@ -60,9 +67,6 @@ void CaptureOptions::validate() const {
     throw ConfigError(video + ": frames of a webcam cannot be decoded before it is captured");
   if (!(bvh_unit_m > 0) || !std::isfinite(bvh_unit_m))
     throw ConfigError("--bvh-unit: must be a positive length in metres");
-  if (rigidity != 0 && !(rigidity > 0 && rigidity <= 1e6))
-    throw ConfigError(format("--rigidity %g: must be between 0 and 1e6; the labels' are 1 to 200", rigidity));
-  for (const std::string& name : without) require_component(name);
 }
 
 }  // namespace livecap

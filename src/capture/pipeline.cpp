@@ -25,15 +25,15 @@ class FirstError {
   std::exception_ptr error_;
 };
 
-// Moves the displaced item's report, and those it carried, to the front of what the newer item carries.
+}  // namespace
+
 void inherit_dropped(WorkItem& newer, WorkItem&& displaced) {
   std::vector<FrameReport> dropped = std::move(displaced.dropped_before);
   displaced.report.status = TrackStatus::kDropped;
   dropped.push_back(displaced.report);
+  dropped.insert(dropped.end(), newer.dropped_before.begin(), newer.dropped_before.end());
   newer.dropped_before = std::move(dropped);
 }
-
-}  // namespace
 
 void run_sequential(const PipelineStages& stages) {
   for (;;) {
@@ -57,6 +57,7 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins) {
   Channel<WorkItem> to_detect, to_gate, to_segment, to_solve, to_surface, to_publish;
   FirstError error;
   auto abort_all = [&] {
+    stages.stop_reading();
     to_detect.abort();
     to_gate.abort();
     to_segment.abort();

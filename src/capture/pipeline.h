@@ -15,7 +15,9 @@ namespace livecap {
 // What each thread does to an item. The same functions in the same order give the sequential run, so both give the same
 // result. A stage that throws stops the others and its exception leaves run_*.
 struct PipelineStages {
-  std::function<bool(WorkItem&)> read;     // thread 1; false at the end of the input
+  std::function<bool(WorkItem&)> read;  // thread 1; false at the end of the input
+  // Where read may wait for as long as it likes: ends that when the run stops early. Any thread.
+  std::function<void()> stop_reading = [] {};
   std::function<void(WorkItem&)> detect;   // thread 2, network context
   std::function<void(WorkItem&)> gate;     // thread 3: where in the picture the person is looked for
   std::function<void(WorkItem&)> segment;  // thread 4
@@ -26,6 +28,9 @@ struct PipelineStages {
   std::function<void(WorkItem&)> surface;  // thread 6, solver's device
   std::function<bool(WorkItem&)> publish;  // caller's thread, in input order; false to stop early
 };
+
+// The newer item carries the displaced one's report on, and those it carried, before its own.
+void inherit_dropped(WorkItem& newer, WorkItem&& displaced);
 
 void run_sequential(const PipelineStages& stages);
 

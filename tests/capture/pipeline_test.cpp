@@ -7,6 +7,7 @@
 #include <thread>
 #include <utility>
 
+#include "capture/channel.h"
 #include "livecap/error.h"
 
 namespace livecap {
@@ -73,6 +74,39 @@ TEST(Pipeline, NewestWinsAndDropsAreCounted) {
   EXPECT_EQ(recorder.published.size() + recorder.dropped.size(), 40u);
   EXPECT_FALSE(recorder.dropped.empty());
   EXPECT_EQ(recorder.published.back(), 39);
+}
+
+// Pictures that come faster than they are read: one that displaces another may have displaced some before.
+TEST(Pipeline, WhatIsDroppedStaysInOrder) {
+  const auto item = [](int64_t index, std::vector<int64_t> dropped_before) {
+    WorkItem made;
+    made.report.index = index;
+    for (const int64_t i : dropped_before) {
+      made.dropped_before.emplace_back();
+      made.dropped_before.back().index = i;
+      made.dropped_before.back().status = TrackStatus::kDropped;
+    }
+    return made;
+  };
+  WorkItem newer = item(5, {3, 4});
+  inherit_dropped(newer, item(2, {0, 1}));
+  ASSERT_EQ(newer.dropped_before.size(), 5u);
+  for (int64_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(newer.dropped_before[i].index, i);
+    EXPECT_EQ(newer.dropped_before[i].status, TrackStatus::kDropped);
+  }
+}
+
+// A read that waits is told when another stage ends the run.
+TEST(Pipeline, AnEarlyEndWakesTheReader) {
+  Recorder recorder{3};
+  PipelineStages stages = recorder.stages();
+  Channel<int> never;
+  stages.read = [&, read = stages.read](WorkItem& item) { return read(item) || never.pop(); };
+  stages.stop_reading = [&] { never.abort(); };
+  stages.publish = [](WorkItem& item) { return item.report.index < 2; };
+  run_pipelined(stages, false);
+  EXPECT_TRUE(never.aborted());
 }
 
 TEST(Pipeline, AnErrorInAnyStageEndsTheRunWithItsMessage) {

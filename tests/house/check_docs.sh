@@ -35,5 +35,5 @@ while IFS=: read -r document link; do
     echo "$document: ${file:-it} has no heading #${link#*#}"
     bad=1
   fi
-done < <(grep -oE '\]\([^)]+\)' ./*.md docs/*.md | sed -e 's/\](//' -e 's/)$//' | grep -vE ':(https?|mailto):')
+done < <(grep -oE '\]\([^) ]+\)' ./*.md docs/*.md | sed -e 's/\](//' -e 's/)$//' | grep -vE ':(https?|mailto):')
 exit $bad

@@ -1,0 +1,50 @@
+// Threads 3 and 4 of the pipeline: which pixels are the person. In the first frames without one, in case that the
+// network has just missed the person: which are not the background.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+
+#include "capture/work_item.h"
+#include "image/background_model.h"
+#include "image/device_distance.h"
+#include "image/foreground.h"
+#include "image/frame_pool.h"
+#include "ocl/context.h"
+
+namespace livecap {
+
+class Segmenter {
+ public:
+  // device, gate_device: the solver's, each with a queue of its own. gated: the network's mask takes part; without an
+  // empty plate it always does. frames_under_way: so many frames may be on the device at a time.
+  Segmenter(ocl::DeviceContext& device, ocl::DeviceContext& gate_device, const BackgroundModel& background,
+            const Camera& camera, bool gated, int frames_under_way);
+
+  // For the picture, before the frame is segmented. May be called by another thread.
+  std::shared_ptr<DeviceFrame> take_frame() { return frames_.take(); }
+
+  // In the order of frames: it counts those without anybody.
+  void find_gate(WorkItem& item);
+
+  // May run beside find_gate() of later frames.
+  void segment(WorkItem& item);
+
+ private:
+  // The network's, where it takes part: of the picture, or of the crop.
+  const PersonMask& network_mask(const WorkItem& item) const { return gated_ ? item.detections.mask : no_mask_; }
+  const CropMask* crop_mask(const WorkItem& item) const {
+    return gated_ && item.detections.crop_mask ? &*item.detections.crop_mask : nullptr;
+  }
+
+  ocl::DeviceContext& device_;
+  ForegroundSegmenter foreground_;
+  DeviceDistanceField distance_;
+  FramePool frames_;
+  const PersonMask no_mask_;
+  bool gated_;
+  int64_t missed_frames_ = std::numeric_limits<int32_t>::max();  // nobody yet
+};
+
+}  // namespace livecap

@@ -20,7 +20,7 @@ expect() {
   lines=$(grep -c '^error: ' err.txt)
   local others
   # libpng reports on its own before our line, and cannot be told not to.
-  others=$(grep -cvE '^(error: |warning: |capture |synth |detect |eval |actor: |views |calibrate |libpng error: )' err.txt)
+  others=$(grep -cvE '^(error: |warning: |capture |live |synth |detect |eval |actor: |views |calibrate |libpng error: )' err.txt)
   local word missing=
   for word in $pattern; do
     grep '^error: ' err.txt | grep -qF -- "$word" || missing+=" $word"
@@ -139,6 +139,25 @@ export OCL_ICD_VENDORS=/nonexistent
 expect 1 'OpenCL device' devices
 expect_capture 1 'OpenCL' --out result
 unset OCL_ICD_VENDORS
+
+# live, which writes nothing.
+live=(live --video seq/video.mp4 --camera seq/camera.json --background seq/background.png --actor seq/actor.glb --model lite)
+expect 2 '--camera --fov' live --video seq/video.mp4 --actor seq/actor.glb
+expect 2 '--fov' live --video seq/video.mp4 --actor seq/actor.glb --fov 400
+expect 2 'none.mp4' live --video none.mp4 --fov 60 --actor seq/actor.glb
+expect 2 'none.glb' live --video seq/video.mp4 --fov 60 --actor none.glb
+expect 2 'wide.json 640 540' live --video seq/video.mp4 --camera wide.json --actor seq/actor.glb
+expect 2 'here HOST:PORT 39539' "${live[@]}" --vmc here
+expect 2 'nobody.invalid host' "${live[@]}" --vmc nobody.invalid:39539
+expect 2 'nonsense' "${live[@]}" --without nonsense
+expect 1 'nonsense' "${live[@]}" --solver-device nonsense
+cases=$((cases + 1))
+if ! "$livecap" "${live[@]}" --vmc 127.0.0.1:39539 >out.txt 2>err.txt || ! grep -q '^pictures *6, tracked [1-6],' out.txt ||
+  ! grep -q 'packets to 127.0.0.1:39539' out.txt; then
+  echo "FAILED: live"
+  sed 's/^/  | /' err.txt out.txt | head -20
+  failures=$((failures + 1))
+fi
 
 # eval.
 expect 2 'none' eval --capture none --truth seq/truth

@@ -1,0 +1,151 @@
+// livecap live: a camera in, the skeleton out over the network while it happens. A thin client of the public API in
+// include/livecap/live.h.
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/text.h"
+#include "base/timer.h"
+#include "command.h"
+#include "export/udp_sender.h"
+#include "export/vmc.h"
+#include "image/image_io.h"
+#include "image/video.h"
+#include "image/video_camera.h"
+#include "livecap/error.h"
+#include "livecap/live.h"
+#include "progress.h"
+
+namespace livecap::tools {
+namespace {
+
+struct Options {
+  LiveOptions live;
+  std::string video;
+  std::string camera;
+  double fov_deg = 0;
+  std::string background;
+  int background_frames = 0;
+  double height_m = 0;
+  bool no_surface = false;
+  std::string vmc;
+  int64_t frames = -1;
+};
+
+Picture picture_of(const ImageRgb& image, double time_s) {
+  return {image.pixels.data(), image.width, image.height, 0, PixelFormat::kRgb, time_s};
+}
+
+// The empty scene: a file, or the first frames of the video.
+std::vector<ImageRgb> empty_pictures(const Options& options, VideoReader& video) {
+  std::vector<ImageRgb> pictures;
+  if (!options.background.empty()) pictures.push_back(read_image_rgb(options.background));
+  Frame frame;
+  for (int i = 0; i < options.background_frames && video.read(frame); ++i) {
+    if (!frame.damaged) pictures.push_back(std::move(frame.image));
+  }
+  if (pictures.empty() && options.background_frames > 0)
+    throw IoError(options.video + ": none of the background frames could be decoded");
+  return pictures;
+}
+
+// What was heard of all pictures.
+struct Totals {
+  int64_t pictures = 0, tracked = 0, dropped = 0, sent = 0;
+  std::vector<double> latency_ms;
+
+  void add(const FrameReport& report) {
+    ++pictures;
+    dropped += report.status == TrackStatus::kDropped;
+    if (!is_tracked(report.status)) return;
+    ++tracked;
+    latency_ms.push_back(report.latency_ms);
+  }
+};
+
+int run(const Options& options) {
+  if (options.camera.empty() && options.fov_deg == 0) throw ConfigError("give either --camera FILE or --fov DEGREES");
+  VideoReader video(options.video);
+  LiveOptions live = options.live;
+  live.camera = video_camera(options.camera, options.fov_deg, video.info(), options.video);
+  live.height_mm = options.height_m * 1000;
+  live.surface = !options.no_surface;
+  const std::vector<ImageRgb> plates = empty_pictures(options, video);
+  for (const ImageRgb& plate : plates) live.background.push_back(picture_of(plate, 0));
+  std::optional<UdpSender> receiver;
+  if (!options.vmc.empty()) receiver.emplace(options.vmc);
+
+  catch_interrupt();
+  std::optional<VmcEncoder> encoder;  // once the actor is known
+  Totals totals;
+  Progress progress("live");
+  LiveCapture capture(live, [&](const LiveResult& result) {
+    totals.add(result.report);
+    if (receiver && result.report.status != TrackStatus::kDropped)
+      totals.sent += receiver->send(encoder->packet(result)) ? 1 : 0;
+    progress.update(totals.pictures, 0,
+                    format("%s, %.0f ms behind, %lld dropped", track_status_name(result.report.status),
+                           result.report.latency_ms, static_cast<long long>(totals.dropped)));
+    return !interrupted();
+  });
+  encoder.emplace(capture.actor(), live.camera.floor);
+
+  Timer clock;
+  std::optional<double> first_pts_ms;
+  Frame frame;
+  for (int64_t taken = 0; (options.frames < 0 || taken < options.frames) && video.read(frame); ++taken) {
+    if (!first_pts_ms) {
+      first_pts_ms = frame.pts_ms;
+      clock.restart();
+    }
+    const double early_ms = frame.pts_ms - *first_pts_ms - clock.elapsed_ms();
+    if (early_ms > 0) std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(early_ms));
+    if (!frame.damaged && !capture.push(picture_of(frame.image, frame.pts_ms / 1000))) break;
+    if (interrupted()) break;
+  }
+  capture.close();
+  progress.finish();
+  std::printf("pictures    %lld, tracked %lld, dropped %lld\n", static_cast<long long>(totals.pictures),
+              static_cast<long long>(totals.tracked), static_cast<long long>(totals.dropped));
+  std::printf("latency     %.0f ms (median)\n", median(totals.latency_ms));
+  if (receiver)
+    std::printf("sent        %lld packets to %s\n", static_cast<long long>(totals.sent), options.vmc.c_str());
+  return kExitOk;
+}
+
+}  // namespace
+
+void add_live_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("live", "capture a person while it happens and send the skeleton on");
+
+  command->add_option("--video", options->video, "webcam:N, or a video file or folder of images at its own pace")
+      ->required();
+  CLI::Option* camera = command->add_option("--camera", options->camera, "camera.json");
+  CLI::Option* fov =
+      command->add_option("--fov", options->fov_deg, "instead of --camera: field of view of the longer side, degrees")
+          ->check(CLI::Range(1.0, 170.0));
+  camera->excludes(fov);
+  CLI::Option* background = command->add_option("--background", options->background, "picture of the empty scene");
+  command->add_option("--background-frames", options->background_frames, "the first N frames of the video are empty")
+      ->check(CLI::PositiveNumber)
+      ->excludes(background);
+  command->add_option("--actor", options->live.actor, "actor.glb or builtin:NAME")->required();
+  command->add_option("--height", options->height_m, "scale the actor to this height, metres")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--vmc", options->vmc, "HOST:PORT that listens to the Virtual Motion Capture protocol");
+  command->add_option("--model", options->live.model, "lite, full, heavy or a .tflite file")->capture_default_str();
+  command->add_flag("--no-surface", options->no_surface, "stage I only: the skinned pose");
+  command->add_option("--without", options->live.without, "energy terms and components to switch off, comma-separated")
+      ->delimiter(',');
+  command->add_option("--cnn-device", options->live.cnn_device, "device of the network, see `livecap devices`");
+  command->add_option("--solver-device", options->live.solver_device, "device of the solvers");
+  command->add_option("--frames", options->frames, "end after this many")->check(CLI::PositiveNumber);
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace livecap::tools

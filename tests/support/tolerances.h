@@ -94,6 +94,10 @@ inline constexpr double kStepsMm = 1e-4;
 // And of several rounds, each of whose rows are made where the one before ended (6.9e-6 rad and 4.1e-4 mm on PoCL).
 inline constexpr double kRoundsRad = 5e-5;
 inline constexpr double kRoundsMm = 5e-3;
+// What a GPU prepares of a round from floats against the host from doubles: weights relative to all of them, and mm of
+// lengths up to 4 m.
+inline constexpr double kRoundStart = 1e-6;
+inline constexpr double kRoundStartMm = 2e-3;
 // Keypoints after six steps on the device and on the host, both with rows in floats but with other operations; seen
 // 2.3e-4. And the energy there, relative: seen 3e-6.
 inline constexpr double kPeerPoseMm = 5e-3;

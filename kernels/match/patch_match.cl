@@ -4,7 +4,7 @@
 #include "match/layout.h"
 #include "shared/plain_math.h"
 
-#define PATCH 8
+#define PATCH LC_MATCH_PATCH
 #define HALF (PATCH / 2)
 #define LEAST_PIXELS 20.0f  // of a patch that count
 

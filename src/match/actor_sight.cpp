@@ -6,6 +6,8 @@
 
 namespace livecap {
 
+static_assert(LC_SEE_LOCAL >= 4 * LC_SEE_GROUP, "sums of patches and of skin are where tiles were");
+
 ActorSight::ActorSight(ocl::DeviceContext& device, const Camera& camera, Skinner& skinner, DepthRasterizer& rasterizer,
                        SurfaceVisibility& visibility, TextureMatcher& matcher, SkinShading& shading)
     : skinner_(skinner),

@@ -27,6 +27,7 @@ ActorSight::ActorSight(ocl::DeviceContext& device, const Camera& camera, Skinner
 void ActorSight::look(const Look& look) {
   const TextureMatcher& m = matcher_;
   const SkinShading& s = shading_;
+  TextureMatcher::require_level(look.level);
   const TextureMatcher::Texture& texture = m.textures_[look.level];
   const bool shades = look.shades && s.usable();
   const SeeOptions see{.least_moved_px = look.least_moved_px,

@@ -126,6 +126,11 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
   match_patches_ = {device, "match/patch_match.cl", "match_patches"};
 }
 
+void TextureMatcher::require_level(int level) {
+  if (level < 0 || level > LC_MATCH_LEVELS)
+    throw LogicError(format("match: level %d, must be 0..%d", level, LC_MATCH_LEVELS));
+}
+
 MatchBox TextureMatcher::level_box(int level) const {
   return {box_.x, box_.y, box_.width >> level, box_.height >> level};
 }
@@ -182,8 +187,7 @@ void TextureMatcher::match(const DepthRasterizer& raster, const ocl::Buffer<floa
                            const ocl::Buffer<float>& normals, const ocl::Buffer<int32_t>& visible,
                            const ocl::Buffer<float>& share, int level) {
   if (!usable()) return;
-  if (level < 0 || level > LC_MATCH_LEVELS)
-    throw LogicError(format("match: level %d, must be 0..%d", level, LC_MATCH_LEVELS));
+  require_level(level);
   if (box_.width == 0) {
     matches_.fill(0);
     return;

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "livecap/error.h"
 #include "support/gpu_bodies.h"
 #include "support/tolerances.h"
 
@@ -307,6 +308,14 @@ TEST(ActorSight, DoesNothingAfterARoundThatMovedTooLittle) {
     EXPECT_EQ(seen.next.read_all()[0], 9);
     seen.look(0, true, 4.5f);
     expect_surface(scene, seen);
+  });
+}
+
+TEST(ActorSight, RefusesALevelThatIsNot) {
+  test::on_every_gpu_body([](ocl::DeviceContext& device) {
+    const Scene scene;
+    Sight seen(device, scene);
+    for (const int level : {-1, LC_MATCH_LEVELS + 1}) EXPECT_THROW(seen.look(level, true), LogicError) << level;
   });
 }
 

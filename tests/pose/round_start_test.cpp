@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "livecap/error.h"
 #include "pose/pose_system.h"
 #include "support/gpu_bodies.h"
 #include "support/pose_scene.h"
@@ -148,6 +149,23 @@ TEST(RoundStart, IsTheHostsWhereThereIsLittleToTell) {
     expect_with("no feet", [](Scene& s) {
       for (Bone& bone : s.actor.skeleton.bones) bone.name += "_";
     });
+  });
+}
+
+TEST(RoundStart, SolesOfAnotherCountAreRefused) {
+  test::on_every_gpu_body([](ocl::DeviceContext& device) {
+    const Scene scene(1);
+    PoseSystem system(device, scene.actor, scene.camera, scene.options);
+    const std::vector<double> stands(system.soles().size(), 0.0);
+    std::vector<float> before = scene.soles_before();
+    const auto set = [&] { system.set_round(0, scene.targets, {}, &scene.floor, stands, before); };
+    EXPECT_NO_THROW(set());
+    before.pop_back();
+    EXPECT_THROW(set(), LogicError);
+    before.resize(before.size() + 4);
+    EXPECT_THROW(set(), LogicError);
+    before.clear();
+    EXPECT_NO_THROW(set());
   });
 }
 

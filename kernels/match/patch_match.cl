@@ -1,6 +1,7 @@
 // Where the camera's picture shows each visible vertex: 8 x 8 patches of the textured actor are moved, coarse to fine,
 // until they lie on the camera's picture (inverse compositional alignment; Baker and Matthews 2004). On a CPU two
 // patches at a time, a row of each in one vector; on a GPU a patch by eight work-items, a column each.
+#include "match/facing.h"
 #include "match/layout.h"
 #include "shared/plain_math.h"
 
@@ -47,8 +48,8 @@ static inline void write_match(Aligned m, PatchOptions options, float u, float v
 static inline float seen_px_of(int i, float focal_px, global const float* restrict positions,
                                global const float* restrict normals, global const float* restrict areas,
                                global const float* restrict share) {
-  const float3 p = vload3(i, positions), normal = vload3(i, normals);
-  const float facing = -(p.x * normal.x + p.y * normal.y + p.z * normal.z) / sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
+  const float3 p = vload3(i, positions);
+  const float facing = facing_at(p, vload3(i, normals));
   return share[i] * areas[i] * fmax(facing, 0.0f) * focal_px * focal_px / (p.z * p.z);
 }
 

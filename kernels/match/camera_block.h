@@ -2,8 +2,9 @@
 #ifndef LC_MATCH_CAMERA_BLOCK_H
 #define LC_MATCH_CAMERA_BLOCK_H
 
-// What camera_picture and halve_picture make of 4 x 4 pixels, of all levels, which follow each other. block: in rows of
-// box.width / 4. box: of level 0.
+// What camera_picture and halve_picture make of 4 x 4 pixels, of all levels, which follow each other: the same to the
+// bit, to which tests/match/actor_sight_test.cpp holds it. There a work-item has a row of pixels, here all levels of a
+// block in registers. block: in rows of box.width / 4. box: of level 0.
 static inline void camera_block(int block, MatchBox box, int width, int height, global const uchar* restrict rgb,
                                 global const float* restrict signed_distance, global float* restrict light,
                                 global float* restrict weight) {

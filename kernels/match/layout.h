@@ -3,7 +3,8 @@
 #define LC_MATCH_LAYOUT_H
 
 // Work images are boxes of the picture. Pixel (0, 0) lies at (x, y) of the picture; a box may reach beyond it. At level
-// l a pixel stands for 2^l x 2^l of the picture, and width (a multiple of 16) and height are those of the level.
+// l a pixel stands for 2^l x 2^l of the picture, and width (a multiple of 16, so of whole tiles) and height are those
+// of the level.
 typedef struct {
   int x, y;
   int width, height;
@@ -18,6 +19,9 @@ typedef struct {
 // Rows in which a work-item of a CPU carries a column's sums on, and rows and columns of a work-group of a GPU.
 #define LC_MATCH_BAND 64
 #define LC_MATCH_TILE 16
+// Local memory of a tile that is normalised, in floats: with what its windows reach, light, weight and sums of rows.
+#define LC_MATCH_WITH_SIDES (LC_MATCH_TILE + 2 * LC_MATCH_RADIUS)
+#define LC_MATCH_TILE_LOCAL (LC_MATCH_WITH_SIDES * (2 * LC_MATCH_WITH_SIDES + 3 * LC_MATCH_TILE))
 // Half-resolution levels below the full picture.
 #define LC_MATCH_LEVELS 2
 
@@ -51,7 +55,7 @@ typedef struct {
 
 // For see_actor.cl: its work-items, which are those of two tiles; and its local memory, in floats.
 #define LC_SEE_GROUP (2 * LC_MATCH_TILE * LC_MATCH_TILE)
-#define LC_SEE_LOCAL (2 * (LC_MATCH_TILE + 2 * LC_MATCH_RADIUS) * (5 * LC_MATCH_TILE + 4 * LC_MATCH_RADIUS))
+#define LC_SEE_LOCAL (2 * LC_MATCH_TILE_LOCAL)
 
 typedef struct {
   float least_moved_px;  // nothing is done where `moved` holds less
@@ -68,8 +72,9 @@ typedef struct {
   float min_facing, skin_range_mm;  // see skin_brightness
 } SeeOptions;
 
-// Vertices of a work-item of a CPU that moves patches, and work-items of a GPU for each vertex.
+// Vertices of a work-item of a CPU that moves patches.
 #define LC_MATCH_VERTICES 64
-#define LC_MATCH_SHARE 8
+// A patch is so many pixels wide and high. A GPU has a work-item for each column.
+#define LC_MATCH_PATCH 8
 
 #endif

@@ -18,7 +18,6 @@ typedef float window_t;
 #define SUMS_SPACE local
 // A work-group has TILE x TILE pixels and, at their sides, what their windows reach.
 #define TILE LC_MATCH_TILE
-#define WITH_SIDES (TILE + 2 * LC_MATCH_RADIUS)
 #endif
 
 // Sums over a window: pixels that count, their light, its square.
@@ -116,15 +115,15 @@ kernel void normalise(MatchBox box, int level, int at, float variance_floor, glo
 
 #else
 
-// A tile, by TILE * TILE work-items: `id` of them; `there`: whether there is such a tile. near: [NORMALISE_LOCAL].
-#define NORMALISE_LOCAL (WITH_SIDES * (2 * WITH_SIDES + 3 * TILE))
+// A tile, by TILE * TILE work-items: `id` of them; `there`: whether there is such a tile.
+// near: [LC_MATCH_TILE_LOCAL].
 static inline void normalise_tile(int there, int tile_x, int tile_y, int id, MatchBox box, int level,
                                   float variance_floor, global const float* restrict light,
                                   global const float* restrict weight, local float* near,
                                   global float* restrict normal) {
   local float* lights = near;
-  local float* weights = lights + WITH_SIDES * WITH_SIDES;
-  local float* sums = weights + WITH_SIDES * WITH_SIDES;  // over the rows around each of TILE
+  local float* weights = lights + LC_MATCH_WITH_SIDES * LC_MATCH_WITH_SIDES;
+  local float* sums = weights + LC_MATCH_WITH_SIDES * LC_MATCH_WITH_SIDES;  // over the rows around each of TILE
   const int radius = LC_MATCH_RADIUS >> level, margin = LC_MATCH_MARGIN >> level, reach = TILE + 2 * radius;
   const int x0 = tile_x * TILE - radius, y0 = tile_y * TILE - radius;
 #pragma unroll 7
@@ -160,7 +159,7 @@ kernel __attribute__((reqd_work_group_size(TILE, TILE, 1))) void normalise(Match
                                                                            global const float* restrict light,
                                                                            global const float* restrict weight,
                                                                            global float* restrict normal) {
-  local float near[NORMALISE_LOCAL];
+  local float near[LC_MATCH_TILE_LOCAL];
   normalise_tile(1, get_group_id(0), get_group_id(1), get_local_id(1) * TILE + get_local_id(0), box, level,
                  variance_floor, light + at, weight + at, near, normal + at);
 }

@@ -12,10 +12,6 @@ static inline float4 sum_of_columns(float4 value, local float4* sums) {
   return ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
 }
 
-static inline float at_most_2(float step) {
-  return clamp(step, -2.0f, 2.0f);
-}
-
 // A column of the camera's picture moved by (fx, fy) of a pixel, from `camera` on.
 static inline void moved_column(global const float* restrict camera, int width, float fx, float fy, float* column) {
   float top = camera[0] + fx * (camera[1] - camera[0]);
@@ -28,8 +24,8 @@ static inline void moved_column(global const float* restrict camera, int width, 
   }
 }
 
-// The match of vertex i < n by the work-items get_local_id(0) / 8 * 8 .. + 7; with barriers, so by all of a group. See
-// the kernel.
+// The match of vertex i < n by the work-items get_local_id(0) / 8 * 8 .. + 7; with barriers, so by all of a group.
+// Moved as by align() of patch_match.cl; see the kernel.
 static inline void match_vertex(int i, int n, Level level, PatchOptions options, float focal_px,
                                 global const float* restrict positions, global const float* restrict normals,
                                 global const int* restrict visible, global const float* restrict projected,
@@ -39,9 +35,7 @@ static inline void match_vertex(int i, int n, Level level, PatchOptions options,
   int x = 0, y = 0, sees = 0;
   float u = 0.0f, v = 0.0f, z = 0.0f, seen_px = 0.0f;
   if (i < n && visible[i] && share[i] > 0.0f) {
-    const float3 p = vload3(i, positions), normal = vload3(i, normals);
-    const float facing = -(p.x * normal.x + p.y * normal.y + p.z * normal.z) / sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
-    seen_px = share[i] * areas[i] * fmax(facing, 0.0f) * focal_px * focal_px / (p.z * p.z);
+    seen_px = seen_px_of(i, focal_px, positions, normals, areas, share);
     u = projected[4 * i];
     v = projected[4 * i + 1];
     z = projected[4 * i + 3];
@@ -67,11 +61,11 @@ static inline void match_vertex(int i, int n, Level level, PatchOptions options,
     }
   }
   s = sum_of_columns(s, sums);
-  sees = sees && s.w >= 20.0f;
+  sees = sees && s.w >= LEAST_PIXELS;
   const float soft = options.softness * s.w, hxx = s.x + soft, hyy = s.z + soft;
   const float inv = 1.0f / (hxx * hyy - s.y * s.y);
   float dx = 0.0f, dy = 0.0f, column[PATCH];
-  float4 means = 0.0f;
+  float4 of_both = 0.0f;  // sums of either patch and of its squares
   float product = 0.0f;
   for (int k = 0; k <= options.iterations; ++k) {
     const float px = (float)(x - HALF) + dx, py = (float)(y - HALF) + dy, fx0 = floor(px), fy0 = floor(py);
@@ -90,7 +84,7 @@ static inline void match_vertex(int i, int n, Level level, PatchOptions options,
 #pragma unroll
         for (int r = 0; r < PATCH; ++r) {
           const float a = inside[r] * actor[r], b = inside[r] * column[r];
-          means += (float4)(a, b, a * a, b * b);
+          of_both += (float4)(a, b, a * a, b * b);
           product += a * b;
         }
       }
@@ -100,15 +94,14 @@ static inline void match_vertex(int i, int n, Level level, PatchOptions options,
     dy -= k < options.iterations ? at_most_2((hxx * e.y - s.y * e.x) * inv) : 0.0f;
     product = e.z;
   }
-  means = sum_of_columns(means, sums) / s.w;
+  of_both = sum_of_columns(of_both, sums);
   if (i >= n || own > 0) return;
   global float* out = matches + LC_MATCH * i;
   vstore8((float8)0.0f, 0, out);
   out[LC_MATCH_SEEN_PX] = seen_px;
   if (!sees) return;
-  const float va = means.z - means.x * means.x, vb = means.w - means.y * means.y;
-  const Aligned m = {
-      s.x, s.y, s.z, s.w, dx, dy, (product / s.w - means.x * means.y) / sqrt((va + 0.01f) * (vb + 0.01f))};
+  const float correlation = correlation_of(s.w, of_both.x, of_both.y, of_both.z, of_both.w, product);
+  const Aligned m = {s.x, s.y, s.z, s.w, dx, dy, correlation};
   write_match(m, options, u, v, out);
 }
 

@@ -1,11 +1,13 @@
 // Where the camera's picture shows each visible vertex: 8 x 8 patches of the textured actor are moved, coarse to fine,
 // until they lie on the camera's picture (inverse compositional alignment; Baker and Matthews 2004). On a CPU two
 // patches at a time, a row of each in one vector; on a GPU a patch by eight work-items, a column each.
+#include "match/facing.h"
 #include "match/layout.h"
 #include "shared/plain_math.h"
 
-#define PATCH 8
+#define PATCH LC_MATCH_PATCH
 #define HALF (PATCH / 2)
+#define LEAST_PIXELS 20.0f  // of a patch that count
 
 typedef struct {
   int width, height;
@@ -42,10 +44,36 @@ static inline void write_match(Aligned m, PatchOptions options, float u, float v
   vstore8((float8)(u + m.dx * scale, v + m.dy * scale, a, b, c, m.correlation * wanted, m.correlation, wanted), 0, out);
 }
 
+// px^2 that a vertex stands for: its area as the camera sees it.
+static inline float seen_px_of(int i, float focal_px, global const float* restrict positions,
+                               global const float* restrict normals, global const float* restrict areas,
+                               global const float* restrict share) {
+  const float3 p = vload3(i, positions);
+  const float facing = facing_at(p, vload3(i, normals));
+  return share[i] * areas[i] * fmax(facing, 0.0f) * focal_px * focal_px / (p.z * p.z);
+}
+
 #if LC_CPU
 #define TOGETHER 2
-typedef float16 row_t;  // of each patch
 typedef float2 each_t;  // a value of each patch
+#else
+typedef float each_t;
+#endif
+
+static inline each_t at_most_2(each_t step) {
+  const each_t least = -2.0f, most = 2.0f, limited = LC_GREATER(step, least);
+  return LC_LESSER(limited, most);
+}
+
+// Of two patches a and b, from their sums over n pixels.
+static inline each_t correlation_of(each_t n, each_t a, each_t b, each_t aa, each_t bb, each_t ab) {
+  const each_t ma = a / n, mb = b / n;
+  const each_t va = aa / n - ma * ma, vb = bb / n - mb * mb;
+  return (ab / n - ma * mb) / sqrt((va + 0.01f) * (vb + 0.01f));
+}
+
+#if LC_CPU
+typedef float16 row_t;  // of each patch
 typedef int2 each_int_t;
 #define ANY_OF(condition) any(condition)
 #define EACH_INT convert_int2
@@ -90,13 +118,9 @@ static inline row_t larger(row_t a, row_t b) {
   return a > b ? a : b;
 }
 
-static inline each_t at_most_2(each_t step) {
-  const each_t least = -2.0f, most = 2.0f, limited = LC_GREATER(step, least);
-  return LC_LESSER(limited, most);
-}
-
 // Moves (dx, dy), px of this level, of the patches around the pixels (x, y), which it has. Returns their structure;
-// n = 0 where there is too little to see. correlation: of the two patches at the end.
+// n = 0 where there is too little to see. correlation: of the two patches at the end. match_vertex() of patch_columns.h
+// does the same a column at a time; tests/match/texture_matcher_test.cpp holds them to each other.
 static Structure align(const Level* level, each_int_t x, each_int_t y, each_t depth, PatchOptions options, each_t* dx,
                        each_t* dy, each_t* correlation) {
   const each_t zero = 0.0f;
@@ -123,7 +147,7 @@ static Structure align(const Level* level, each_int_t x, each_int_t y, each_t de
     sn += inside[r];
   }
   Structure s = {sum_of_rows(sxx), sum_of_rows(sxy), sum_of_rows(syy), sum_of_rows(sn)};
-  each_int_t sees = s.n >= 20.0f;
+  each_int_t sees = s.n >= LEAST_PIXELS;
   const each_t soft = options.softness * s.n;
   const each_t hxx = s.xx + soft, hyy = s.yy + soft;
   const each_t inv = 1.0f / (hxx * hyy - s.xy * s.xy);
@@ -149,9 +173,8 @@ static Structure align(const Level* level, each_int_t x, each_int_t y, each_t de
         bb += b * b;
         ab += a * b;
       }
-      const each_t ma = sum_of_rows(a1) / s.n, mb = sum_of_rows(b1) / s.n;
-      const each_t va = sum_of_rows(aa) / s.n - ma * ma, vb = sum_of_rows(bb) / s.n - mb * mb;
-      *correlation = (sum_of_rows(ab) / s.n - ma * mb) / sqrt((va + 0.01f) * (vb + 0.01f));
+      *correlation =
+          correlation_of(s.n, sum_of_rows(a1), sum_of_rows(b1), sum_of_rows(aa), sum_of_rows(bb), sum_of_rows(ab));
       break;
     }
     row_t ex = 0.0f, ey = 0.0f;
@@ -194,9 +217,7 @@ kernel void match_patches(int n, MatchBox box, PatchOptions options, int at, flo
     global float* out = matches + LC_MATCH * i;
     vstore8((float8)0.0f, 0, out);
     if (!visible[i] || !(share[i] > 0.0f)) continue;
-    const float3 p = vload3(i, positions), normal = vload3(i, normals);
-    const float facing = -(p.x * normal.x + p.y * normal.y + p.z * normal.z) / sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
-    out[LC_MATCH_SEEN_PX] = share[i] * areas[i] * fmax(facing, 0.0f) * focal_px * focal_px / (p.z * p.z);
+    out[LC_MATCH_SEEN_PX] = seen_px_of(i, focal_px, positions, normals, areas, share);
     const int x = ((int)LC_RINT(projected[4 * i]) - box.x) >> options.level;
     const int y = ((int)LC_RINT(projected[4 * i + 1]) - box.y) >> options.level;
     if (!has_patch(&level, x, y)) continue;

@@ -30,8 +30,12 @@ static int level_offset(MatchBox box, int level) {
   return offset;
 }
 
+static int tile_columns(MatchBox box) {
+  return box.width / TILE;
+}
+
 static int n_tiles(MatchBox box) {
-  return ((box.width + TILE - 1) / TILE) * ((box.height + TILE - 1) / TILE);
+  return tile_columns(box) * ((box.height + TILE - 1) / TILE);
 }
 
 // moved: how far the round before moved a keypoint, px; below 0 where it failed. box: of the picture. dual_quats,
@@ -110,18 +114,17 @@ kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
       level = ++of;
     }
     const MatchBox at_level = level_box(box, level);
-    const int columns = at_level.width / TILE, at = of < 0 ? actor_at : level_offset(box, level);
+    const int columns = tile_columns(at_level), at = of < 0 ? actor_at : level_offset(box, level);
     normalise_tile(there, tile % columns, tile / columns, get_local_id(0) % (TILE * TILE), at_level, level,
-                   see.variance_floor, light + at, weight + at, near + of_two * NORMALISE_LOCAL,
+                   see.variance_floor, light + at, weight + at, near + of_two * LC_MATCH_TILE_LOCAL,
                    of < 0 ? actor : camera + at);
     barrier(CLK_LOCAL_MEM_FENCE);
   }
   together &= all_arrived(state, 5 * n_groups, &given_up);
 
   const Level at_level = {here.width, here.height, actor, box_depth, camera + level_offset(box, patch.level)};
-  for (int first = group * LC_SEE_GROUP / LC_MATCH_SHARE; together && first < n;
-       first += n_groups * LC_SEE_GROUP / LC_MATCH_SHARE)
-    match_vertex(first + get_local_id(0) / LC_MATCH_SHARE, n, at_level, patch, see.focal_px, skinned, normals, visible,
+  for (int first = group * LC_SEE_GROUP / PATCH; together && first < n; first += n_groups * LC_SEE_GROUP / PATCH)
+    match_vertex(first + get_local_id(0) / PATCH, n, at_level, patch, see.focal_px, skinned, normals, visible,
                  projected, areas, share, memory, matches, box.x, box.y);
 }
 #endif

@@ -1,4 +1,5 @@
 // How bright the picture shows bare skin, by its albedo.
+#include "match/facing.h"
 #include "match/layout.h"
 #include "shared/luminance.h"
 
@@ -29,7 +30,7 @@ static inline SkinPlace skin_place(int v, int width, int height, float min_facin
   if (!visible[v]) return s;
   const float3 p = vload3(v, positions);
   s.normal = vload3(v, normals);
-  s.facing = -(p.x * s.normal.x + p.y * s.normal.y + p.z * s.normal.z) / sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
+  s.facing = facing_at(p, s.normal);
   const float4 q = vload4(v, projected);
   s.z = q.w;
   s.x = convert_int_rte(q.x);

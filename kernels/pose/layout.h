@@ -178,12 +178,6 @@ typedef struct {
 // Rounds at most.
 #define LC_POSE_MOST_ROUNDS 8
 
-// For how sure a sole is to rest (src/pose/floor.cpp): mm above its lowest point; heights and moves in mm at which
-// being at rest is a quarter as sure.
-#define LC_POSE_RESTING_MM 10
-#define LC_POSE_NEAR_MM 30
-#define LC_POSE_STILL_MM 20
-
 #define LC_POSE_SOLVED 0
 #define LC_POSE_RANK_DEFICIENT 1
 #define LC_POSE_NOT_FINITE 2

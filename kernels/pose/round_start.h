@@ -1,11 +1,14 @@
 // What src/pose/pose_solver.cpp prepares for a solve that starts where the one before ended, on the device: doubt, the
-// best t' and which soles rest. By one work-group of LC_POSE_GROUP.
+// best t' and which soles rest. By one work-group of LC_POSE_GROUP. tests/pose/round_start_test.cpp holds it to the
+// host.
 #ifndef LC_POSE_ROUND_START_H
 #define LC_POSE_ROUND_START_H
 #include "pose/chain.h"
 #if LC_POSE_TAKES_STEPS
+#include "pose/round_weights.h"
 
-// Detections lie best on the keypoints when moved by so much. targets: see layout.h.
+// Detections lie best on the keypoints when moved by so much: best_t_prime() of src/pose/targets.h, of other arrays.
+// targets: see layout.h.
 static double3 best_t_prime(Chain c, local const float* targets) {
   double3 sum = (double3)(0.0, 0.0, 0.0);
   double total = 0.0;
@@ -18,14 +21,8 @@ static double3 best_t_prime(Chain c, local const float* targets) {
   return total > 0.0 ? sum / total : sum;
 }
 
-// 1 at 0, a quarter at `scale`.
-static double nearness(double value, double scale) {
-  const double k = 1.0 + value * value / (scale * scale);
-  return 1.0 / (k * k);
-}
-
-// How sure point i of the soles is to rest. soles [3*n_soles] from the origin `root`; before: the same a frame ago,
-// camera frame.
+// How sure point i of the soles is to rest, as standing() of src/pose/floor.h. soles [3*n_soles] from the origin
+// `root`; before: the same a frame ago, camera frame.
 static double standing(PoseLayout layout, int i, double3 root, local const int* bones, local const float* soles,
                        local const float* ground, global const float* before) {
   const double3 up = convert_double3(vload3(0, ground)), now = root + convert_double3(vload3(i, soles));
@@ -33,10 +30,9 @@ static double standing(PoseLayout layout, int i, double3 root, local const int* 
   double lowest = height;
   for (int k = 0; k < layout.n_soles; ++k)
     if (bones[k] == bones[i]) lowest = fmin(lowest, dot(up, root + convert_double3(vload3(k, soles))) + ground[3]);
-  if (height >= lowest + LC_POSE_RESTING_MM) return 0.0;
   const double3 move = now - convert_double3(vload3(i, before));
   const double3 across = move - now * (dot(now, move) / dot(now, now));
-  return sqrt(nearness(height, LC_POSE_NEAR_MM) * nearness(sqrt(dot(across, across)), LC_POSE_STILL_MM));
+  return stands_by(height, lowest, sqrt(dot(across, across)));
 }
 
 // is_first: of the steps; otherwise nothing happens. c, step: of that pose. soles_before [3*n_soles]: mm, camera frame,
@@ -52,7 +48,7 @@ static void start_round(bool is_first, PoseLayout layout, PoseStepsArg steps, gl
     if (steps.doubt_mm > 0.0f) {
       const double3 detection = convert_double3(vload3(0, targets + LC_POSE_TARGET * id + 2));
       const double3 r = vload3(id, c.keypoints) - detection - best_t_prime(c, targets);
-      root_3d /= sqrt(1.0 + dot(r, r) / ((double)steps.doubt_mm * (double)steps.doubt_mm));
+      root_3d /= sqrt(cauchy_doubt(dot(r, r), steps.doubt_mm));
     }
   }
   if (continues && steps.rests && sole < layout.n_soles)

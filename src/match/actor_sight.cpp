@@ -6,6 +6,8 @@
 
 namespace livecap {
 
+static_assert(LC_SEE_LOCAL >= 4 * LC_SEE_GROUP, "sums of patches and of skin are where tiles were");
+
 ActorSight::ActorSight(ocl::DeviceContext& device, const Camera& camera, Skinner& skinner, DepthRasterizer& rasterizer,
                        SurfaceVisibility& visibility, TextureMatcher& matcher, SkinShading& shading)
     : skinner_(skinner),
@@ -25,6 +27,7 @@ ActorSight::ActorSight(ocl::DeviceContext& device, const Camera& camera, Skinner
 void ActorSight::look(const Look& look) {
   const TextureMatcher& m = matcher_;
   const SkinShading& s = shading_;
+  TextureMatcher::require_level(look.level);
   const TextureMatcher::Texture& texture = m.textures_[look.level];
   const bool shades = look.shades && s.usable();
   const SeeOptions see{.least_moved_px = look.least_moved_px,

@@ -25,7 +25,7 @@ class ActorSight {
   bool usable() const { return usable_; }
 
   struct Look {
-    int level = 0;
+    int level = 0;             // 0..LC_MATCH_LEVELS, else LogicError
     bool new_picture = false;  // whether set_box() of another picture has been called since the last look
     bool shades = false;       // whether skin is measured
     const DeviceFrame& frame;

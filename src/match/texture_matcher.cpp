@@ -17,6 +17,7 @@ constexpr int kBeyond = 32;                        // px around the person in th
 constexpr int kMinTexture = 8;                     // px
 constexpr int kMaxTexture = 1024;                  // px; finer than a picture shows, and small enough for a cache
 constexpr size_t kLocal = 64;
+static_assert((kWidthStep >> LC_MATCH_LEVELS) % LC_MATCH_TILE == 0 && kLocal % LC_MATCH_PATCH == 0);
 
 size_t pyramid_size(int width, int height) {
   size_t size = 0;
@@ -125,6 +126,11 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
   match_patches_ = {device, "match/patch_match.cl", "match_patches"};
 }
 
+void TextureMatcher::require_level(int level) {
+  if (level < 0 || level > LC_MATCH_LEVELS)
+    throw LogicError(format("match: level %d, must be 0..%d", level, LC_MATCH_LEVELS));
+}
+
 MatchBox TextureMatcher::level_box(int level) const {
   return {box_.x, box_.y, box_.width >> level, box_.height >> level};
 }
@@ -181,8 +187,7 @@ void TextureMatcher::match(const DepthRasterizer& raster, const ocl::Buffer<floa
                            const ocl::Buffer<float>& normals, const ocl::Buffer<int32_t>& visible,
                            const ocl::Buffer<float>& share, int level) {
   if (!usable()) return;
-  if (level < 0 || level > LC_MATCH_LEVELS)
-    throw LogicError(format("match: level %d, must be 0..%d", level, LC_MATCH_LEVELS));
+  require_level(level);
   if (box_.width == 0) {
     matches_.fill(0);
     return;
@@ -199,7 +204,7 @@ void TextureMatcher::match(const DepthRasterizer& raster, const ocl::Buffer<floa
                           patch_options(level), level_offset(level), focal_px_, positions, normals, visible,
                           raster.projected(), areas_, share, actor_, depth_, camera_, matches_);
   } else {
-    match_patches_.launch(size_t(LC_MATCH_SHARE) * n_vertices_, kLocal, n_vertices_, box, patch_options(level),
+    match_patches_.launch(size_t(LC_MATCH_PATCH) * n_vertices_, kLocal, n_vertices_, box, patch_options(level),
                           level_offset(level), focal_px_, positions, normals, visible, raster.projected(), areas_,
                           share, actor_, depth_, camera_, matches_, ocl::LocalMemory{4 * sizeof(float) * kLocal});
   }

@@ -56,7 +56,7 @@ class TextureMatcher {
 
   // raster: rendered the positions. positions, normals [3*n_vertices] mm and unit, camera frame; visible [n_vertices];
   // share [n_vertices]: factor of each vertex's weight, 0 = not wanted. level: pictures of 2^-level of the resolution,
-  // 0..LC_MATCH_LEVELS; coarse ones find what is further away and take less time. Enqueued.
+  // 0..LC_MATCH_LEVELS (LogicError); coarse ones find what is further away and take less time. Enqueued.
   void match(const DepthRasterizer& raster, const ocl::Buffer<float>& positions, const ocl::Buffer<float>& normals,
              const ocl::Buffer<int32_t>& visible, const ocl::Buffer<float>& share, int level);
 
@@ -71,6 +71,7 @@ class TextureMatcher {
 
  private:
   friend class ActorSight;  // does the same in one launch with more
+  static void require_level(int level);
   MatchBox level_box(int level) const;
   int level_offset(int level) const;
   PatchOptions patch_options(int level) const;

@@ -7,7 +7,7 @@
 
 #include "base/text.h"
 #include "livecap/error.h"
-#include "pose/layout.h"
+#include "pose/round_weights.h"
 #include "pose/targets.h"
 
 namespace livecap {
@@ -22,16 +22,9 @@ constexpr Foot kFeet[] = {{kLeftAnkle, "left_ankle"}, {kRightAnkle, "right_ankle
 constexpr int kPointsPerSole = 6;
 constexpr double kSoleMm = 12;      // above the lowest vertex of a foot
 constexpr float kOwnWeight = 0.9f;  // of a vertex that moves with its foot
-constexpr double kRestingMm = LC_POSE_RESTING_MM, kNearMm = LC_POSE_NEAR_MM, kStillMm = LC_POSE_STILL_MM;
 constexpr float kTrusted = 0.5f;    // confidence of an ankle
 constexpr double kUprightY = -0.5;  // above that in the camera frame nobody stands before a level camera
 constexpr double kMmPerM = 1000;
-
-// 1 at 0, a quarter at `scale`.
-double nearness(double value, double scale) {
-  const double k = 1 + value * value / (scale * scale);
-  return 1 / (k * k);
-}
 
 std::vector<Eigen::Vector3d> sole(const Actor& actor, int bone) {
   std::vector<Eigen::Vector3d> foot, low;
@@ -104,8 +97,7 @@ std::vector<double> standing(std::span<const SolePoint> soles, const Skeleton& s
     double lowest = height;
     for (size_t j = 0; j < soles.size(); ++j)
       if (soles[j].bone == soles[i].bone) lowest = std::min(lowest, floor.height_mm(now[j]));
-    if (height >= lowest + kRestingMm) continue;
-    stands[i] = std::sqrt(nearness(height, kNearMm) * nearness(move_across_mm(before[i], now[i]), kStillMm));
+    stands[i] = stands_by(height, lowest, move_across_mm(before[i], now[i]));
   }
   return stands;
 }
@@ -173,7 +165,7 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Detections
   bool near = false, still = false;
   for (const Lowest& lowest : resting) {
     const Eigen::Vector3d& p = now[lowest.point];
-    double weight = nearness(move_across_mm(before[lowest.point], p), kStillMm);
+    double weight = nearness(move_across_mm(before[lowest.point], p), LC_POSE_STILL_MM);
     const bool rests = weight > 0.5;
     still = still || rests;
     if (floor_) {

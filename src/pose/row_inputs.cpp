@@ -153,6 +153,9 @@ void PoseRowInputs::set_floor(const Floor* floor, std::span<const double> stands
 }
 
 void PoseRowInputs::set_soles_before(std::span<const float> soles_mm) {
+  if (!soles_mm.empty() && soles_mm.size() != size_t(3) * layout_.n_soles)
+    throw LogicError(
+        format("pose: %zu coordinates of soles before, there are %d points", soles_mm.size(), layout_.n_soles));
   std::ranges::copy(soles_mm, words_.begin() + places_.soles_before);
 }
 

@@ -36,7 +36,7 @@ class PoseRowInputs {
   // stands: [n_soles]. floor nullptr: none is known, as before the first call. Throws LogicError for a wrong count.
   void set_floor(const Floor* floor, std::span<const double> stands);
 
-  // [3*n_soles], or nothing.
+  // [3*n_soles], or nothing. Throws LogicError for a wrong count.
   void set_soles_before(std::span<const float> soles_mm);
 
   // The state that the device starts from, [LC_POSE_STATE_SIZE].

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geometry/reference.h"
+#include "pose/round_weights.h"
 
 namespace livecap {
 
@@ -70,12 +71,12 @@ void doubt_far_detections(KeypointTargets& targets, const std::array<Eigen::Vect
   const Eigen::Vector3d t_prime = best_t_prime(targets, positions);
   for (int k = 0; k < kKeypointCount; ++k) {
     const Eigen::Vector3d r_mm = positions[k] - targets[k].detection_mm - t_prime;
-    targets[k].weight_3d /= 1 + r_mm.squaredNorm() / (scale_mm * scale_mm);
+    targets[k].weight_3d /= cauchy_doubt(r_mm.squaredNorm(), scale_mm);
   }
 }
 
 double doubted_cost(double r_squared, double scale) {
-  return scale > 0 ? r_squared / (1 + r_squared / (scale * scale)) : r_squared;
+  return scale > 0 ? r_squared / cauchy_doubt(r_squared, scale) : r_squared;
 }
 
 }  // namespace livecap

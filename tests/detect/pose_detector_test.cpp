@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -166,6 +168,59 @@ TEST(PoseDetector, BothBodiesSeeTheSame) {
     }
   }
   EXPECT_EQ(picture.read_all(), image.pixels);
+}
+
+// Two pictures of which the second shows five keypoints further from where they were than a limb may go: they stay, the
+// rest is what the network says, and a reset forgets where they were.
+TEST(PoseDetector, WhatJumpsStaysUntilItIsForgotten) {
+  LIVECAP_MODEL_OR_SKIP(model, "lite");
+  constexpr int kJumps = 5, kWidth = 320, kHeight = 240;
+  cv::Mat other = blobs(kWidth, kHeight);
+  cv::line(other, {125, 85}, {60, 40}, {120, 150, 210}, 14, cv::LINE_AA);
+  const ImageRgb first = from_mat(blobs(kWidth, kHeight)), second = from_mat(other);
+  const Camera camera = camera_from_fov(kWidth, kHeight, 50);
+  test::on_every_device([&](ocl::DeviceContext& device) {
+    detect::PoseDetectorOptions options = lite();
+    options.score_threshold = 0;
+    options.mask = options.filter = options.keep_sides = options.correct_posture = options.alternate_mirror = false;
+    options.drop_jumps = false;
+    detect::PoseDetector plain(device, options);
+    const Detections before = plain.detect(first, camera, 0, 0), after = plain.detect(second, camera, 1, 1.0 / 30);
+    ASSERT_TRUE(before.person && after.person);
+    std::array<double, kKeypointCount> moves_px;
+    for (int k = 0; k < kKeypointCount; ++k)
+      moves_px[k] = std::hypot(after.keypoints[k].x_px - before.keypoints[k].x_px,
+                               after.keypoints[k].y_px - before.keypoints[k].y_px);
+    std::array<double, kKeypointCount> sorted = moves_px;
+    std::sort(sorted.rbegin(), sorted.rend());
+    const double most_px = (sorted[kJumps - 1] + sorted[kJumps]) / 2;
+    constexpr double kCropMm = 2000;
+    options.drop_jumps = true;
+    options.jumps = {.jump_mm = most_px * kCropMm / plain.crop().side_px, .turn_mm_s = 0, .believed_after_s = 1};
+    detect::PoseDetector gated(device, options);
+    const auto expect_same = [](const KeypointDetection& got, const KeypointDetection& expected) {
+      for (const auto& [a, b] :
+           {std::pair(got.x_px, expected.x_px), std::pair(got.y_px, expected.y_px), std::pair(got.x_mm, expected.x_mm),
+            std::pair(got.z_mm, expected.z_mm), std::pair(got.confidence, expected.confidence)})
+        EXPECT_EQ(a, b);
+    };
+    const auto expect_held = [&](const Detections& got, bool held) {
+      ASSERT_TRUE(got.person);
+      for (int k = 0; k < kKeypointCount; ++k) {
+        SCOPED_TRACE(k);
+        const bool jumps = held && moves_px[k] > most_px;
+        expect_same(got.keypoints[k], (jumps ? before : after).keypoints[k]);
+      }
+    };
+    gated.detect(first, camera, 0, 0);
+    expect_held(gated.detect(second, camera, 1, 1.0 / 30), true);
+    EXPECT_EQ(gated.raw_landmarks()[0].x_px, plain.raw_landmarks()[0].x_px) << "the network's own";
+    // The same picture after a reset, as whoever has never seen another.
+    gated.reset();
+    plain.reset();
+    const Detections got = gated.detect(second, camera, 0, 0), expected = plain.detect(second, camera, 0, 0);
+    for (int k = 0; k < kKeypointCount; ++k) expect_same(got.keypoints[k], expected.keypoints[k]);
+  });
 }
 
 // Landmark i in a mirror: left and right exchanged, by the network's list (0 nose, 33 and on: the crop).

@@ -180,6 +180,40 @@ TEST(TextureMatcher, WhatIsNotMatchedIsCounted) {
   });
 }
 
+// align() and match_vertex() of kernels/match, each behind its own pictures: moves near and far, other light, and
+// nothing to be found.
+TEST(TextureMatcher, BodiesOfCpusAndGpusFindTheSame) {
+  std::mt19937 rng(11);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (const std::string& selector : test::device_selectors()) {
+    ocl::DeviceInfo info = ocl::select_device(selector);
+    if (!info.is_cpu) continue;
+    ocl::DeviceContext as_cpu(info);
+    info.is_cpu = false;
+    ocl::DeviceContext as_gpu(info);
+    for (int i = 0; i < 9; ++i) {
+      SCOPED_TRACE(i);
+      const int level = i % (LC_MATCH_LEVELS + 1);
+      const std::vector<double> texture = noise(20 + i, 20 >> level);
+      const Actor actor = plane_actor(texture);
+      const double far = i < 6 ? 3 << level : 30;
+      const Drawing drawing = draw(plane_camera(), i == 5 ? noise(1) : texture, far * uniform(rng), far * uniform(rng),
+                                   0.7 + 0.3 * uniform(rng), 0.7 + 0.3 * uniform(rng));
+      const Matches cpu = find_all(as_cpu, actor, drawing, level), gpu = find_all(as_gpu, actor, drawing, level);
+      ASSERT_EQ(cpu.found.size(), gpu.found.size());
+      if (i < 5) EXPECT_GT(cpu.found.size(), kInner / 2);
+      EXPECT_NEAR(cpu.missed_weight, gpu.missed_weight, test::kMatchBodies * cpu.missed_weight);
+      for (size_t k = 0; k < cpu.found.size(); ++k) {
+        const VertexMatch &a = cpu.found[k], &b = gpu.found[k];
+        ASSERT_EQ(a.vertex, b.vertex);
+        for (const auto& [got, expected] : {std::pair(b.u_px, a.u_px), std::pair(b.v_px, a.v_px), std::pair(b.a, a.a),
+                                            std::pair(b.b, a.b), std::pair(b.c, a.c), std::pair(b.weight, a.weight)})
+          EXPECT_NEAR(got, expected, test::kMatchBodies * (1 << level)) << a.vertex;
+      }
+    }
+  }
+}
+
 TEST(TextureMatcher, CoarseLevelsFindLargerMoves) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const std::vector<double> texture = noise(2, 7);

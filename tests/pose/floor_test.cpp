@@ -11,6 +11,7 @@
 
 #include "livecap/error.h"
 #include "pose/pose_solver.h"
+#include "pose/round_weights.h"
 #include "support/pose_scene.h"
 #include "support/test_device.h"
 #include "support/tolerances.h"
@@ -189,6 +190,16 @@ TEST(Floor, StandsWhatIsLowNearAndStill) {
   EXPECT_LT(surest(raised, &raised), 0.05);
   EXPECT_LT(surest(slid, &pose), 0.1);
   EXPECT_GT(surest(deeper, &pose), 0.5) << "depth trembles";
+}
+
+// A quarter as sure 30 mm above the floor, and after 20 mm; the root of both together.
+TEST(Floor, StandsHalfAsSurelyAtEitherScale) {
+  EXPECT_EQ(stands_by(0, 0, 0), 1);
+  EXPECT_NEAR(stands_by(30, 30, 0), 0.5, test::kHandComputed);
+  EXPECT_NEAR(stands_by(-30, -30, 0), 0.5, test::kHandComputed);
+  EXPECT_NEAR(stands_by(5, 0, 20), 0.5 * 36 / 37, test::kHandComputed);
+  EXPECT_NEAR(stands_by(60, 60, 40), 0.04, test::kHandComputed);
+  EXPECT_EQ(stands_by(10, 0, 0), 0) << "the sole's lowest point is 10 mm below it";
 }
 
 // Keypoints a few px off leave the depth of the feet open; E_floor does not.

@@ -94,6 +94,16 @@ inline constexpr double kStepsMm = 1e-4;
 // And of several rounds, each of whose rows are made where the one before ended (6.9e-6 rad and 4.1e-4 mm on PoCL).
 inline constexpr double kRoundsRad = 5e-5;
 inline constexpr double kRoundsMm = 5e-3;
+// Patches moved by either body of patch_match.cl, px and shares: what is next to nothing in a window's sums, carried on
+// from row to row on a CPU, moves a patch.
+inline constexpr double kMatchBodies = 3e-4;
+// What the device sees of an actor in floats: mm of depths up to 2 m, px^2 up to 150; normals and shares.
+inline constexpr double kSightMm = 2e-3;
+inline constexpr double kSight = 1e-5;
+// What a GPU prepares of a round from floats against the host from doubles: weights relative to all of them, and mm of
+// lengths up to 4 m.
+inline constexpr double kRoundStart = 1e-6;
+inline constexpr double kRoundStartMm = 2e-3;
 // Keypoints after six steps on the device and on the host, both with rows in floats but with other operations; seen
 // 2.3e-4. And the energy there, relative: seen 3e-6.
 inline constexpr double kPeerPoseMm = 5e-3;

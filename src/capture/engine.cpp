@@ -4,6 +4,7 @@
 #include <future>
 #include <optional>
 #include <string_view>
+#include <thread>
 
 #include "actor/keypoint_offsets.h"
 #include "base/text.h"
@@ -25,7 +26,8 @@ constexpr std::string_view kBuiltin = "builtin:";
 // segmentation, in the pose solver and in the surface solver, one handed over to each but the first, and those that
 // wait for later poses, as many as there are passes.
 constexpr int kLagPasses = 2;
-constexpr int kFramesUnderWay = 9 + kLagPasses;
+constexpr int kStagesAtOnce = 5;
+constexpr int kFramesUnderWay = 2 * kStagesAtOnce - 1 + kLagPasses;
 // Weight of either neighbour in a pose that the surface is fitted to. Of noise that differs from frame to frame two
 // passes with 0.3 leave hardly more acceleration than with any other share.
 constexpr double kLagShare = 0.3;
@@ -142,6 +144,7 @@ struct CaptureEngine::Parts {
   std::optional<DetectionSource> detection;
   std::optional<Solver> solver;
   std::optional<Segmenter> segmenter;
+  int frames_waiting = 0;  // for later poses
   int64_t buffers_before = 0;
 };
 
@@ -159,6 +162,7 @@ CaptureEngine::CaptureEngine(const MethodOptions& options, const DetectionOption
   p.segmenter.emplace(p.segmenter_device, p.gate_device, background, camera, is_on(options, kMaskGating),
                       kFramesUnderWay);
   network_ready.get();
+  p.frames_waiting = is_on(options, kFixedLag) ? kLagPasses : 0;
   p.buffers_before = ocl::BufferMemory::made;
 }
 
@@ -183,6 +187,11 @@ PipelineStages CaptureEngine::stages() {
   stages.flush = [&p] { return p.solver->flush(); };
   stages.surface = [&p](WorkItem& item) { p.solver->solve_surface(item); };
   return stages;
+}
+
+int CaptureEngine::most_under_way() const {
+  const int at_work = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kStagesAtOnce);
+  return parts_->frames_waiting + at_work + 1;
 }
 
 int64_t CaptureEngine::buffers_made() const {

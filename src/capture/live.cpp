@@ -161,7 +161,7 @@ struct LiveCapture::State {
       stages.read = [this](WorkItem& item) { return read(item); };
       stages.stop_reading = [this] { pictures.abort(); };
       stages.publish = [this](WorkItem& item) { return publish(item); };
-      run_pipelined(stages, !every_picture);
+      run_pipelined(stages, !every_picture, every_picture ? 0 : engine->most_under_way());
     } catch (...) {
       error = std::current_exception();
     }

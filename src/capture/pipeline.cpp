@@ -1,5 +1,6 @@
 #include "capture/pipeline.h"
 
+#include <condition_variable>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -23,6 +24,36 @@ class FirstError {
  private:
   std::mutex mutex_;
   std::exception_ptr error_;
+};
+
+// How many items are under way, where that is limited.
+class Room {
+ public:
+  explicit Room(int most) : most_(most) {}
+  // Waits until another one may set out. False when the run is aborted.
+  bool enter() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return most_ == 0 || n_ < most_ || aborted_; });
+    ++n_;
+    return !aborted_;
+  }
+  void leave() {
+    std::lock_guard lock(mutex_);
+    --n_;
+    changed_.notify_all();
+  }
+  void abort() {
+    std::lock_guard lock(mutex_);
+    aborted_ = true;
+    changed_.notify_all();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  int most_;
+  int n_ = 0;
+  bool aborted_ = false;
 };
 
 }  // namespace
@@ -53,11 +84,13 @@ void run_sequential(const PipelineStages& stages) {
   }
 }
 
-void run_pipelined(const PipelineStages& stages, bool newest_wins) {
+void run_pipelined(const PipelineStages& stages, bool newest_wins, int most_under_way) {
   Channel<WorkItem> to_detect, to_gate, to_segment, to_solve, to_surface, to_publish;
+  Room room(most_under_way);
   FirstError error;
   auto abort_all = [&] {
     stages.stop_reading();
+    room.abort();
     to_detect.abort();
     to_gate.abort();
     to_segment.abort();
@@ -98,7 +131,15 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins) {
       to.close();
     });
   };
-  std::thread detector = between(stages.detect, to_detect, to_gate);
+  std::thread detector = guarded([&] {
+    while (room.enter()) {
+      std::optional<WorkItem> item = to_detect.pop();
+      if (!item) break;
+      stages.detect(*item);
+      if (!to_gate.push(std::move(*item))) return;
+    }
+    to_gate.close();
+  });
   std::thread gater = between(stages.gate, to_gate, to_segment);
   std::thread segmenter = between(stages.segment, to_segment, to_solve);
   std::thread solver = guarded([&] {
@@ -117,6 +158,7 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins) {
   try {
     while (auto item = to_publish.pop()) {
       if (!stages.publish(*item)) break;
+      room.leave();
     }
   } catch (...) {
     error.capture();

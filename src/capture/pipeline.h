@@ -35,7 +35,9 @@ void inherit_dropped(WorkItem& newer, WorkItem&& displaced);
 void run_sequential(const PipelineStages& stages);
 
 // newest_wins: the reader never waits for the network; an item still waiting is replaced by a newer one and is
-// published with it as dropped.
-void run_pipelined(const PipelineStages& stages, bool newest_wins);
+// published with it as dropped. The network takes the next one when fewer than most_under_way are between it and
+// publish(), those that solve() keeps included, of which there must be fewer: what waits in front of a slow stage would
+// be the older when it is published. 0: as many as there is room for.
+void run_pipelined(const PipelineStages& stages, bool newest_wins, int most_under_way = 0);
 
 }  // namespace livecap

@@ -48,7 +48,7 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   if (options.sequential) {
     run_sequential(stages);
   } else {
-    run_pipelined(stages, options.realtime);
+    run_pipelined(stages, options.realtime, options.realtime ? engine.most_under_way() : 0);
   }
   while (std::optional<WorkItem> last = results.flush()) {
     if (!stopped_early) publish(*last);

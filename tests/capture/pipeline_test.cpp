@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <deque>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -162,6 +165,50 @@ TEST(Pipeline, ASolverMayKeepAFrameUntilTheNext) {
     stages.flush = [&] { return std::exchange(kept, std::nullopt); };
     pipelined ? run_pipelined(stages, false) : run_sequential(stages);
     EXPECT_EQ(recorder.published, (std::vector<int64_t>{0, 1, 2, 3, 4, 5, 6})) << pipelined;
+  }
+}
+
+// Two kept for later ones, three at work: never more between network and publishing, and none lost.
+TEST(Pipeline, NoMoreThanThereMayBeAreUnderWay) {
+  constexpr int kMost = 5;
+  for (const bool newest_wins : {false, true}) {
+    Recorder recorder{60};
+    PipelineStages stages = recorder.stages();
+    std::atomic<int> under_way = 0, most = 0;
+    stages.read = [&, read = stages.read](WorkItem& item) {
+      if (newest_wins) std::this_thread::sleep_for(std::chrono::microseconds(400));  // a camera
+      return read(item);
+    };
+    stages.detect = [&](WorkItem& item) {
+      most = std::max<int>(most, ++under_way);
+      item.detections.frame_index = item.report.index;
+    };
+    std::deque<WorkItem> kept;
+    const auto oldest = [&] {
+      std::optional<WorkItem> item = std::move(kept.front());
+      kept.pop_front();
+      return item;
+    };
+    stages.solve = [&](WorkItem&& item) {
+      item.report.score = static_cast<double>(item.report.index);
+      kept.push_back(std::move(item));
+      return kept.size() > 2 ? oldest() : std::nullopt;
+    };
+    stages.flush = [&] { return kept.empty() ? std::nullopt : oldest(); };
+    stages.surface = [](WorkItem& item) {
+      item.report.iou = item.report.score;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));  // the slowest
+    };
+    stages.publish = [&, publish = stages.publish](WorkItem& item) {
+      --under_way;
+      return publish(item);
+    };
+    run_pipelined(stages, newest_wins, kMost);
+    EXPECT_LE(most, kMost);
+    EXPECT_GE(most, kMost - 1) << "there is room for so many";
+    EXPECT_EQ(recorder.published.size() + recorder.dropped.size(), 60u);
+    EXPECT_EQ(recorder.published.back(), 59);
+    EXPECT_EQ(newest_wins, !recorder.dropped.empty());
   }
 }
 

@@ -1,6 +1,7 @@
 // Spreads row records over the columns: J[row][column] = sum over bones that the column's joint moves of
 // axis . torque + moment . force; the residual goes to column n_unknowns. A block of neighbouring columns at a time.
 #include "pose/layout.h"
+#include "shared/bits.h"
 #include "shared/wide.h"
 
 #if LC_CPU
@@ -65,8 +66,11 @@ COLUMNS_FN columns_t skinned_columns(PoseLayout layout, int row, int per_vertex,
   for (int j = 0; j < 4; ++j) {
     const int bone = bones >> (8 * j) & 255;
     if (bone == LC_POSE_NO_BONE) continue;
-    value += LOAD_COLUMNS(0, moves + bone * n_columns + column) *
-             turned(record + 6 * j * LC_POSE_SLICE, LC_POSE_SLICE, step + column, n_columns);
+    const columns_t moved = LOAD_COLUMNS(0, moves + bone * n_columns + column);
+#if LC_CPU
+    if (!any_of_16(moved != 0.0f)) continue;
+#endif
+    value += moved * turned(record + 6 * j * LC_POSE_SLICE, LC_POSE_SLICE, step + column, n_columns);
   }
   return select(value, (columns_t)(residuals[row]), columns == layout.n_unknowns);
 }

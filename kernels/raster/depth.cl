@@ -40,6 +40,61 @@ static inline void clear_words(int first, int last, int begin, int end, int word
   }
 }
 
+// Empties what was drawn of a strip of LC_STRIP_ROWS rows.
+static inline void clear_strip(int with_ids, int strip, int width, int height, global float* restrict depth,
+                               global int* restrict drawn, global int* restrict ids, global int* restrict ids_drawn) {
+  const int begin = strip * LC_STRIP_ROWS * width, end = min((strip + 1) * LC_STRIP_ROWS, height) * width;
+  const int first = ~drawn[2 * strip], last = drawn[2 * strip + 1];
+  for (int row = begin; row < end; row += width)
+    clear_words(row + first, row + last, begin, end, as_int(INFINITY), (global int*)depth);
+  if (with_ids) {
+    const int ids_first = ids_drawn[2 * strip], ids_last = ids_drawn[2 * strip + 1];
+    for (int row = begin; row < end; row += width) clear_words(row + ids_first, row + ids_last, begin, end, -1, ids);
+  }
+  drawn[2 * strip] = width;
+  drawn[2 * strip + 1] = -1;
+}
+
+// Columns x0..x1 of rows y0..y1 of triangle t, LC_RASTER_ROWS at most, in a picture at least eight wide.
+static inline void draw_rows(int with_ids, const RasterTriangle* tri, int t, int x0, int x1, int y0, int y1, int width,
+                             global float* restrict depth, global int* restrict ids) {
+  const float8 lane = (float8)(0, 1, 2, 3, 4, 5, 6, 7);
+  float row0[LC_RASTER_ROWS], row1[LC_RASTER_ROWS], row2[LC_RASTER_ROWS];
+  for (int y = y0; y <= y1; y += 8) {
+    const float8 py = (float)y + lane;
+    vstore8(edge_row(tri, 0, py), 0, row0 + (y - y0));
+    vstore8(edge_row(tri, 1, py), 0, row1 + (y - y0));
+    vstore8(edge_row(tri, 2, py), 0, row2 + (y - y0));
+  }
+  for (int x = x0; x <= x1; x += 8) {
+    // The last eight pixels of a row are looked at again rather than reading past it.
+    const int from = min(x, width - 8);
+    const float8 px = (float)from + lane;
+    for (int y = y0; y <= y1; ++y) {
+      const int at = y * width + from;
+      const float8 z = row_depth(tri, px, row0[y - y0], row1[y - y0], row2[y - y0]);
+      const float8 old = vload8(0, depth + at);
+      const int8 closer = z < old;  // storing without looking is faster than a branch
+      store8(select(old, z, closer), depth + at);
+      if (with_ids) store_int8(select(vload8(0, ids + at), (int8)t, closer), ids + at);
+    }
+  }
+}
+
+// Rows y0..y1 of triangle t in a picture less than eight wide.
+static inline void draw_narrow(int with_ids, const RasterTriangle* tri, int t, int y0, int y1, int width,
+                               global float* restrict depth, global int* restrict ids) {
+  for (int y = y0; y <= y1; ++y) {
+    float z[8];
+    vstore8(raster_depth(tri, (float8)(0, 1, 2, 3, 4, 5, 6, 7), (float8)(float)y), 0, z);
+    for (int x = 0; x < width; ++x) {
+      if (!(z[x] < depth[y * width + x])) continue;
+      depth[y * width + x] = z[x];
+      if (with_ids) ids[y * width + x] = t;
+    }
+  }
+}
+
 // One band of strips of LC_STRIP_ROWS rows, which the work-item alone writes; see the kernels.
 static inline void draw_band(int with_ids, int n_triangles, int width, int height, int n_bands, int cull,
                              global const float* restrict projected, global const int* restrict triangles,
@@ -51,19 +106,7 @@ static inline void draw_band(int with_ids, int n_triangles, int width, int heigh
   const int first_strip = n_strips * band / n_bands, end_strip = n_strips * (band + 1) / n_bands;
   const int first_row = first_strip * LC_STRIP_ROWS;
   const int last_row = min(end_strip * LC_STRIP_ROWS, height) - 1;
-  const int begin = first_row * width, end = (last_row + 1) * width;
-  for (int strip = first_strip; strip < end_strip; ++strip) {
-    for (int y = strip * LC_STRIP_ROWS; y < min((strip + 1) * LC_STRIP_ROWS, height); ++y) {
-      clear_words(y * width + drawn[2 * strip], y * width + drawn[2 * strip + 1], begin, end, as_int(INFINITY),
-                  (global int*)depth);
-      if (with_ids)
-        clear_words(y * width + ids_drawn[2 * strip], y * width + ids_drawn[2 * strip + 1], begin, end, -1, ids);
-    }
-    drawn[2 * strip] = width;
-    drawn[2 * strip + 1] = -1;
-  }
-  const float8 lane = (float8)(0, 1, 2, 3, 4, 5, 6, 7);
-  const int last_at = max(width - 8, 0);
+  for (int strip = first_strip; strip < end_strip; ++strip) drawn[2 * strip] = ~drawn[2 * strip];
   for (int first = 0; first < n_triangles; first += LANES) {
     const RasterTriangles several =
         raster_triangles(lane_rows(first, n_triangles), width, height, cull, projected, triangles);
@@ -79,36 +122,20 @@ static inline void draw_band(int with_ids, int n_triangles, int width, int heigh
       const RasterTriangle tri = one_triangle(&several, k);
       const int x0 = x0s[k], x1 = x1s[k], y0 = y0s[k], y1 = y1s[k];
       for (int strip = y0 / LC_STRIP_ROWS; strip <= y1 / LC_STRIP_ROWS; ++strip) {
+        if (drawn[2 * strip] < 0) clear_strip(with_ids, strip, width, height, depth, drawn, ids, ids_drawn);
         drawn[2 * strip] = min(drawn[2 * strip], x0);
         drawn[2 * strip + 1] = max(drawn[2 * strip + 1], x1);
       }
       if (width >= 8) {
-        for (int x = x0; x <= x1; x += 8) {
-          // The last eight pixels of a row are looked at again rather than reading past it.
-          const int from = min(x, last_at);
-          const float8 px = (float)from + lane;
-          for (int y = y0; y <= y1; ++y) {
-            const int at = y * width + from;
-            const float8 z = raster_depth(&tri, px, (float)y);
-            const float8 old = vload8(0, depth + at);
-            const int8 closer = z < old;  // storing without looking is faster than a branch
-            store8(select(old, z, closer), depth + at);
-            if (with_ids) store_int8(select(vload8(0, ids + at), (int8)t, closer), ids + at);
-          }
-        }
+        for (int y = y0; y <= y1; y += LC_RASTER_ROWS)
+          draw_rows(with_ids, &tri, t, x0, x1, y, min(y1, y + LC_RASTER_ROWS - 1), width, depth, ids);
       } else {
-        for (int y = y0; y <= y1; ++y) {
-          float z[8];
-          vstore8(raster_depth(&tri, lane, (float)y), 0, z);
-          for (int k = 0; k < width; ++k) {
-            if (!(z[k] < depth[y * width + k])) continue;
-            depth[y * width + k] = z[k];
-            if (with_ids) ids[y * width + k] = t;
-          }
-        }
+        draw_narrow(with_ids, &tri, t, y0, y1, width, depth, ids);
       }
     }
   }
+  for (int strip = first_strip; strip < end_strip; ++strip)
+    if (drawn[2 * strip] < 0) clear_strip(with_ids, strip, width, height, depth, drawn, ids, ids_drawn);
   if (!with_ids) return;
   for (int i = 2 * first_strip; i < 2 * end_strip; ++i) ids_drawn[i] = drawn[i];
 }

@@ -8,6 +8,9 @@
 // The most triangles that a work-item of a CPU sets up at once (LANES).
 #define LC_RASTER_TRIANGLES 16
 
+// The most rows of a triangle that a work-item of a CPU draws at once, a multiple of eight.
+#define LC_RASTER_ROWS 64
+
 // Work-items of a GPU that share a triangle.
 #define LC_RASTER_SHARE 8
 

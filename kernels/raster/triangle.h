@@ -6,6 +6,7 @@
 #define LC_RASTER_TRIANGLE_H
 #pragma OPENCL FP_CONTRACT OFF
 #include "shared/lanes.h"
+#include "shared/plain_math.h"
 
 #if LC_CPU
 typedef float8 edge_t;
@@ -107,18 +108,36 @@ static inline RasterTriangle one_triangle(const RasterTriangles* tri, int k) {
   return one;
 }
 
-// Depth (mm) of the triangle at pixel (px, py), perspective-correct; INFINITY outside.
-static inline edge_t raster_depth(const RasterTriangle* tri, edge_t px, float py) {
-  const edge_t e0 = fma((edge_t)(-tri->dy[0]), px - tri->ax[0], (edge_t)(tri->dx[0] * (py - tri->ay[0])));
-  const edge_t e1 = fma((edge_t)(-tri->dy[1]), px - tri->ax[1], (edge_t)(tri->dx[1] * (py - tri->ay[1])));
-  const edge_t e2 = fma((edge_t)(-tri->dy[2]), px - tri->ax[2], (edge_t)(tri->dx[2] * (py - tri->ay[2])));
+// What row py adds to edge k.
+static inline edge_t edge_row(const RasterTriangle* tri, int k, edge_t py) {
+  return (edge_t)(tri->dx[k]) * (py - tri->ay[k]);
+}
+
+// Depth (mm) of the triangle at pixel px of a row, perspective-correct; outside INFINITY, or not a number. row0..row2:
+// what the row adds to the edges.
+static inline edge_t row_depth(const RasterTriangle* tri, edge_t px, edge_t row0, edge_t row1, edge_t row2) {
+  const edge_t e0 = fma((edge_t)(-tri->dy[0]), px - tri->ax[0], row0);
+  const edge_t e1 = fma((edge_t)(-tri->dy[1]), px - tri->ax[1], row1);
+  const edge_t e2 = fma((edge_t)(-tri->dy[2]), px - tri->ax[2], row2);
   const edge_t sum = e0 + e1 + e2;
   const edge_t weighted = fma(e0, (edge_t)tri->inv_z[0], fma(e1, (edge_t)tri->inv_z[1], e2 * (edge_t)tri->inv_z[2]));
   const edge_t near_z = tri->near_z, far_z = tri->far_z;
   const edge_t quotient = sum / weighted;  // a number inside
+#if LC_CPU
+  // Where all edges are 0, nothing is: no comparison with that holds, so it stays.
+  const edge_t not_nearer = near_z > quotient ? near_z : quotient;
+  const edge_t z = far_z < not_nearer ? far_z : not_nearer;
+  return select((edge_t)INFINITY, z, LC_LESSER(e0, LC_LESSER(e1, e2)) >= 0.0f);
+#else
   const edge_t not_nearer = quotient > near_z ? quotient : near_z;
   const edge_t z = not_nearer < far_z ? not_nearer : far_z;
   return select((edge_t)INFINITY, z, (e0 >= 0.0f) & (e1 >= 0.0f) & (e2 >= 0.0f) & (sum > 0.0f));
+#endif
+}
+
+// The same at pixel (px, py).
+static inline edge_t raster_depth(const RasterTriangle* tri, edge_t px, edge_t py) {
+  return row_depth(tri, px, edge_row(tri, 0, py), edge_row(tri, 1, py), edge_row(tri, 2, py));
 }
 
 #endif

@@ -104,8 +104,8 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
   weights_ = ocl::Buffer<float>(device, skin.weights);
   const size_t n_matches = round_up(options.max_matches, LC_POSE_SLICE);
   const size_t n_shaded = round_up(options.max_shaded, LC_POSE_SLICE);
-  J_ = ocl::Buffer<float>(device, (n_point_rows_ + n_contour + 2 * n_matches + n_shaded) * layout_.n_columns);
-  gram_ = ocl::Buffer<float>(device, gram_host_.size());
+  J_ = ocl::Buffer<float>(device, (n_point_rows_ + n_contour + 2 * n_matches + n_shaded) * layout_.n_columns + kTile);
+  gram_ = ocl::Buffer<float>(device, gram_host_);  // zeros
   step_ = ocl::Buffer<float>(device, step_host_.size());
   if (!is_cpu_) {
     const auto parts = [](size_t n_rows) { return round_up(n_rows, LC_POSE_GROUP_ROWS) / LC_POSE_GROUP_ROWS; };
@@ -413,7 +413,7 @@ PoseNormalEquations PoseSystem::assemble(const PoseState& state) {
   if (is_cpu_) {
     launch_records();
     launch_rows();
-    gram_kernel_.launch(n_tiles_, 1, n_tiles_, n_rows(), layout_.n_columns, J_, gram_);
+    gram_kernel_.launch(n_tiles_, 1, n_tiles_, n_rows(), layout_.n_columns, layout_.n_unknowns + 1, J_, gram_);
   } else {
     launch_normal_equations(false);
     const int n_entries = static_cast<int>(gram_.size());

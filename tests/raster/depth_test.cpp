@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "livecap/error.h"
+#include "raster/layout.h"
 #include "scenes.h"
 #include "support/kernel_bodies.h"
 #include "support/tolerances.h"
@@ -74,6 +75,9 @@ TEST(Depth, RandomTrianglesMatchRays) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
     for (int width : {7, 63, 65})
       expect_like_rays(device, test::random_triangles(40, width), test::small_camera(width, 49));
+    Mesh tall = test::random_triangles(10, 5);
+    for (size_t i = 2; i < tall.positions.size(); i += 3) tall.positions[i] = 200 + 0.2f * tall.positions[i];
+    expect_like_rays(device, tall, test::small_camera(131, 2 * LC_RASTER_ROWS + 5));
   });
 }
 
@@ -208,6 +212,27 @@ TEST(Depth, DepthAloneIsThatOfWholePictures) {
     alone.render(here, camera);
     EXPECT_EQ(alone.depth().read_all(), whole.depth().read_all());
     EXPECT_EQ(alone.triangle_ids().read_all(), whole.triangle_ids().read_all());
+  });
+}
+
+// Rows that the last picture reached and this one does not.
+TEST(Depth, WhatIsNoLongerReachedIsEmpty) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
+    const Camera camera = test::small_camera(65, 63);
+    Mesh mesh;
+    mesh.positions = {-200, -400, 1000, 200, -400, 1000, 0, -250, 1000};
+    mesh.triangles = {0, 1, 2};
+    std::vector<float> below = mesh.positions;
+    for (size_t i = 1; i < below.size(); i += 3) below[i] += 600;
+    const ocl::Buffer<float> high(device, mesh.positions), low(device, below);
+    DepthRasterizer moved(device, mesh, 65, 63), fresh(device, mesh, 65, 63);
+    moved.render(high, camera);
+    const std::vector<float> depth_high = moved.depth().read_all();
+    moved.render(low, camera);
+    fresh.render(low, camera);
+    ASSERT_NE(moved.depth().read_all(), depth_high);
+    EXPECT_EQ(moved.depth().read_all(), fresh.depth().read_all());
+    EXPECT_EQ(moved.triangle_ids().read_all(), fresh.triangle_ids().read_all());
   });
 }
 

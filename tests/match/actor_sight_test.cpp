@@ -332,5 +332,17 @@ TEST(ActorSight, IsGivenUpWhereGroupsCannotWait) {
       3);
 }
 
+// On a GPU `livecap devices` asks it at every level.
+TEST(ActorSight, HasKnownAnswers) {
+  test::on_every_gpu_body([](ocl::DeviceContext& device) {
+    int n = 0;
+    for (const ocl::SelfTestResult& result : match_self_test(device)) {
+      EXPECT_TRUE(result.ok) << result.kernel << ": " << result.detail;
+      n += result.kernel.find("see_actor") != std::string::npos;
+    }
+    EXPECT_EQ(n, LC_MATCH_LEVELS + 1);
+  });
+}
+
 }  // namespace
 }  // namespace livecap

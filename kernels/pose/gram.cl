@@ -25,8 +25,9 @@ typedef float8 gram_t;
 #endif
 #define GRAM_TILES (LC_VECTOR / 8)
 
-// One work-item per tile, of which every second makes two where vectors are that wide. J [n_rows*n_columns + 8]; what
-// lies from column n_filled on is not looked at. Out: gram [n_tiles][8][8], but for tiles without a filled column.
+// One work-item per tile, of which every second makes two where vectors are that wide. J [n_rows*n_columns + 8];
+// columns from n_filled on hold nothing. Out: gram [n_tiles][8][8]; tiles of such columns alone may be left as they
+// are.
 kernel void pose_gram(int n_tiles, int n_rows, int n_columns, int n_filled, global const float* restrict J,
                       global float* restrict gram) {
   const int tile = get_global_id(0);

@@ -106,6 +106,7 @@ static inline void draw_band(int with_ids, int n_triangles, int width, int heigh
   const int first_strip = n_strips * band / n_bands, end_strip = n_strips * (band + 1) / n_bands;
   const int first_row = first_strip * LC_STRIP_ROWS;
   const int last_row = min(end_strip * LC_STRIP_ROWS, height) - 1;
+  // Below 0: the strip still holds the last picture, from column ~drawn on.
   for (int strip = first_strip; strip < end_strip; ++strip) drawn[2 * strip] = ~drawn[2 * strip];
   for (int first = 0; first < n_triangles; first += LANES) {
     const RasterTriangles several =

@@ -1,5 +1,6 @@
 // Projected triangles over the pixel grid. CPU bodies set up several triangles at once and look at eight neighbouring
-// pixels of one, GPU bodies at one of each; the formulas are the same. Contraction is explicit (fma), so that two
+// pixels of one, GPU bodies at one of each; the formulas are the same but
+// for how they leave out what is not a number. Contraction is explicit (fma), so that two
 // kernels and the two triangles of an edge get the same bits: edges are evaluated from their lower vertex index and
 // leave no gap.
 #ifndef LC_RASTER_TRIANGLE_H
@@ -124,7 +125,7 @@ static inline edge_t row_depth(const RasterTriangle* tri, edge_t px, edge_t row0
   const edge_t near_z = tri->near_z, far_z = tri->far_z;
   const edge_t quotient = sum / weighted;  // a number inside
 #if LC_CPU
-  // Where all edges are 0, nothing is: no comparison with that holds, so it stays.
+  // Where all edges are 0 the quotient is not a number, which passes both of these, and is not less than any depth.
   const edge_t not_nearer = near_z > quotient ? near_z : quotient;
   const edge_t z = far_z < not_nearer ? far_z : not_nearer;
   return select((edge_t)INFINITY, z, LC_LESSER(e0, LC_LESSER(e1, e2)) >= 0.0f);

@@ -78,7 +78,7 @@ bool FrameReader::read(WorkItem& item) {
   if (frame.damaged) item.report.status = TrackStatus::kDamaged;
   item.image = undistorter_->undistort(std::move(frame.image));
   item.report.stage_ms[static_cast<int>(CaptureStage::kRead)] = timer.elapsed_ms();
-  if (options_.realtime) {
+  if (options_.realtime && !is_webcam()) {  // a camera keeps its own pace
     const double early_ms = frame.pts_ms - first_pts_ms_ - clock_->elapsed_ms();
     if (early_ms > 0) std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(early_ms));
   }

@@ -9,12 +9,12 @@
 #include <thread>
 #include <utility>
 
+#include "base/log.h"
 #include "base/text.h"
 #include "base/trace.h"
 #include "capture/channel.h"
 #include "capture/engine.h"
 #include "export/export_frame.h"
-#include "image/image_io.h"
 #include "image/undistort.h"
 #include "livecap/error.h"
 
@@ -168,6 +168,12 @@ struct LiveCapture::State {
     pictures.abort();
   }
 
+  // Throws LogicError on the thread that calls on_result, which would wait for itself.
+  void require_outside(const char* function) const {
+    if (std::this_thread::get_id() == thread.get_id())
+      throw LogicError(std::string("LiveCapture::") + function + " was called from on_result; return false to end");
+  }
+
   LiveCallback on_result;
   Camera camera;
   bool every_picture;
@@ -186,7 +192,6 @@ struct LiveCapture::State {
 LiveCapture::LiveCapture(const LiveOptions& options, LiveCallback on_result) {
   options.validate();
   if (!on_result) throw ConfigError("LiveCapture: on_result is empty, so that nobody would hear of the results");
-  set_image_threads(1);
   state_ = std::make_unique<State>(options, std::move(on_result));
   state_->thread = std::thread([state = state_.get()] { state->run(); });
 }
@@ -195,6 +200,14 @@ LiveCapture::~LiveCapture() {
   state_->abandoned = true;
   state_->pictures.abort();
   if (state_->thread.joinable()) state_->thread.join();
+  if (!state_->error) return;
+  try {
+    std::rethrow_exception(state_->error);
+  } catch (const std::exception& error) {
+    log_error(std::string("a live capture that nobody closed ended by an error: ") + error.what());
+  } catch (...) {
+    log_error("a live capture that nobody closed ended by an error");
+  }
 }
 
 const LiveActor& LiveCapture::actor() const {
@@ -203,9 +216,12 @@ const LiveActor& LiveCapture::actor() const {
 
 bool LiveCapture::push(const Picture& picture) {
   State& s = *state_;
+  s.require_outside("push()");
   if (!(picture.time_s > s.last_time_s) || !std::isfinite(picture.time_s))
-    throw ConfigError(format("picture %lld: its time is %g s, it must be later than the one before (%g s)",
-                             static_cast<long long>(s.n_pushed), picture.time_s, s.last_time_s));
+    throw ConfigError(
+        format("picture %lld: its time is %g s, it must be finite and later than that of the one before%s",
+               static_cast<long long>(s.n_pushed), picture.time_s,
+               s.n_pushed == 0 ? "" : format(" (%g s)", s.last_time_s).c_str()));
   WorkItem item;
   item.image = copy_of(picture, s.camera, format("picture %lld", static_cast<long long>(s.n_pushed)).c_str());
   item.report.index = s.n_pushed;
@@ -220,6 +236,7 @@ bool LiveCapture::push(const Picture& picture) {
 
 void LiveCapture::close() {
   State& s = *state_;
+  s.require_outside("close()");
   s.pictures.close();
   if (s.thread.joinable()) s.thread.join();
   if (s.error) std::rethrow_exception(std::exchange(s.error, nullptr));

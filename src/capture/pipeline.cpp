@@ -27,9 +27,9 @@ class FirstError {
 };
 
 // How many items are under way, where that is limited.
-class Room {
+class UnderWay {
  public:
-  explicit Room(int most) : most_(most) {}
+  explicit UnderWay(int most) : most_(most) {}
   // Waits until another one may set out. False when the run is aborted.
   bool enter() {
     std::unique_lock lock(mutex_);
@@ -86,11 +86,11 @@ void run_sequential(const PipelineStages& stages) {
 
 void run_pipelined(const PipelineStages& stages, bool newest_wins, int most_under_way) {
   Channel<WorkItem> to_detect, to_gate, to_segment, to_solve, to_surface, to_publish;
-  Room room(most_under_way);
+  UnderWay under_way(most_under_way);
   FirstError error;
   auto abort_all = [&] {
     stages.stop_reading();
-    room.abort();
+    under_way.abort();
     to_detect.abort();
     to_gate.abort();
     to_segment.abort();
@@ -132,7 +132,7 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins, int most_unde
     });
   };
   std::thread detector = guarded([&] {
-    while (room.enter()) {
+    while (under_way.enter()) {
       std::optional<WorkItem> item = to_detect.pop();
       if (!item) break;
       stages.detect(*item);
@@ -158,7 +158,7 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins, int most_unde
   try {
     while (auto item = to_publish.pop()) {
       if (!stages.publish(*item)) break;
-      room.leave();
+      under_way.leave();
     }
   } catch (...) {
     error.capture();

@@ -27,11 +27,16 @@ UdpSender::UdpSender(const std::string& address) {
   if (const int code = getaddrinfo(host.c_str(), port.c_str(), &hints, &found); code != 0)
     throw ConfigError(address + ": there is no host " + host + " (" + gai_strerror(code) + ")");
   const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> all(found, freeaddrinfo);
-  for (const addrinfo* one = found; one; one = one->ai_next) {
-    socket_ = ::socket(one->ai_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    if (socket_ < 0) continue;
-    if (::connect(socket_, one->ai_addr, one->ai_addrlen) == 0) return;
-    ::close(socket_);
+  for (const bool v4 : {true, false}) {  // most receivers listen to the older one alone
+    for (const addrinfo* one = found; one; one = one->ai_next) {
+      if ((one->ai_family == AF_INET) != v4) continue;
+      socket_ = ::socket(one->ai_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+      if (socket_ < 0) continue;
+      const int yes = 1;
+      ::setsockopt(socket_, SOL_SOCKET, SO_BROADCAST, &yes, sizeof(yes));
+      if (::connect(socket_, one->ai_addr, one->ai_addrlen) == 0) return;
+      ::close(socket_);
+    }
   }
   throw ConfigError(address + ": no packet can be sent there");
 }

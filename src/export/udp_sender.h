@@ -9,7 +9,8 @@ namespace livecap {
 
 class UdpSender {
  public:
-  // address: "host:port" or "[v6]:port". Throws ConfigError for something else or a host that has no address.
+  // address: "host:port" or "[v6]:port". Throws ConfigError for something else or a host that has no address. A name
+  // with addresses of both kinds is the v4 one; broadcast addresses are allowed.
   explicit UdpSender(const std::string& address);
   ~UdpSender();
   UdpSender(const UdpSender&) = delete;

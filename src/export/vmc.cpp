@@ -72,6 +72,10 @@ OscBytes transform(std::string_view address, std::string_view name, const Eigen:
   return osc;
 }
 
+// How high along the trunk, pelvis to neck, Unity's spine and chest begin. The upper chest begins with the chest: an
+// avatar may have none.
+constexpr float kSpine = 0.25f, kChest = 0.6f;
+
 Eigen::Quaternionf quaternion(const std::array<float, 4>& xyzw) {
   return {xyzw[3], xyzw[0], xyzw[1], xyzw[2]};
 }
@@ -85,9 +89,23 @@ std::string_view vmc_bone_name(std::string_view bone) {
 }
 
 VmcEncoder::VmcEncoder(const LiveActor& actor, const std::optional<FloorPlane>& floor) {
+  const auto neck = std::find_if(actor.bones.begin(), actor.bones.end(),
+                                 [](const LiveBone& bone) { return vmc_bone_name(bone.name) == "Neck"; });
+  const Eigen::Vector3f trunk =
+      neck == actor.bones.end() ? Eigen::Vector3f::Zero().eval() : Eigen::Vector3f::Map(neck->offset_m.data()).eval();
+  const auto add = [&](std::string_view name, int index, const Eigen::Vector3f& offset) {
+    bones_.push_back({std::string(name), index, {offset.x(), offset.y(), offset.z()}});
+  };
   for (size_t b = 0; b < actor.bones.size(); ++b) {
-    const std::string_view name = vmc_bone_name(actor.bones[b].name);
-    if (!name.empty()) bones_.push_back({std::string(name), static_cast<int>(b), actor.bones[b].offset_m});
+    const LiveBone& bone = actor.bones[b];
+    const std::string_view name = vmc_bone_name(bone.name);
+    if (name.empty()) continue;
+    const bool on_chest = name == "Neck" || name == "LeftShoulder" || name == "RightShoulder";
+    add(name, static_cast<int>(b), Eigen::Vector3f::Map(bone.offset_m.data()) - (on_chest ? kChest : 0.0f) * trunk);
+    if (bone.parent >= 0) continue;
+    add("Spine", -1, kSpine * trunk);
+    add("Chest", -1, (kChest - kSpine) * trunk);
+    add("UpperChest", -1, Eigen::Vector3f::Zero());
   }
   if (!floor) return;
   const Eigen::Vector3d up = gltf_axes_from_camera() * Eigen::Vector3d::Map(floor->normal.data());
@@ -116,7 +134,8 @@ std::vector<uint8_t> VmcEncoder::packet(const LiveResult& result) {
   if (!middle_m_) middle_m_ = {hips.x(), *floor_y_m_, hips.z()};
   bundle.add(transform("/VMC/Ext/Root/Pos", "root", Eigen::Vector3f::Zero(), Eigen::Quaternionf::Identity()));
   for (const Bone& bone : bones_) {
-    const Eigen::Quaternionf local = quaternion(result.bones.at(bone.index).rotation);
+    const Eigen::Quaternionf local =
+        bone.index < 0 ? Eigen::Quaternionf::Identity() : quaternion(result.bones.at(bone.index).rotation);
     const bool is_root = bone.index == 0;
     bundle.add(transform("/VMC/Ext/Bone/Pos", bone.name,
                          is_root ? Eigen::Vector3f(hips - Eigen::Vector3f::Map(middle_m_->data()))

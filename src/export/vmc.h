@@ -24,14 +24,14 @@ class VmcEncoder {
   VmcEncoder(const LiveActor& actor, const std::optional<FloorPlane>& floor);
 
   // One OSC bundle, a UDP packet: whether somebody is tracked, the time, and then, metres, Unity's axes (left-handed, y
-  // up), the hips' place and every bone's rotation from its parent's. Where the first tracked person stood is the
-  // middle.
+  // up), every bone's place and rotation in its parent's frame. The trunk, one bone here, is Hips, Spine, Chest and
+  // UpperChest there, which neck and shoulders hang on. Where the first tracked person stood is the middle.
   std::vector<uint8_t> packet(const LiveResult& result);
 
  private:
   struct Bone {
     std::string name;  // VMC's
-    int index;
+    int index;         // -1: turns with its parent
     std::array<float, 3> offset_m;
   };
   std::vector<Bone> bones_;

@@ -5,8 +5,10 @@
 
 #include <Eigen/Geometry>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstring>
+#include <future>
 #include <limits>
 #include <map>
 #include <thread>
@@ -225,19 +227,47 @@ TEST(Live, TheCallbackCanEndIt) {
   }
 }
 
+// It would wait for itself.
+TEST(Live, TheCallbackCannotPushOrClose) {
+  LIVECAP_MODEL_OR_SKIP(model, "lite");
+  const test::ScratchFolder scratch;
+  const Sequence sequence(scratch, 4, 1);
+  for (const bool closes : {false, true}) {
+    LiveOptions options = sequence.options(model);
+    options.every_picture = true;
+    LiveCapture* self = nullptr;
+    LiveCapture live(options, [&](const LiveResult&) {
+      if (closes) self->close();
+      return self->push(sequence.picture(3));
+    });
+    self = &live;
+    for (int i = 0; i < 3; ++i) EXPECT_TRUE(live.push(sequence.picture(i)));
+    EXPECT_THROW(live.close(), LogicError) << closes;
+  }
+}
+
 TEST(Live, WithoutCloseWhatIsUnderWayIsNotDelivered) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
   const test::ScratchFolder scratch;
   const Sequence sequence(scratch, 5, 1);
-  std::atomic<bool> gone = false;
+  LiveOptions options = sequence.options(model);
+  options.every_picture = true;
+  std::promise<void> leaving;
+  std::atomic<int> results = 0;
   {
-    LiveCapture live(sequence.options(model), [&](const LiveResult&) {
-      EXPECT_FALSE(gone);
+    LiveCapture live(options, [&, left = leaving.get_future().share()](const LiveResult&) {
+      ++results;
+      left.wait();  // the first one, until nobody wants the others
       return true;
     });
     for (int i = 0; i < 5; ++i) EXPECT_TRUE(live.push(sequence.picture(i)));
+    while (results == 0) std::this_thread::yield();
+    std::thread([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(300));  // the destructor has begun
+      leaving.set_value();
+    }).detach();
   }
-  gone = true;
+  EXPECT_EQ(results, 1);
 }
 
 TEST(Live, PicturesThatCannotBeAreRefused) {
@@ -260,7 +290,7 @@ TEST(Live, PicturesThatCannotBeAreRefused) {
     Picture picture = good;
     picture.time_s += 1;
     change(picture);
-    EXPECT_THROW(live.push(picture), ConfigError);
+    EXPECT_THROW((void)live.push(picture), ConfigError);
   };
   refuses([](Picture& p) { p.height += 2; });
   refuses([](Picture& p) { p.pixels = nullptr; });

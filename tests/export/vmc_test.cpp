@@ -9,6 +9,8 @@
 #include <map>
 #include <random>
 
+#include "export/motion_fixture.h"
+
 namespace livecap {
 namespace {
 
@@ -91,9 +93,10 @@ Heard hear(const std::vector<uint8_t>& packet) {
 LiveActor trunk_and_arm() {
   LiveActor actor;
   actor.bones = {{"root", -1, {}},
+                 {"neck", 0, {0.01f, 0.5f, -0.03f}},
                  {"left_clavicle", 0, {0.02f, 0.4f, 0.01f}},
-                 {"left_shoulder", 1, {0.13f, 0.02f, -0.01f}},
-                 {"left_elbow", 2, {0.27f, 0, 0}},
+                 {"left_shoulder", 2, {0.13f, 0.02f, -0.01f}},
+                 {"left_elbow", 3, {0.27f, 0, 0}},
                  {"tail", 0, {0, -0.1f, -0.1f}}};
   return actor;
 }
@@ -129,23 +132,35 @@ TEST(Vmc, TheAvatarStandsAsThePersonDoes) {
     const Heard heard = hear(encoder.packet(person));
     EXPECT_EQ(heard.ok, 1);
     EXPECT_NEAR(heard.time, 1.5, 1e-6);
-    ASSERT_EQ(heard.bones.size(), 4u) << "the tail has no name";
+    ASSERT_EQ(heard.bones.size(), 8u) << "the tail has no name";
     ASSERT_TRUE(heard.root);
     EXPECT_EQ(heard.root->position.norm(), 0);
 
-    Eigen::Isometry3d world = Eigen::Isometry3d::Identity();
-    int b = 0;
-    for (const char* name : {"Hips", "LeftShoulder", "LeftUpperArm", "LeftLowerArm"}) {
-      const Transform& local = heard.bones.at(name);
-      world = world * Eigen::Translation3d(local.position) * local.rotation;
+    // With and without an upper chest, which avatars need not have.
+    Eigen::Isometry3d world;
+    for (const bool upper_chest : {false, true}) {
+      const auto from = [&](const Eigen::Isometry3d& parent, const char* name) {
+        const Transform& local = heard.bones.at(name);
+        return Eigen::Isometry3d(parent * Eigen::Translation3d(local.position) * local.rotation);
+      };
       // The lowest point of the first person is on y = 0, below it the middle.
-      const auto& p = person.bones[b++].position_m;
-      const Eigen::Vector3d expected(-(p[0] - first[0]), p[1] - (first[1] - 0.9), p[2] - first[2]);
-      EXPECT_LT((world.translation() - expected).norm(), 1e-5) << name << " " << seed;
+      const auto expect_at = [&](const Eigen::Isometry3d& bone, int index) {
+        const auto& p = person.bones[index].position_m;
+        const Eigen::Vector3d expected(-(p[0] - first[0]), p[1] - (first[1] - 0.9), p[2] - first[2]);
+        EXPECT_LT((bone.translation() - expected).norm(), 1e-5) << actor.bones[index].name << " " << seed;
+      };
+      world = from(Eigen::Isometry3d::Identity(), "Hips");
+      expect_at(world, 0);
+      world = from(from(world, "Spine"), "Chest");
+      if (upper_chest) world = from(world, "UpperChest");
+      expect_at(from(world, "Neck"), 1);
+      int index = 2;
+      for (const char* name : {"LeftShoulder", "LeftUpperArm", "LeftLowerArm"})
+        expect_at(world = from(world, name), index++);
     }
     // A direction of the forearm's own, both ways.
     Eigen::Quaternionf chain = Eigen::Quaternionf::Identity();
-    for (const int i : {0, 1, 2, 3}) {
+    for (const int i : {0, 2, 3, 4}) {
       const auto& q = person.bones[i].rotation;
       chain = chain * Eigen::Quaternionf(q[3], q[0], q[1], q[2]);
     }
@@ -190,18 +205,18 @@ TEST(Vmc, NobodyIsToldOfWithoutAPose) {
   EXPECT_TRUE(heard.bones.empty());
 }
 
-// Every bone of LiveCap-27 has a name, and no two the same.
+// Every bone of LiveCap-27 has its name.
 TEST(Vmc, NamesOfBones) {
-  std::map<std::string_view, int> seen;
-  for (const char* bone :
-       {"root", "neck", "left_clavicle", "left_shoulder", "left_elbow", "right_clavicle", "right_shoulder",
-        "right_elbow", "left_hip", "left_knee", "left_ankle", "right_hip", "right_knee", "right_ankle"}) {
-    const std::string_view name = vmc_bone_name(bone);
-    EXPECT_FALSE(name.empty()) << bone;
-    EXPECT_EQ(seen[name]++, 0) << name;
-    const std::string_view text(bone);
-    EXPECT_EQ(text.substr(0, 5) == "left_", name.substr(0, 4) == "Left") << bone;
-    EXPECT_EQ(text.substr(0, 6) == "right_", name.substr(0, 5) == "Right") << bone;
+  const std::map<std::string, std::string> limbs = {{"clavicle", "Shoulder"}, {"shoulder", "UpperArm"},
+                                                    {"elbow", "LowerArm"},    {"hip", "UpperLeg"},
+                                                    {"knee", "LowerLeg"},     {"ankle", "Foot"}};
+  const Skeleton skeleton = test::small_actor().skeleton;
+  EXPECT_EQ(skeleton.n_bones(), 14);
+  for (const Bone& bone : skeleton.bones) {
+    std::string expected = bone.name == "root" ? "Hips" : "Neck";
+    if (const size_t side = bone.name.find('_'); side != std::string::npos)
+      expected = (bone.name.substr(0, side) == "left" ? "Left" : "Right") + limbs.at(bone.name.substr(side + 1));
+    EXPECT_EQ(vmc_bone_name(bone.name), expected);
   }
   EXPECT_EQ(vmc_bone_name("tail"), "");
 }

@@ -150,10 +150,11 @@ expect 2 'wide.json 640 540' live --video seq/video.mp4 --camera wide.json --act
 expect 2 'here HOST:PORT 39539' "${live[@]}" --vmc here
 expect 2 'nobody.invalid host' "${live[@]}" --vmc nobody.invalid:39539
 expect 2 'nonsense' "${live[@]}" --without nonsense
+expect 2 'video.mp4 no picture' live --video seq/video.mp4 --camera seq/camera.json --background-frames 99 --actor seq/actor.glb --model lite
 expect 1 'nonsense' "${live[@]}" --solver-device nonsense
 cases=$((cases + 1))
 if ! "$livecap" "${live[@]}" --vmc 127.0.0.1:39539 >out.txt 2>err.txt || ! grep -q '^pictures *6, tracked [1-6],' out.txt ||
-  ! grep -q 'packets to 127.0.0.1:39539' out.txt; then
+  ! grep -qE '^sent +[1-9][0-9]* packets to 127.0.0.1:39539' out.txt; then
   echo "FAILED: live"
   sed 's/^/  | /' err.txt out.txt | head -20
   failures=$((failures + 1))

@@ -1,13 +1,15 @@
-// livecap live: a camera in, the skeleton out over the network while it happens. A thin client of the public API in
-// include/livecap/live.h.
+// livecap live: a camera in, the skeleton out over the network while it happens; captured by include/livecap/live.h.
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "base/log.h"
 #include "base/text.h"
 #include "base/timer.h"
 #include "command.h"
@@ -43,7 +45,13 @@ Picture picture_of(const ImageRgb& image, double time_s) {
 // The empty scene: a file, or the first frames of the video.
 std::vector<ImageRgb> empty_pictures(const Options& options, VideoReader& video) {
   std::vector<ImageRgb> pictures;
-  if (!options.background.empty()) pictures.push_back(read_image_rgb(options.background));
+  if (!options.background.empty()) {
+    pictures.push_back(read_image_rgb(options.background));
+    const auto& [width, height, pixels] = pictures.back();
+    if (width != video.info().width || height != video.info().height)
+      throw IoError(options.background + format(": the picture is %dx%d but the video is %dx%d", width, height,
+                                                video.info().width, video.info().height));
+  }
   Frame frame;
   for (int i = 0; i < options.background_frames && video.read(frame); ++i) {
     if (!frame.damaged) pictures.push_back(std::move(frame.image));
@@ -52,6 +60,52 @@ std::vector<ImageRgb> empty_pictures(const Options& options, VideoReader& video)
     throw IoError(options.video + ": none of the background frames could be decoded");
   return pictures;
 }
+
+// Pictures at the pace that they were taken at. A camera's are read as they come, but for those that waited in its
+// driver while nobody read: they are old.
+class Pictures {
+ public:
+  Pictures(VideoReader& video, bool is_camera) : video_(video), is_camera_(is_camera) {}
+
+  // The next one that can be used; false at the end. Waits until its time has come.
+  bool next(Frame& frame) {
+    do {
+      if (!video_.read(frame)) return false;
+      if (!begun_) begin(frame);
+      ++(frame.damaged ? n_damaged : frame.pts_ms > last_pts_ms_ ? n_good : n_untimely);
+    } while (frame.damaged || !(frame.pts_ms > last_pts_ms_));
+    last_pts_ms_ = frame.pts_ms;
+    while (!is_camera_ && !interrupted()) {
+      const double early_ms = frame.pts_ms - first_pts_ms_ - clock_.elapsed_ms();
+      if (early_ms <= 0) break;
+      std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(std::min(early_ms, 100.0)));
+    }
+    return true;
+  }
+
+  int64_t n_good = 0, n_damaged = 0;
+  int64_t n_untimely = 0;  // whose time is not after that of the one before
+
+ private:
+  void begin(Frame& frame) {
+    constexpr int kMostWaiting = 64;  // of any driver
+    constexpr double kFreshMs = 5;    // what is read sooner has waited
+    for (int i = 0; is_camera_ && i < kMostWaiting; ++i) {
+      Timer timer;
+      if (!video_.read(frame) || timer.elapsed_ms() > kFreshMs) break;
+    }
+    begun_ = true;
+    first_pts_ms_ = frame.pts_ms;
+    clock_.restart();
+  }
+
+  VideoReader& video_;
+  bool is_camera_;
+  bool begun_ = false;
+  double first_pts_ms_ = 0;
+  double last_pts_ms_ = -std::numeric_limits<double>::infinity();
+  Timer clock_;
+};
 
 // What was heard of all pictures.
 struct Totals {
@@ -69,6 +123,8 @@ struct Totals {
 
 int run(const Options& options) {
   if (options.camera.empty() && options.fov_deg == 0) throw ConfigError("give either --camera FILE or --fov DEGREES");
+  set_image_threads(1);
+  catch_interrupt();
   VideoReader video(options.video);
   LiveOptions live = options.live;
   live.camera = video_camera(options.camera, options.fov_deg, video.info(), options.video);
@@ -79,7 +135,6 @@ int run(const Options& options) {
   std::optional<UdpSender> receiver;
   if (!options.vmc.empty()) receiver.emplace(options.vmc);
 
-  catch_interrupt();
   std::optional<VmcEncoder> encoder;  // once the actor is known
   Totals totals;
   Progress progress("live");
@@ -94,24 +149,23 @@ int run(const Options& options) {
   });
   encoder.emplace(capture.actor(), live.camera.floor);
 
-  Timer clock;
-  std::optional<double> first_pts_ms;
+  Pictures pictures(video, options.video.rfind("webcam:", 0) == 0);
   Frame frame;
-  for (int64_t taken = 0; (options.frames < 0 || taken < options.frames) && video.read(frame); ++taken) {
-    if (!first_pts_ms) {
-      first_pts_ms = frame.pts_ms;
-      clock.restart();
-    }
-    const double early_ms = frame.pts_ms - *first_pts_ms - clock.elapsed_ms();
-    if (early_ms > 0) std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(early_ms));
-    if (!frame.damaged && !capture.push(picture_of(frame.image, frame.pts_ms / 1000))) break;
-    if (interrupted()) break;
+  while ((options.frames < 0 || pictures.n_good < options.frames) && !interrupted() && pictures.next(frame)) {
+    if (!capture.push(picture_of(frame.image, frame.pts_ms / 1000))) break;
   }
   capture.close();
   progress.finish();
+  if (totals.pictures == 0) throw IoError(options.video + ": no picture was left to capture");
   std::printf("pictures    %lld, tracked %lld, dropped %lld\n", static_cast<long long>(totals.pictures),
               static_cast<long long>(totals.tracked), static_cast<long long>(totals.dropped));
   std::printf("latency     %.0f ms (median)\n", median(totals.latency_ms));
+  if (pictures.n_damaged > 0)
+    log_warning(options.video + format(": %lld damaged frame(s)", static_cast<long long>(pictures.n_damaged)));
+  if (pictures.n_untimely > 0)
+    log_warning(options.video + format(": %lld frame(s) whose time does not come after the one before were left out",
+                                       static_cast<long long>(pictures.n_untimely)));
+  if (video.truncated()) log_warning(options.video + ": ends before the length it promises");
   if (receiver)
     std::printf("sent        %lld packets to %s\n", static_cast<long long>(totals.sent), options.vmc.c_str());
   return kExitOk;

@@ -19,6 +19,7 @@
 #include "image/video.h"
 #include "livecap/error.h"
 #include "nn/models.h"
+#include "support/tolerances.h"
 
 namespace livecap {
 namespace {
@@ -129,7 +130,7 @@ TEST(Live, PushedPicturesGiveWhatTheirFileGives) {
     const LiveResult& result = results[i];
     EXPECT_EQ(result.report.index, i);
     EXPECT_EQ(track_status_name(result.report.status), rows[i].status) << i;
-    EXPECT_NEAR(result.report.pts_ms, sequence.frames[i].pts_ms, 1e-6);
+    EXPECT_NEAR(result.report.pts_ms, sequence.frames[i].pts_ms, test::kHandComputed);
     if (!is_tracked(result.report.status)) {
       EXPECT_TRUE(result.vertices_m.empty() && result.bones.empty() && result.angles_rad.empty());
       continue;
@@ -149,8 +150,8 @@ TEST(Live, PushedPicturesGiveWhatTheirFileGives) {
       for (int k = 0; k < 3; ++k) {
         const std::string column = "joint_" + name + "_" + "xyz"[k];
         ASSERT_TRUE(joints[i].count(column)) << column;
-        EXPECT_NEAR(bone[b].translation()[k], joints[i].at(column), 1e-5) << column;
-        EXPECT_NEAR(position[k], joints[i].at(column), 1e-5) << column;
+        EXPECT_NEAR(bone[b].translation()[k], joints[i].at(column), test::kFloatChain) << column;
+        EXPECT_NEAR(position[k], joints[i].at(column), test::kFloatChain) << column;
       }
     }
   }

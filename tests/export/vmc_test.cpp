@@ -10,6 +10,7 @@
 #include <random>
 
 #include "export/motion_fixture.h"
+#include "support/tolerances.h"
 
 namespace livecap {
 namespace {
@@ -75,7 +76,7 @@ Heard hear(const std::vector<uint8_t>& packet) {
       double v[7];
       for (double& x : v) x = reader.number();
       const Transform read{{v[0], v[1], v[2]}, {v[6], v[3], v[4], v[5]}};
-      EXPECT_NEAR(read.rotation.norm(), 1, 1e-5);
+      EXPECT_NEAR(read.rotation.norm(), 1, test::kFloatChain);
       if (address == "/VMC/Ext/Root/Pos") {
         EXPECT_EQ(name, "root");
         heard.root = read;
@@ -131,7 +132,7 @@ TEST(Vmc, TheAvatarStandsAsThePersonDoes) {
     const LiveResult person = somebody(actor, seed, hips);
     const Heard heard = hear(encoder.packet(person));
     EXPECT_EQ(heard.ok, 1);
-    EXPECT_NEAR(heard.time, 1.5, 1e-6);
+    EXPECT_NEAR(heard.time, 1.5, test::kHandComputed);
     ASSERT_EQ(heard.bones.size(), 8u) << "the tail has no name";
     ASSERT_TRUE(heard.root);
     EXPECT_EQ(heard.root->position.norm(), 0);
@@ -147,7 +148,7 @@ TEST(Vmc, TheAvatarStandsAsThePersonDoes) {
       const auto expect_at = [&](const Eigen::Isometry3d& bone, int index) {
         const auto& p = person.bones[index].position_m;
         const Eigen::Vector3d expected(-(p[0] - first[0]), p[1] - (first[1] - 0.9), p[2] - first[2]);
-        EXPECT_LT((bone.translation() - expected).norm(), 1e-5) << actor.bones[index].name << " " << seed;
+        EXPECT_LT((bone.translation() - expected).norm(), test::kFloatChain) << actor.bones[index].name << " " << seed;
       };
       world = from(Eigen::Isometry3d::Identity(), "Hips");
       expect_at(world, 0);
@@ -167,7 +168,7 @@ TEST(Vmc, TheAvatarStandsAsThePersonDoes) {
     const Eigen::Vector3f direction(0.3f, -0.5f, 0.8f);
     const Eigen::Vector3f turned = chain * direction;
     const Eigen::Vector3d seen = world.linear() * Eigen::Vector3d(-0.3, -0.5, 0.8);
-    EXPECT_LT((seen - Eigen::Vector3d(-turned.x(), turned.y(), turned.z())).norm(), 1e-5) << seed;
+    EXPECT_LT((seen - Eigen::Vector3d(-turned.x(), turned.y(), turned.z())).norm(), test::kFloatChain) << seed;
   }
 }
 
@@ -189,8 +190,8 @@ TEST(Vmc, AKnownFloorIsLevel) {
   person.bones[0].rotation = {upright.x(), upright.y(), upright.z(), upright.w()};
 
   const Transform sent = hear(encoder.packet(person)).bones.at("Hips");
-  EXPECT_LT((sent.position - Eigen::Vector3d(0, 0.9, 0)).norm(), 1e-5);
-  EXPECT_LT(sent.rotation.angularDistance(Eigen::Quaterniond::Identity()), 1e-3);
+  EXPECT_LT((sent.position - Eigen::Vector3d(0, 0.9, 0)).norm(), test::kFloatChain);
+  EXPECT_LT(sent.rotation.angularDistance(Eigen::Quaterniond::Identity()), test::kFloatTurn);
 }
 
 TEST(Vmc, NobodyIsToldOfWithoutAPose) {
@@ -201,7 +202,7 @@ TEST(Vmc, NobodyIsToldOfWithoutAPose) {
   nobody.report.pts_ms = 40;
   const Heard heard = hear(encoder.packet(nobody));
   EXPECT_EQ(heard.ok, 0);
-  EXPECT_NEAR(heard.time, 0.04, 1e-6);
+  EXPECT_NEAR(heard.time, 0.04, test::kHandComputed);
   EXPECT_TRUE(heard.bones.empty());
 }
 

@@ -14,6 +14,10 @@ inline constexpr double kTextureOverlap = 0.003;
 // Share of truth vertices (mask pixels) within two pixels of the mask: half a pixel of rasterising, the rest is
 // rounding.
 inline constexpr double kTruthMaskShare = 0.99;
+// Metres, and unit quaternions: a chain of transforms kept in floats.
+inline constexpr double kFloatChain = 1e-5;
+// Radians between float quaternions: the arc cosine of one less a rounding.
+inline constexpr double kFloatTurn = 1e-3;
 // Metres: joints.json is written with five decimals.
 inline constexpr double kJointRounding = 2e-5;
 // Double arithmetic that differs only in order.

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/text.h"
-#include "image/image_io.h"
+#include "image/empty_picture.h"
 #include "image/video_camera.h"
 #include "livecap/error.h"
 
@@ -29,15 +29,10 @@ int64_t FrameReader::n_frames() const {
 std::vector<ImageRgb> FrameReader::empty_plates() {
   std::vector<ImageRgb> plates;
   if (!options_.background.empty()) {
-    ImageRgb plate = read_image_rgb(options_.background);
-    if (plate.width != info_.width || plate.height != info_.height) {
-      throw IoError(options_.background + format(": the picture is %dx%d but the video is %dx%d", plate.width,
-                                                 plate.height, info_.width, info_.height));
-    }
-    plates.push_back(undistorter_->undistort(plate));
+    plates.push_back(undistorter_->undistort(read_empty_picture(options_.background, info_)));
   } else if (options_.background_frames > 0) {
     // A reader of its own, so that the plate frames are also captured; a webcam has no second start.
-    const bool live = is_webcam();
+    const bool live = is_webcam(options_.video);
     std::unique_ptr<VideoReader> own = live ? nullptr : std::make_unique<VideoReader>(options_.video);
     VideoReader& reader = live ? *video_ : *own;
     Frame frame;
@@ -69,17 +64,13 @@ bool FrameReader::read(WorkItem& item) {
   } else {
     return false;
   }
-  if (!clock_) {
-    clock_.emplace();
-    first_pts_ms_ = frame.pts_ms;
-  }
   item.report.index = frame.index;
   item.report.pts_ms = frame.pts_ms;
   if (frame.damaged) item.report.status = TrackStatus::kDamaged;
   item.image = undistorter_->undistort(std::move(frame.image));
   item.report.stage_ms[static_cast<int>(CaptureStage::kRead)] = timer.elapsed_ms();
-  if (options_.realtime && !is_webcam()) {  // a camera keeps its own pace
-    const double early_ms = frame.pts_ms - first_pts_ms_ - clock_->elapsed_ms();
+  if (options_.realtime && !is_webcam(options_.video)) {  // a camera keeps its own pace
+    const double early_ms = pace_.early_ms(frame.pts_ms);
     if (early_ms > 0) std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(early_ms));
   }
   item.since_read.restart();
@@ -96,7 +87,8 @@ std::vector<std::string> FrameReader::warnings() const {
     list.push_back(options_.video +
                    format(": %lld damaged frame(s)", static_cast<long long>(video_->damaged_frames())));
   if (video_->truncated())
-    list.push_back(options_.video + (is_webcam() ? ": broke off" : ": ends before the length it promises"));
+    list.push_back(options_.video +
+                   (is_webcam(options_.video) ? ": broke off" : ": ends before the length it promises"));
   return list;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "capture/work_item.h"
+#include "image/pace.h"
 #include "image/undistort.h"
 #include "image/video.h"
 #include "livecap/camera.h"
@@ -43,7 +44,6 @@ class FrameReader {
  private:
   // The next of those asked for. False at the end.
   bool next(Frame& frame);
-  bool is_webcam() const { return options_.video.rfind("webcam:", 0) == 0; }
 
   CaptureOptions options_;
   std::unique_ptr<VideoReader> video_;
@@ -53,8 +53,7 @@ class FrameReader {
   std::optional<Undistorter> undistorter_;
   int64_t taken_ = 0;
   std::deque<Frame> decoded_;  // that read() has not delivered yet
-  double first_pts_ms_ = 0;
-  std::optional<Timer> clock_;
+  Pace pace_;
 };
 
 }  // namespace livecap

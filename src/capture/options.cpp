@@ -3,6 +3,7 @@
 
 #include "base/text.h"
 #include "capture/components.h"
+#include "image/video.h"
 #include "livecap/capture.h"
 #include "livecap/error.h"
 
@@ -63,7 +64,7 @@ void CaptureOptions::validate() const {
   if (!(missed_detections >= 0 && missed_detections <= 1))
     throw ConfigError(format("--miss-detections %g: must be between 0 and 1", missed_detections));
   if (sequential && realtime) throw ConfigError("--sequential and --pace realtime exclude each other");
-  if (decoded && video.rfind("webcam:", 0) == 0)
+  if (decoded && is_webcam(video))
     throw ConfigError(video + ": frames of a webcam cannot be decoded before it is captured");
   if (!(bvh_unit_m > 0) || !std::isfinite(bvh_unit_m))
     throw ConfigError("--bvh-unit: must be a positive length in metres");

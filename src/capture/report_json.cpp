@@ -8,6 +8,7 @@
 
 #include "base/text.h"
 #include "detect/find_model.h"
+#include "image/video.h"
 #include "ocl/buffer.h"
 
 extern "C" {
@@ -81,7 +82,7 @@ std::string report_json(const CaptureOptions& options, const CaptureReport& repo
 
   const bool builtin = options.actor.rfind("builtin:", 0) == 0;
   Json& o = json["options"];
-  o["video"] = options.video.rfind("webcam:", 0) == 0 ? Json(options.video) : path_json(options.video);
+  o["video"] = is_webcam(options.video) ? Json(options.video) : path_json(options.video);
   o["camera"] = path_json(options.camera);
   o["fov_deg"] = options.fov_deg;
   o["background"] = path_json(options.background);

@@ -5,8 +5,8 @@
 #include "base/text.h"
 #include "detect/pose_detector.h"
 #include "fit/fit_actor.h"
+#include "image/empty_picture.h"
 #include "image/foreground.h"
-#include "image/image_io.h"
 #include "image/undistort.h"
 #include "image/video.h"
 #include "image/video_camera.h"
@@ -43,13 +43,8 @@ bool is_cut_off(const ImageGray& mask, int area_px) {
 
 BackgroundModel train(const FitActorOptions& options, const VideoInfo& video, const Undistorter& undistorter) {
   BackgroundModel background;
-  if (!options.background.empty()) {
-    const ImageRgb plate = read_image_rgb(options.background);
-    if (plate.width != video.width || plate.height != video.height)
-      throw IoError(options.background + format(": the picture is %dx%d but the video is %dx%d", plate.width,
-                                                plate.height, video.width, video.height));
-    background.train(undistorter.undistort(plate));
-  }
+  if (!options.background.empty())
+    background.train(undistorter.undistort(read_empty_picture(options.background, video)));
   if (options.background_frames <= 0) return background;
   VideoReader reader(options.video);
   Frame frame;

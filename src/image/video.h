@@ -19,6 +19,9 @@ struct VideoInfo {
   int64_t frame_count_hint = -1;  // what the container promises; -1 when it does not say
 };
 
+// Whether a source is a camera: "webcam:N".
+bool is_webcam(const std::string& source);
+
 // Where frames come from; the implementations are private to this room.
 class FrameSource {
  public:

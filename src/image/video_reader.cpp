@@ -13,7 +13,7 @@ constexpr std::string_view kWebcamPrefix = "webcam:";
 
 std::unique_ptr<FrameSource> open_source(const std::string& source) {
   if (source.empty()) throw ConfigError("video: empty name, expected a file, a folder of pictures or webcam:N");
-  if (source.starts_with(kWebcamPrefix)) {
+  if (is_webcam(source)) {
     const std::string_view number = std::string_view(source).substr(kWebcamPrefix.size());
     int index = -1;
     const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), index);
@@ -31,6 +31,10 @@ std::unique_ptr<FrameSource> open_source(const std::string& source) {
 }
 
 }  // namespace
+
+bool is_webcam(const std::string& source) {
+  return source.starts_with(kWebcamPrefix);
+}
 
 VideoReader::VideoReader(const std::string& source) : source_(open_source(source)) {}
 VideoReader::~VideoReader() = default;

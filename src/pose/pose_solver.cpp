@@ -131,11 +131,11 @@ void PoseSolver::start_rounds(const Pose& initial) {
   system_.set_motions(bone_dual_quats(forward_kinematics(actor_.skeleton, initial)));
 }
 
-// Doubt, t' and soles at rest of all rounds but the first are the device's to prepare.
 int PoseSolver::steps_of(const PoseInput& input) const {
   return input.n_steps > 0 ? input.n_steps : options_.steps;
 }
 
+// Doubt, t' and soles at rest of all rounds but the first are the device's to prepare.
 bool PoseSolver::begin_rounds(std::span<const Round> rounds, const SeenVertices& known) {
   const PoseInput& first = *rounds.front().input;
   const auto too_long = [&](const Round& round) { return steps_of(*round.input) > LC_POSE_MOST_STEPS; };

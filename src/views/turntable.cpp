@@ -100,7 +100,7 @@ detect::PoseDetectorOptions detector_options(const std::string& model) {
 
 void TurntableOptions::validate() const {
   if (video.empty()) throw ConfigError("--video is needed");
-  if (video.rfind("webcam:", 0) == 0) throw ConfigError("--video " + video + ": record it first; it is read twice");
+  if (is_webcam(video)) throw ConfigError("--video " + video + ": record it first; it is read twice");
   if (!camera.empty() && fov_deg > 0) throw ConfigError("give either --camera or --fov");
   if (n_views < kMinViews || n_views > 400)
     throw ConfigError(format("--views %d; must be within %d..400", n_views, kMinViews));

@@ -15,7 +15,9 @@
 #include "command.h"
 #include "export/udp_sender.h"
 #include "export/vmc.h"
+#include "image/empty_picture.h"
 #include "image/image_io.h"
+#include "image/pace.h"
 #include "image/video.h"
 #include "image/video_camera.h"
 #include "livecap/error.h"
@@ -45,13 +47,7 @@ Picture picture_of(const ImageRgb& image, double time_s) {
 // The empty scene: a file, or the first frames of the video.
 std::vector<ImageRgb> empty_pictures(const Options& options, VideoReader& video) {
   std::vector<ImageRgb> pictures;
-  if (!options.background.empty()) {
-    pictures.push_back(read_image_rgb(options.background));
-    const auto& [width, height, pixels] = pictures.back();
-    if (width != video.info().width || height != video.info().height)
-      throw IoError(options.background + format(": the picture is %dx%d but the video is %dx%d", width, height,
-                                                video.info().width, video.info().height));
-  }
+  if (!options.background.empty()) pictures.push_back(read_empty_picture(options.background, video.info()));
   Frame frame;
   for (int i = 0; i < options.background_frames && video.read(frame); ++i) {
     if (!frame.damaged) pictures.push_back(std::move(frame.image));
@@ -71,12 +67,12 @@ class Pictures {
   bool next(Frame& frame) {
     do {
       if (!video_.read(frame)) return false;
-      if (!begun_) begin(frame);
+      if (is_camera_ && !begun_) skip_old(frame);
       ++(frame.damaged ? n_damaged : frame.pts_ms > last_pts_ms_ ? n_good : n_untimely);
     } while (frame.damaged || !(frame.pts_ms > last_pts_ms_));
     last_pts_ms_ = frame.pts_ms;
     while (!is_camera_ && !interrupted()) {
-      const double early_ms = frame.pts_ms - first_pts_ms_ - clock_.elapsed_ms();
+      const double early_ms = pace_.early_ms(frame.pts_ms);
       if (early_ms <= 0) break;
       std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(std::min(early_ms, 100.0)));
     }
@@ -87,24 +83,21 @@ class Pictures {
   int64_t n_untimely = 0;  // whose time is not after that of the one before
 
  private:
-  void begin(Frame& frame) {
+  void skip_old(Frame& frame) {
     constexpr int kMostWaiting = 64;  // of any driver
     constexpr double kFreshMs = 5;    // what is read sooner has waited
-    for (int i = 0; is_camera_ && i < kMostWaiting; ++i) {
+    begun_ = true;
+    for (int i = 0; i < kMostWaiting; ++i) {
       Timer timer;
       if (!video_.read(frame) || timer.elapsed_ms() > kFreshMs) break;
     }
-    begun_ = true;
-    first_pts_ms_ = frame.pts_ms;
-    clock_.restart();
   }
 
   VideoReader& video_;
   bool is_camera_;
   bool begun_ = false;
-  double first_pts_ms_ = 0;
   double last_pts_ms_ = -std::numeric_limits<double>::infinity();
-  Timer clock_;
+  Pace pace_;
 };
 
 // What was heard of all pictures.
@@ -149,7 +142,7 @@ int run(const Options& options) {
   });
   encoder.emplace(capture.actor(), live.camera.floor);
 
-  Pictures pictures(video, options.video.rfind("webcam:", 0) == 0);
+  Pictures pictures(video, is_webcam(options.video));
   Frame frame;
   while ((options.frames < 0 || pictures.n_good < options.frames) && !interrupted() && pictures.next(frame)) {
     if (!capture.push(picture_of(frame.image, frame.pts_ms / 1000))) break;

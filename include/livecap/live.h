@@ -32,13 +32,14 @@ namespace livecap {
 
 enum class PixelFormat { kRgb, kBgr, kRgba, kBgra };
 
-// 8 bits a channel, sRGB, rows from the top. The caller's memory: read during the call that it is given
+// 8 bits a channel, sRGB. The caller's memory: read during the call that it is given
 // to alone.
 struct Picture {
-  const uint8_t* pixels = nullptr;
-  int width = 0;         // px
-  int height = 0;        // px
-  size_t row_bytes = 0;  // from one row to the next; 0: they are packed
+  const uint8_t* pixels = nullptr;  // of the topmost row
+  int width = 0;                    // px
+  int height = 0;                   // px
+  // From one row to the one below it, negative where memory has the lowest first; 0: they are packed, topmost first.
+  std::ptrdiff_t row_bytes = 0;
   PixelFormat format = PixelFormat::kRgb;
   double time_s = 0;  // when it was taken, on any clock; later than the picture before
 };

@@ -1,15 +1,11 @@
-// Log lines to standard error. The level is process-wide because the terminal is.
+// How the rooms write log lines; where they go is livecap/log.h.
 #pragma once
 
 #include <string>
 
+#include "livecap/log.h"
+
 namespace livecap {
-
-enum class LogLevel { kError = 0, kWarning = 1, kInfo = 2, kDebug = 3 };
-
-// Default: kWarning.
-void set_log_level(LogLevel level);
-LogLevel log_level();
 
 void log_error(const std::string& message);
 void log_warning(const std::string& message);

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <limits>
@@ -22,7 +23,7 @@ namespace livecap {
 namespace {
 
 struct Layout {
-  size_t bytes;
+  int bytes;
   int red, blue;  // where in a pixel
 };
 
@@ -48,13 +49,14 @@ ImageRgb copy_of(const Picture& picture, const Camera& camera, const char* what)
                              camera.width, camera.height));
   if (!picture.pixels) throw ConfigError(format("%s: it has no pixels", what));
   const Layout layout = layout_of(picture.format);
-  const size_t packed = layout.bytes * static_cast<size_t>(picture.width);
-  const size_t row_bytes = picture.row_bytes == 0 ? packed : picture.row_bytes;
-  if (row_bytes < packed) throw ConfigError(format("%s: row_bytes is %zu but a row has %zu", what, row_bytes, packed));
+  const std::ptrdiff_t packed = std::ptrdiff_t(layout.bytes) * picture.width;
+  const std::ptrdiff_t row_bytes = picture.row_bytes == 0 ? packed : picture.row_bytes;
+  if (std::abs(row_bytes) < packed)
+    throw ConfigError(format("%s: row_bytes is %td but a row has %td", what, row_bytes, packed));
   ImageRgb image{picture.width, picture.height, std::vector<uint8_t>(size_t(3) * picture.width * picture.height)};
   uint8_t* out = image.pixels.data();
   for (int y = 0; y < picture.height; ++y) {
-    const uint8_t* in = picture.pixels + static_cast<size_t>(y) * row_bytes;
+    const uint8_t* in = picture.pixels + y * row_bytes;
     if (picture.format == PixelFormat::kRgb) {
       std::memcpy(out, in, packed);
       out += packed;

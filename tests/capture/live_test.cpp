@@ -295,7 +295,8 @@ TEST(Live, PicturesThatCannotBeAreRefused) {
   };
   refuses([](Picture& p) { p.height += 2; });
   refuses([](Picture& p) { p.pixels = nullptr; });
-  refuses([](Picture& p) { p.row_bytes = size_t(3) * p.width - 1; });
+  refuses([](Picture& p) { p.row_bytes = 3 * p.width - 1; });
+  refuses([](Picture& p) { p.row_bytes = 1 - 3 * p.width; });
   refuses([](Picture& p) { p.format = static_cast<PixelFormat>(9); });
   refuses([&](Picture& p) { p.time_s = good.time_s; });
   refuses([](Picture& p) { p.time_s = std::nan(""); });

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Fails when a tracked C++ or OpenCL file is not as clang-format 14 (.clang-format) would write it.
+# Fails when a tracked C, C++ or OpenCL file is not as clang-format 14 (.clang-format) would write it.
 #
 #   tools/check_format.sh [--fix]
 set -euo pipefail
@@ -11,5 +11,5 @@ program=$(command -v clang-format-14 || command -v clang-format || true)
 
 mode=(-n -Werror)
 [[ ${1:-} != --fix ]] || mode=(-i)
-git ls-files -z --cached --others --exclude-standard '*.h' '*.cpp' '*.cl' | xargs -0 -r "$program" "${mode[@]}"
-echo "format: $(git ls-files --cached --others --exclude-standard '*.h' '*.cpp' '*.cl' | wc -l) files checked"
+git ls-files -z --cached --others --exclude-standard '*.c' '*.h' '*.cpp' '*.cl' | xargs -0 -r "$program" "${mode[@]}"
+echo "format: $(git ls-files --cached --others --exclude-standard '*.c' '*.h' '*.cpp' '*.cl' | wc -l) files checked"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # A room includes only rooms below it (docs/architecture.md); the network side and the solver side never meet; each big
-# foreign library stays in its rooms; public headers and `livecap capture` know no room at all.
+# foreign library stays in its rooms; public headers, `livecap capture` and the C interface know no room at all.
 set -euo pipefail
 cd "$1"
 bad=$(mktemp)
@@ -8,7 +8,7 @@ trap 'rm -f "$bad"' EXIT
 
 # Bottom to top, as in CMakeLists.txt.
 find src include tools tests -name '*.h' -o -name '*.cpp' | sort | xargs grep -HnE '^[[:space:]]*#[[:space:]]*include' |
-  awk -v rooms='base ocl geometry actor image meshing raster match nn detect solve pose surface cloth export synth eval calibrate views scan texture fit acquire capture' '
+  awk -v rooms='base ocl geometry actor image meshing raster match nn detect solve pose surface cloth export synth eval calibrate views scan texture fit acquire capture c_api' '
   BEGIN {
     n = split(rooms, list, " ")
     for (i = 1; i <= n; ++i) level[list[i]] = i
@@ -37,6 +37,9 @@ find src include tools tests -name '*.h' -o -name '*.cpp' | sort | xargs grep -H
     if (source[1] == "include" && quoted && to != "livecap") offence("is private, this header is public")
     if (file == "tools/livecap/cmd_capture.cpp" && quoted && index(what, "/") && to != "livecap") {
       offence("is private; livecap capture is a client of include/livecap only")
+    }
+    if (from == "c_api" && source[1] == "src" && quoted && to != "livecap") {
+      offence("is private; the C interface is a client of include/livecap only")
     }
     if (source[1] == "src" && !quoted && to in home && index(" " home[to] " ", " " from " ") == 0) {
       offence("is not for room " from)

@@ -97,13 +97,45 @@ static inline float middle(int level) {
 // box_depth (INFINITY = nothing).
 #if LC_CPU
 
-// Sixteen depths of a row from column x of the box on; nothing outside the columns [first, end).
-static inline float16 box_depths(global const float* restrict depth, int level, int x, int first, int end) {
-  if (level == 0 && x >= first && x + 16 <= end) return vload16(0, depth + x);
+// Sixteen values of a row, every (1 << level)th from that of column x of the box on; `nothing` outside the columns
+// [first, end).
+static inline float16 every_16(global const float* restrict row, int level, int x, int first, int end, float nothing) {
+  if (x >= first && x + 16 < end) {  // what is skipped behind the last one is still within the row
+    row += x << level;
+    if (level == 0) return vload16(0, row);
+    if (level == 1) return (float16)(vload16(0, row).even, vload16(1, row).even);
+    if (level == 2)
+      return (float16)(vload16(0, row).even.even, vload16(1, row).even.even, vload16(2, row).even.even,
+                       vload16(3, row).even.even);
+    row -= x << level;
+  }
   const int16 column = x + (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   const int16 inside = column >= first && column < end;
-  if (!any_of_16(inside)) return INFINITY;
-  return select((float16)INFINITY, gather16(depth, clamp(column, first, end - 1) << level), inside);
+  if (!any_of_16(inside)) return nothing;
+  return select((float16)nothing, gather16(row, clamp(column, first, end - 1) << level), inside);
+}
+
+// Texture coordinates of one triangle in the columns [begin, end) of the box, eight at a time; what is too much is
+// overwritten by the next triangle or ignored.
+static inline void write_coordinates(const Textured* tri, int begin, int end, int width, int level, float px, float py,
+                                     global float* restrict us, global float* restrict vs) {
+  const float8 apart = (float)(1 << level) * (float8)(0, 1, 2, 3, 4, 5, 6, 7);
+  for (int at = begin; at < end; at += 8) {
+    float8 u, v;
+    texture_coordinates(tri, px + (float)(at << level) + apart, py, &u, &v);
+    if (at + 8 <= width) {
+      store8(u, us + at);
+      store8(v, vs + at);
+    } else {
+      float u_of[8], v_of[8];
+      vstore8(u, 0, u_of);
+      vstore8(v, 0, v_of);
+      for (int k = at; k < end; ++k) {
+        us[k] = u_of[k - at];
+        vs[k] = v_of[k - at];
+      }
+    }
+  }
 }
 
 // Over the rows of the box. First the texture coordinates, eight pixels of a triangle at a time, into light and weight;
@@ -124,12 +156,11 @@ kernel void textured_actor(MatchBox box, int level, int width, int height, int t
   const int first = max((-left + (1 << level) - 1) >> level, 0);
   const int end = y >= 0 && y < height ? min(((width - left - 1) >> level) + 1, box.width) : 0;
   const float px = (float)box.x + middle(level), py = (float)(box.y + (by << level)) + middle(level);
-  const float8 apart = (float)(1 << level) * (float8)(0, 1, 2, 3, 4, 5, 6, 7);
   ids += y * width + left;
   depth += y * width + left;
   int drawn_first = box.width, drawn_end = 0;  // in steps of 16
   for (int x = 0; x < box.width; x += 16) {
-    const float16 z = box_depths(depth, level, x, first, end);
+    const float16 z = every_16(depth, level, x, first, end, INFINITY);
     store16(z, box_depth + x);
     store16((float16)0.0f, light + x);
     store16((float16)0.0f, weight + x);
@@ -137,33 +168,27 @@ kernel void textured_actor(MatchBox box, int level, int width, int height, int t
     drawn_first = min(drawn_first, x);
     drawn_end = x + 16;
   }
-  const int last = min(drawn_end, end);
-  for (int x = max(drawn_first, first); x < last;) {
-    const int t = ids[x << level];
-    if (t < 0) {
-      ++x;
-      continue;
-    }
-    const Textured tri = textured_triangle(t, projected, triangles, uvs);
-    const int begin = x;
-    while (x < last && ids[x << level] == t) ++x;
-    for (int at = begin; at < x; at += 8) {
-      float8 u, v;
-      texture_coordinates(&tri, px + (float)(at << level) + apart, py, &u, &v);
-      if (at + 8 <= box.width) {
-        // What is too much is overwritten by the next triangle or ignored below.
-        store8(u, light + at);
-        store8(v, weight + at);
-      } else {
-        float us[8], vs[8];
-        vstore8(u, 0, us);
-        vstore8(v, 0, vs);
-        for (int k = at; k < x; ++k) {
-          light[k] = us[k - at];
-          weight[k] = vs[k - at];
-        }
+  // Where the triangle changes is found sixteen columns at a time: runs are too short and uneven to be looked for one by
+  // one.
+  int begin = 0, open = -1;
+  int16 before = -1;
+  for (int x = drawn_first; x < drawn_end; x += 16) {
+    const int16 t = as_int16(every_16((global const float*)ids, level, x, first, end, as_float(-1)));
+    uint changes = bits_of_16(t != (int16)(before.sf, t.s0123, t.s4567, t.s89ab, t.scd, t.se));
+    before = t;
+    for (; changes; changes &= changes - 1) {
+      const int column = x + lowest_bit(changes);
+      if (open >= 0) {
+        const Textured tri = textured_triangle(open, projected, triangles, uvs);
+        write_coordinates(&tri, begin, column, box.width, level, px, py, light, weight);
       }
+      begin = column;
+      open = column < end ? ids[column << level] : -1;
     }
+  }
+  if (open >= 0) {
+    const Textured tri = textured_triangle(open, projected, triangles, uvs);
+    write_coordinates(&tri, begin, min(drawn_end, end), box.width, level, px, py, light, weight);
   }
   for (int x = drawn_first; x < min(drawn_end + 16, box.width); x += 16) {
     const int16 drawn = vload16(0, box_depth + x) < INFINITY;

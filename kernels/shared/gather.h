@@ -47,6 +47,61 @@ static inline EightRows gather_short_rows8(global const float* restrict p, int8 
                      (float8)(three_at(p, i.s2), three_at(p, i.s6)), (float8)(three_at(p, i.s3), three_at(p, i.s7)));
 }
 
+// Sixteen rows likewise.
+typedef struct {
+  float16 x, y, z, w;
+} SixteenRows;
+
+#define LC_LOWER_16(a, b)                                                                                              \
+  (float16)(a.s0, b.s0, a.s1, b.s1, a.s4, b.s4, a.s5, b.s5, a.s8, b.s8, a.s9, b.s9, a.sc, b.sc, a.sd, b.sd)
+#define LC_UPPER_16(a, b)                                                                                              \
+  (float16)(a.s2, b.s2, a.s3, b.s3, a.s6, b.s6, a.s7, b.s7, a.sa, b.sa, a.sb, b.sb, a.se, b.se, a.sf, b.sf)
+#define LC_FIRST_PAIRS(a, b) (float16)(a.s01, b.s01, a.s45, b.s45, a.s89, b.s89, a.scd, b.scd)
+#define LC_LAST_PAIRS(a, b) (float16)(a.s23, b.s23, a.s67, b.s67, a.sab, b.sab, a.sef, b.sef)
+
+// Each vector holds one of the first four rows and those four, eight and twelve further; and back.
+static inline SixteenRows turned_rows_16(float16 a, float16 b, float16 c, float16 d) {
+  const float16 ab = LC_LOWER_16(a, b), cd = LC_LOWER_16(c, d), ab2 = LC_UPPER_16(a, b), cd2 = LC_UPPER_16(c, d);
+  const SixteenRows rows = {LC_FIRST_PAIRS(ab, cd), LC_LAST_PAIRS(ab, cd), LC_FIRST_PAIRS(ab2, cd2),
+                            LC_LAST_PAIRS(ab2, cd2)};
+  return rows;
+}
+
+// A vector as it is: otherwise what nobody reads of it is not loaded, piece by piece.
+#ifdef __AVX512F__
+static inline float16 whole_16(float16 value) {
+  __asm__("" : "+v"(value));
+  return value;
+}
+#else
+#define whole_16(value) (value)
+#endif
+
+static inline SixteenRows gather_rows16(global const float* restrict p, int16 i) {
+  return turned_rows_16(
+      whole_16((float16)(vload4(0, p + i.s0), vload4(0, p + i.s4), vload4(0, p + i.s8), vload4(0, p + i.sc))),
+      whole_16((float16)(vload4(0, p + i.s1), vload4(0, p + i.s5), vload4(0, p + i.s9), vload4(0, p + i.sd))),
+      whole_16((float16)(vload4(0, p + i.s2), vload4(0, p + i.s6), vload4(0, p + i.sa), vload4(0, p + i.se))),
+      whole_16((float16)(vload4(0, p + i.s3), vload4(0, p + i.s7), vload4(0, p + i.sb), vload4(0, p + i.sf))));
+}
+
+// The rows that a list names.
+static inline SixteenRows gather_listed16(global const float* restrict p, global const int* restrict row) {
+#define LC_ROWS(k) \
+  whole_16((float16)(vload4(row[k], p), vload4(row[k + 4], p), vload4(row[k + 8], p), vload4(row[k + 12], p)))
+  return turned_rows_16(LC_ROWS(0), LC_ROWS(1), LC_ROWS(2), LC_ROWS(3));
+#undef LC_ROWS
+}
+
+// Without the fourth.
+static inline SixteenRows gather_short_rows16(global const float* restrict p, int16 i) {
+  return turned_rows_16(
+      (float16)(three_at(p, i.s0), three_at(p, i.s4), three_at(p, i.s8), three_at(p, i.sc)),
+      (float16)(three_at(p, i.s1), three_at(p, i.s5), three_at(p, i.s9), three_at(p, i.sd)),
+      (float16)(three_at(p, i.s2), three_at(p, i.s6), three_at(p, i.sa), three_at(p, i.se)),
+      (float16)(three_at(p, i.s3), three_at(p, i.s7), three_at(p, i.sb), three_at(p, i.sf)));
+}
+
 // The first `lanes` values; places differ.
 static inline void scatter8(float8 value, global float* restrict p, int8 i, int lanes) {
   float values[8];

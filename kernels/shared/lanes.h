@@ -20,7 +20,7 @@ typedef int16 LaneInt;
 #define LANE_REAL convert_float16
 #define LANE_BITS_AS_REAL as_float16
 #define LOAD(p, at) vload16(0, (p) + (at))
-#define STORE(value, p, at) vstore16((value), 0, (p) + (at))
+#define STORE(value, p, at) store16((value), (p) + (at))
 #define STORE_LANES(value, p) vstore16((value), 0, (p))
 #define LOAD_LANES(p) vload16(0, (p))
 #define ANY_LANE(condition) any_of_16(condition)
@@ -75,7 +75,10 @@ static inline LaneInt lane_rows(int first, int n) {
 }
 
 static inline Vec3 gather_vec3(global const float* restrict p, LaneInt i) {
-#if LANES == 8
+#if LANES == 16
+  const SixteenRows rows = gather_short_rows16(p, 3 * i);
+  return vec3(rows.x, rows.y, rows.z);
+#elif LANES == 8
   const EightRows rows = gather_short_rows8(p, 3 * i);
   return vec3(rows.x, rows.y, rows.z);
 #else
@@ -89,7 +92,10 @@ typedef struct {
 
 // Four values from p[i] on.
 static inline Vec4 gather_vec4(global const float* restrict p, LaneInt i) {
-#if LANES == 8
+#if LANES == 16
+  const SixteenRows rows = gather_rows16(p, i);
+  const Vec4 values = {rows.x, rows.y, rows.z, rows.w};
+#elif LANES == 8
   const EightRows rows = gather_rows8(p, i);
   const Vec4 values = {rows.x, rows.y, rows.z, rows.w};
 #else
@@ -100,7 +106,19 @@ static inline Vec4 gather_vec4(global const float* restrict p, LaneInt i) {
 
 // Rows first .. n - 1 of [3n].
 static inline void store_vec3(Vec3 value, global float* restrict p, int first, int n) {
-#if LANES == 8
+#if LANES == 16
+  if (first + LANES <= n) {
+    const float16 x = value.x, y = value.y, z = value.z;
+    p += 3 * first;
+    store16((float16)(x.s0, y.s0, z.s0, x.s1, y.s1, z.s1, x.s2, y.s2, z.s2, x.s3, y.s3, z.s3, x.s4, y.s4, z.s4, x.s5),
+            p);
+    store16((float16)(y.s5, z.s5, x.s6, y.s6, z.s6, x.s7, y.s7, z.s7, x.s8, y.s8, z.s8, x.s9, y.s9, z.s9, x.sa, y.sa),
+            p + 16);
+    store16((float16)(z.sa, x.sb, y.sb, z.sb, x.sc, y.sc, z.sc, x.sd, y.sd, z.sd, x.se, y.se, z.se, x.sf, y.sf, z.sf),
+            p + 32);
+    return;
+  }
+#elif LANES == 8
   if (first + LANES <= n) {
     const float8 x = value.x, y = value.y, z = value.z;
     p += 3 * first;
@@ -123,7 +141,17 @@ static inline void store_vec3(Vec3 value, global float* restrict p, int first, i
 
 // Rows first .. n - 1 of [4n].
 static inline void store_vec4(REAL x, REAL y, REAL z, REAL w, global float* restrict p, int first, int n) {
-#if LANES == 8
+#if LANES == 16
+  if (first + LANES <= n) {
+    const SixteenRows rows = turned_rows_16(x, y, z, w);
+    p += 4 * first;
+    store16((float16)(rows.x.s0123, rows.y.s0123, rows.z.s0123, rows.w.s0123), p);
+    store16((float16)(rows.x.s4567, rows.y.s4567, rows.z.s4567, rows.w.s4567), p + 16);
+    store16((float16)(rows.x.s89ab, rows.y.s89ab, rows.z.s89ab, rows.w.s89ab), p + 32);
+    store16((float16)(rows.x.scdef, rows.y.scdef, rows.z.scdef, rows.w.scdef), p + 48);
+    return;
+  }
+#elif LANES == 8
   if (first + LANES <= n) {
     const float8 xy = LC_LOWER(x, y), zw = LC_LOWER(z, w), xy2 = LC_UPPER(x, y), zw2 = LC_UPPER(z, w);
     p += 4 * first;

@@ -2,6 +2,7 @@
 // 3 planes, `stride` apart.
 #ifndef LC_SURFACE_PCG_ROWS_H
 #define LC_SURFACE_PCG_ROWS_H
+#include "surface/direction.h"
 #include "surface/system.h"
 
 // Symmetric, of 6 planes.
@@ -40,20 +41,16 @@ static inline Vec3 without_link(Vec3 q, REAL k, Vec3 e, Vec3 p) {
 static inline REAL apply_row(int row, int stride, float w_smooth, global const int* slice_offsets,
                              global const int* neighbors, global const float* edge_weights, global const float* edges,
                              global const float* blocks, global const float* p, global float* q) {
-  global const float* px = p;
-  global const float* py = p + stride;
-  global const float* pz = p + 2 * stride;
-  const Vec3 own = vec3(LOAD(px, row), LOAD(py, row), LOAD(pz, row));
+  const Vec3 own = vec3(LOAD(p, row), LOAD(p, row + stride), LOAD(p, row + 2 * stride));
   Vec3 moved = times_block(load_block(blocks, row, stride), own);
   int begin = slice_offsets[row / SLICE];
   int end = slice_offsets[row / SLICE + 1];
   for (int base = begin; base < end; base += SLICE) {
     int at = base + row % SLICE;
     int e = 3 * base + row % SLICE;
-    LaneInt j = LOAD(neighbors, at);
     REAL k = w_smooth * LOAD(edge_weights, at);
     const Vec3 edge = vec3(LOAD(edges, e), LOAD(edges, e + SLICE), LOAD(edges, e + 2 * SLICE));
-    moved = without_link(moved, k, edge, vec3(gather(px, j), gather(py, j), gather(pz, j)));
+    moved = without_link(moved, k, edge, gather_direction(p, neighbors + at, stride));
   }
   STORE(moved.x, q, row);
   STORE(moved.y, q, row + stride);
@@ -84,12 +81,13 @@ static inline REAL advance_row(int row, int stride, float alpha, global const fl
 
 // p = z + beta p
 static inline void turn_row(int row, int stride, float beta, global const float* z, global float* p) {
+  REAL turned[3];
   LC_UNROLL
   for (int a = 0; a < 3; ++a) {
     int at = row + a * stride;
-    REAL turned = LOAD(z, at) + beta * LOAD(p, at);
-    STORE(turned, p, at);
+    turned[a] = LOAD(z, at) + beta * LOAD(p, at);
   }
+  store_direction(vec3(turned[0], turned[1], turned[2]), p, row, stride);
 }
 
 #endif

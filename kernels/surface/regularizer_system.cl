@@ -5,6 +5,7 @@
 // Both directions of an edge contribute, so its weight is c_ij = s_ij (1/|N_i| + 1/|N_j|), the same seen from i and j.
 #include "shared/lanes.h"
 //
+#include "surface/direction.h"
 #include "surface/system.h"
 #include "terms/acceleration.cl"
 #include "terms/edge.cl"
@@ -29,7 +30,7 @@ static inline void store_planes(Vec3 value, global float* restrict planes, int s
 // v, skinned, previous, before: 3 planes mm. blocks: 6 planes, in: data terms, out: complete. rhs: 3 planes, likewise.
 // rest_share: how far an edge's length is drawn from the skinned template's to the rest pose's.
 // edges: sqrt(w_edge c_ij) times the unit edge, 3 per entry, 16 of each axis together. inverse: 6 planes.
-// z, p: 3 planes, preconditioned rhs; step: 3 planes, zero. products: rhs . z per row.
+// z, p: 3 planes (p: surface/direction.h), preconditioned rhs; step: 3 planes, zero. products: rhs . z per row.
 // energies: planes smooth, edge, velocity, acceleration.
 kernel void regularizer_system(int n_rows, int stride, float rest_share, float w_smooth, float w_edge, float w_velocity,
                                float w_acceleration, float damping, global const int* restrict slice_offsets,
@@ -122,7 +123,7 @@ kernel void regularizer_system(int n_rows, int stride, float rest_share, float w
   STORE(izz, inverse, row + 5 * stride);
   store_planes(r, rhs, stride, row);
   store_planes(z_i, z, stride, row);
-  store_planes(z_i, p, stride, row);
+  store_direction(z_i, p, row, stride);
   REAL zero = 0.0f;
   store_planes(vec3(zero, zero, zero), step, stride, row);
   REAL product = dot3(r, z_i);

@@ -86,7 +86,7 @@ SurfaceSystem::SurfaceSystem(ocl::DeviceContext& device, const Actor& actor, con
   inverse_ = planes(6);
   residual_ = planes(3);
   preconditioned_ = planes(3);
-  direction_ = planes(device.is_cpu() ? 3 : 6);
+  direction_ = planes(device.is_cpu() ? 7 : 6);
   image_of_direction_ = planes(3);
   step_ = planes(3);
   edges_ = ocl::Buffer<float>(device, 3 * size_t(domain_->graph.n_entries));

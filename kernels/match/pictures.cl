@@ -171,6 +171,7 @@ kernel void textured_actor(MatchBox box, int level, int width, int height, int t
   // Where the triangle changes is found sixteen columns at a time: runs are too short and uneven to be looked for one by
   // one.
   int begin = 0, open = -1;
+  Textured tri;
   int16 before = -1;
   for (int x = drawn_first; x < drawn_end; x += 16) {
     const int16 t = as_int16(every_16((global const float*)ids, level, x, first, end, as_float(-1)));
@@ -178,18 +179,13 @@ kernel void textured_actor(MatchBox box, int level, int width, int height, int t
     before = t;
     for (; changes; changes &= changes - 1) {
       const int column = x + lowest_bit(changes);
-      if (open >= 0) {
-        const Textured tri = textured_triangle(open, projected, triangles, uvs);
-        write_coordinates(&tri, begin, column, box.width, level, px, py, light, weight);
-      }
+      if (open >= 0) write_coordinates(&tri, begin, column, box.width, level, px, py, light, weight);
       begin = column;
       open = column < end ? ids[column << level] : -1;
+      if (open >= 0) tri = textured_triangle(open, projected, triangles, uvs);
     }
   }
-  if (open >= 0) {
-    const Textured tri = textured_triangle(open, projected, triangles, uvs);
-    write_coordinates(&tri, begin, min(drawn_end, end), box.width, level, px, py, light, weight);
-  }
+  if (open >= 0) write_coordinates(&tri, begin, min(drawn_end, end), box.width, level, px, py, light, weight);
   for (int x = drawn_first; x < min(drawn_end + 16, box.width); x += 16) {
     const int16 drawn = vload16(0, box_depth + x) < INFINITY;
     const float16 u = select((float16)0.0f, vload16(0, light + x), drawn);

@@ -27,12 +27,16 @@ LC_FN SkinnedVertex skinned_vertex(LaneInt vertex, Vec3 rest, LC_POSE_SPACE cons
   s.blend = dual_quat_zero();
   s.packed_bones = 0;
   DualQuat first = dual_quat_zero();
+  const Vec4 shares = gather_vec4(weights, 4 * vertex);
+  const IntVec4 movers = gather_int_vec4(bones, 4 * vertex);
+  const REAL share[4] = {shares.x, shares.y, shares.z, shares.w};
+  const LaneInt mover[4] = {movers.x, movers.y, movers.z, movers.w};
 #pragma unroll
   for (int j = 0; j < 4; ++j) {
-    const REAL w = gather(weights, 4 * vertex + j);
+    const REAL w = share[j];
     const LaneInt weighs = w != 0.0f, none = LC_POSE_NO_BONE;
     s.part[j] = dual_quat_zero();
-    const LaneInt bone = gather_int(bones, 4 * vertex + j);
+    const LaneInt bone = mover[j];
     s.packed_bones |= (weighs ? bone : none) << (8 * j);
     if (j > 0 && !ANY_LANE(weighs)) continue;
     const LaneInt at = 8 * bone;

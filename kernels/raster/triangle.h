@@ -65,11 +65,11 @@ static inline RasterTriangles raster_triangles(LaneInt t, int width, int height,
                                                global const float* restrict projected,
                                                global const int* restrict triangles) {
   RasterTriangles tri;
-  LaneInt index[3];
+  const IntVec3 corners = gather_int_vec3(triangles, t);
+  const LaneInt index[3] = {corners.x, corners.y, corners.z};
   REAL u[3], v[3];
 #pragma unroll
   for (int k = 0; k < 3; ++k) {
-    index[k] = gather_int(triangles, 3 * t + k);
     const Vec4 corner = gather_vec4(projected, 4 * index[k]);
     u[k] = corner.x;
     v[k] = corner.y;

@@ -19,6 +19,7 @@ typedef int16 LaneInt;
 #define LANE_INT convert_int16
 #define LANE_REAL convert_float16
 #define LANE_BITS_AS_REAL as_float16
+#define REAL_BITS_AS_INT as_int16
 #define LOAD(p, at) vload16(0, (p) + (at))
 #define STORE(value, p, at) store16((value), (p) + (at))
 #define STORE_LANES(value, p) vstore16((value), 0, (p))
@@ -37,6 +38,7 @@ typedef int8 LaneInt;
 #define LANE_INT convert_int8
 #define LANE_REAL convert_float8
 #define LANE_BITS_AS_REAL as_float8
+#define REAL_BITS_AS_INT as_int8
 #define LOAD(p, at) vload8(0, (p) + (at))
 #define STORE(value, p, at) vstore8((value), 0, (p) + (at))
 #define STORE_LANES(value, p) vstore8((value), 0, (p))
@@ -100,6 +102,38 @@ static inline Vec4 gather_vec4(global const float* restrict p, LaneInt i) {
   const Vec4 values = {rows.x, rows.y, rows.z, rows.w};
 #else
   const Vec4 values = {gather(p, i), gather(p, i + 1), gather(p, i + 2), gather(p, i + 3)};
+#endif
+  return values;
+}
+
+typedef struct {
+  LaneInt x, y, z;
+} IntVec3;
+
+// Row t of [3n].
+static inline IntVec3 gather_int_vec3(global const int* restrict p, LaneInt t) {
+#if LANES == 1
+  const IntVec3 values = {p[3 * t], p[3 * t + 1], p[3 * t + 2]};
+#else
+  const Vec3 bits = gather_vec3((global const float*)p, t);
+  const IntVec3 values = {REAL_BITS_AS_INT(bits.x), REAL_BITS_AS_INT(bits.y), REAL_BITS_AS_INT(bits.z)};
+#endif
+  return values;
+}
+
+typedef struct {
+  LaneInt x, y, z, w;
+} IntVec4;
+
+// From p[i] on.
+
+static inline IntVec4 gather_int_vec4(global const int* restrict p, LaneInt i) {
+#if LANES == 1
+  const IntVec4 values = {p[i], p[i + 1], p[i + 2], p[i + 3]};
+#else
+  const Vec4 bits = gather_vec4((global const float*)p, i);
+  const IntVec4 values = {REAL_BITS_AS_INT(bits.x), REAL_BITS_AS_INT(bits.y), REAL_BITS_AS_INT(bits.z),
+                          REAL_BITS_AS_INT(bits.w)};
 #endif
   return values;
 }

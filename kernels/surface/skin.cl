@@ -9,10 +9,15 @@ static inline DualQuat blended_motion(LaneInt i, global const int* restrict bone
                                       global const float* restrict dual_quats) {
   DualQuat first = dual_quat_zero();
   DualQuat sum = dual_quat_zero();
+  const Vec4 shares = gather_vec4(weights, 4 * i);
+  const IntVec4 movers = gather_int_vec4(bones, 4 * i);
+  const REAL share[4] = {shares.x, shares.y, shares.z, shares.w};
+  const LaneInt mover[4] = {movers.x, movers.y, movers.z, movers.w};
+  LC_UNROLL
   for (int k = 0; k < 4; ++k) {
-    const REAL w = gather(weights, 4 * i + k);
+    const REAL w = share[k];
     if (k > 0 && !ANY_LANE(w != 0.0f)) continue;
-    const LaneInt at = 8 * gather_int(bones, 4 * i + k);
+    const LaneInt at = 8 * mover[k];
     const DualQuat q = gather_dual_quat(dual_quats, at);
     if (k == 0) first = q;
     sum = dual_quat_add_scaled(sum, q, dual_quat_real_dot(first, q) < 0.0f ? -w : w);
@@ -77,9 +82,9 @@ kernel void triangle_normals(int n, global const float* restrict positions,
   const int first = FIRST_ROW;
   if (first >= n) return;
   const LaneInt t = lane_rows(first, n);
-  const Vec3 area = doubled_area(gather_vec3(positions, gather_int(triangles, 3 * t)),
-                                 gather_vec3(positions, gather_int(triangles, 3 * t + 1)),
-                                 gather_vec3(positions, gather_int(triangles, 3 * t + 2)));
+  const IntVec3 corner = gather_int_vec3(triangles, t);
+  const Vec3 area = doubled_area(gather_vec3(positions, corner.x), gather_vec3(positions, corner.y),
+                                 gather_vec3(positions, corner.z));
   const REAL zero = 0.0f;
   store_vec4(area.x, area.y, area.z, zero, out, first, n);
 }

@@ -168,8 +168,8 @@ kernel void textured_actor(MatchBox box, int level, int width, int height, int t
     drawn_first = min(drawn_first, x);
     drawn_end = x + 16;
   }
-  // Where the triangle changes is found sixteen columns at a time: runs are too short and uneven to be looked for one by
-  // one.
+  // Where the triangle changes is found sixteen columns at a time: runs are too short and uneven to be looked for one
+  // by one.
   int begin = 0, open = -1;
   Textured tri;
   int16 before = -1;

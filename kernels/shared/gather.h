@@ -52,9 +52,9 @@ typedef struct {
   float16 x, y, z, w;
 } SixteenRows;
 
-#define LC_LOWER_16(a, b)                                                                                              \
+#define LC_LOWER_16(a, b) \
   (float16)(a.s0, b.s0, a.s1, b.s1, a.s4, b.s4, a.s5, b.s5, a.s8, b.s8, a.s9, b.s9, a.sc, b.sc, a.sd, b.sd)
-#define LC_UPPER_16(a, b)                                                                                              \
+#define LC_UPPER_16(a, b) \
   (float16)(a.s2, b.s2, a.s3, b.s3, a.s6, b.s6, a.s7, b.s7, a.sa, b.sa, a.sb, b.sb, a.se, b.se, a.sf, b.sf)
 #define LC_FIRST_PAIRS(a, b) (float16)(a.s01, b.s01, a.s45, b.s45, a.s89, b.s89, a.scd, b.scd)
 #define LC_LAST_PAIRS(a, b) (float16)(a.s23, b.s23, a.s67, b.s67, a.sab, b.sab, a.sef, b.sef)
@@ -95,11 +95,10 @@ static inline SixteenRows gather_listed16(global const float* restrict p, global
 
 // Without the fourth.
 static inline SixteenRows gather_short_rows16(global const float* restrict p, int16 i) {
-  return turned_rows_16(
-      (float16)(three_at(p, i.s0), three_at(p, i.s4), three_at(p, i.s8), three_at(p, i.sc)),
-      (float16)(three_at(p, i.s1), three_at(p, i.s5), three_at(p, i.s9), three_at(p, i.sd)),
-      (float16)(three_at(p, i.s2), three_at(p, i.s6), three_at(p, i.sa), three_at(p, i.se)),
-      (float16)(three_at(p, i.s3), three_at(p, i.s7), three_at(p, i.sb), three_at(p, i.sf)));
+  return turned_rows_16((float16)(three_at(p, i.s0), three_at(p, i.s4), three_at(p, i.s8), three_at(p, i.sc)),
+                        (float16)(three_at(p, i.s1), three_at(p, i.s5), three_at(p, i.s9), three_at(p, i.sd)),
+                        (float16)(three_at(p, i.s2), three_at(p, i.s6), three_at(p, i.sa), three_at(p, i.se)),
+                        (float16)(three_at(p, i.s3), three_at(p, i.s7), three_at(p, i.sb), three_at(p, i.sf)));
 }
 
 // The first `lanes` values; places differ.

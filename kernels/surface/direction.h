@@ -1,5 +1,5 @@
-// The direction p of conjugate gradients (shared/lanes.h comes first): 3 planes, `stride` apart. On CPUs it follows once
-// more in rows of four, the last one 0: a neighbour's row is one load there, its planes are three.
+// The direction p of conjugate gradients (shared/lanes.h comes first): 3 planes, `stride` apart. On CPUs it follows
+// once more in rows of four, the last one 0: a neighbour's row is one load there, its planes are three.
 #ifndef LC_SURFACE_DIRECTION_H
 #define LC_SURFACE_DIRECTION_H
 

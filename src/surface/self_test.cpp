@@ -167,7 +167,7 @@ class Bench {
     const ocl::Buffer<float> lengths(device_, graph_.per_entry([](int i, int j) {
       return i && j ? std::sqrt(20000.0) : 2 * 99.0 - std::sqrt(10001.0);
     }));
-    ocl::Buffer<float> blocks = zero(6), rhs = zero(3), inverse = zero(6), z = zero(3), p = zero(3), step = zero(3);
+    ocl::Buffer<float> blocks = zero(6), rhs = zero(3), inverse = zero(6), z = zero(3), p = zero(7), step = zero(3);
     ocl::Buffer<float> products = zero(1), energies = zero(4), edges(device_, 3 * size_t(graph_.n_entries));
     kernel("regularizer_system.cl", "regularizer_system")
         .launch(lane_items_, lane_local(), rows_, stride_, 0.5f, 10.0f, 30.0f, 0.25f, 0.0f, 0.5f, offsets, neighbors,
@@ -184,9 +184,12 @@ class Bench {
     direction[2] = 1;  // z of vertex 0
     ocl::Buffer<float> image = zero(3);
     if (device_.is_cpu()) {
+      p.fill(0.0f);
+      kernel("pcg.cl", "turn_direction")
+          .launch(lane_items_, lane_local(), rows_, stride_, zero(1), planes(direction), p);
       kernel("pcg.cl", "apply_system")
-          .launch(lane_items_, lane_local(), rows_, stride_, 10.0f, offsets, neighbors, weights, edges, blocks,
-                  planes(direction), image, products);
+          .launch(lane_items_, lane_local(), rows_, stride_, 10.0f, offsets, neighbors, weights, edges, blocks, p,
+                  image, products);
     } else {
       ocl::Buffer<float> z_in = planes(direction), both = zero(6), scalars = zero(1), parts = zero(2);
       ocl::GroupsTogether one(device_, 1);
@@ -228,7 +231,7 @@ class Bench {
     const auto planes = [&](const Floats& values) { return ocl::Buffer<float>(device_, constant(values)); };
     const ocl::Buffer<float> scalars(device_, Floats{0, 2, 3, 0});
     ocl::Buffer<float> step = planes({0, 1, 0}), r = planes({3, 3, 3}), z = planes({0, 0, 0}), products = planes({0});
-    ocl::Buffer<float> p = planes({1, 2, 3, 0, 0, 0});
+    ocl::Buffer<float> p = planes({1, 2, 3, 0, 0, 0, 0});
     const ocl::Buffer<float> inverse = planes({0.5f, 0, 0, 0.5f, 0, 0.5f});
     ocl::Buffer<float> q = planes({1, 1, 1});
     // On GPUs: phase 1, whose alpha is 6 / 3, and phase 2, whose beta is 18 / 6. The sum of r.z is of n_rows times 1.5.

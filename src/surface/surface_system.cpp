@@ -207,6 +207,11 @@ void SurfaceSystem::apply() {
                 direction_, image_of_direction_, products_);
 }
 
+void SurfaceSystem::turn_direction() {
+  turn_.launch(domain_->lane_items, domain_->lane_local, domain_->graph.n_rows, domain_->graph.stride, scalars_,
+               preconditioned_, direction_);
+}
+
 void SurfaceSystem::iterate_pcg(int iterations) {
   if (!device_->is_cpu()) {
     launch_phases(0, 2 * iterations);
@@ -222,8 +227,7 @@ void SurfaceSystem::iterate_pcg(int iterations) {
   for (int k = 0; k < iterations; ++k) {
     if (k > 0) {
       beta_.launch(sum_items_, sum_items_, domain_->graph.n_rows, products_, scalars_);
-      turn_.launch(domain_->lane_items, domain_->lane_local, domain_->graph.n_rows, domain_->graph.stride, scalars_,
-                   preconditioned_, direction_);
+      turn_direction();
     }
     apply();
     alpha_.launch(sum_items_, sum_items_, domain_->graph.n_rows, products_, scalars_);
@@ -290,7 +294,11 @@ std::vector<float> SurfaceSystem::diagonal_blocks() const {
 }
 
 std::vector<float> SurfaceSystem::product(const std::vector<float>& direction) {
-  (device_->is_cpu() ? direction_ : preconditioned_).write(domain_->graph.planes(direction, 3));
+  preconditioned_.write(domain_->graph.planes(direction, 3));
+  if (device_->is_cpu()) {
+    direction_.fill(0.0f);
+    turn_direction();
+  }
   apply();
   return from_planes(image_of_direction_, 3);
 }

@@ -53,6 +53,7 @@ class SurfaceSystem {
 
  private:
   void apply();
+  void turn_direction();
   void launch_phases(int first, int end);
   std::vector<float> from_planes(const ocl::Buffer<float>& planes, int width) const;
 
@@ -72,11 +73,11 @@ class SurfaceSystem {
   ocl::Buffer<float> v_, skinned_, previous_, before_;                        // 3 planes, mm
   ocl::Buffer<float> blocks_, inverse_;                                       // 6 planes
   ocl::Buffer<float> residual_, preconditioned_, image_of_direction_, step_;  // 3 planes
-  ocl::Buffer<float> direction_;                                              // likewise, on GPUs twice, on CPUs also by rows
-  ocl::Buffer<float> edges_;                                                  // [3*n_entries]
-  ocl::Buffer<float> products_;                                               // 1 plane
-  ocl::Buffer<float> data_energies_[2], regularizer_energies_;                // 1, 1, 4 planes
-  ocl::Buffer<float> scalars_;                                                // [4]
+  ocl::Buffer<float> direction_;                                // likewise; surface/direction.h, on GPUs twice
+  ocl::Buffer<float> edges_;                                    // [3*n_entries]
+  ocl::Buffer<float> products_;                                 // 1 plane
+  ocl::Buffer<float> data_energies_[2], regularizer_energies_;  // 1, 1, 4 planes
+  ocl::Buffer<float> scalars_;                                  // [4]
   std::array<float, 6> totals_read_{};
   ocl::Buffer<float> totals_;  // [6]
 

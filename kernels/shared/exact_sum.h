@@ -1,5 +1,5 @@
-// Sums of weights that are the same in whatever order they are added, on host and device: of whole numbers of 2^-40.
-// Above 2^23 they would wrap around. Read by both compilers.
+// Sums of weights that are the same in whatever order they are added, on host and device: of whole numbers of 2^-33.
+// From 2^30 on they would wrap around. Read by both compilers.
 #ifndef LC_SHARED_EXACT_SUM_H
 #define LC_SHARED_EXACT_SUM_H
 
@@ -10,9 +10,10 @@ typedef long lc_exact_t;
 typedef int64_t lc_exact_t;
 #endif
 
-#define LC_EXACT(weight) ((lc_exact_t)((weight)*1099511627776.0f))
-// Pictures of more px are too large for sums of px^2 of all that they may show.
+#define LC_EXACT(weight) ((lc_exact_t)((weight)*8589934592.0f))
+// Pictures of more px are too large for sums of px^2 of all that they may show, each of which may count so many times.
 #define LC_EXACT_MOST_PX 8388608
-#define LC_EXACT_UNIT 9.094947017729282e-13
+#define LC_EXACT_MOST_SHARE 64
+#define LC_EXACT_UNIT 1.1641532182693481e-10
 
 #endif

@@ -12,6 +12,7 @@
 #include "pose/mirrored_arms.h"
 #include "pose/other_starts.h"
 #include "pose/person_height.h"
+#include "shared/exact_sum.h"
 
 namespace livecap {
 namespace {
@@ -31,6 +32,17 @@ std::vector<float> refined_share(const Actor& actor, const TrackerOptions& optio
   std::vector<float> share = matched_share(actor, options);
   for (int i = 0; i < actor.n_vertices(); ++i)
     if (hangs(actor, i)) share[i] *= options.refined_hanging_share;
+  return share;
+}
+
+// And where no starts compete.
+std::vector<float> on_feet_share(const Actor& actor, const TrackerOptions& options) {
+  std::vector<float> share = refined_share(actor, options);
+  const int left_foot = actor.skeleton.bone_index("left_ankle"), right_foot = actor.skeleton.bone_index("right_ankle");
+  for (int i = 0; i < actor.n_vertices(); ++i) {
+    const int strongest = actor.skin.bones[4 * i];
+    if (strongest == left_foot || strongest == right_foot) share[i] *= options.foot_share;
+  }
   return share;
 }
 
@@ -61,10 +73,14 @@ PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camer
       normals_(device, size_t(3) * actor.n_vertices()),
       matched_share_(device, matched_share(actor, options)),
       refined_share_(device, refined_share(actor, options)),
+      on_feet_share_(device, on_feet_share(actor, options)),
       refining_candidates_(visibility.contour_candidates(is_matched(actor, options))) {
   if (!(options.refined_hanging_share >= 0 && options.refined_hanging_share <= 1))
     throw ConfigError("stage I: refined_hanging_share is " + std::to_string(options.refined_hanging_share) +
                       ", must be from 0 to 1");
+  if (!(options.foot_share >= 1 && options.foot_share <= LC_EXACT_MOST_SHARE))
+    throw ConfigError("stage I: foot_share is " + std::to_string(options.foot_share) + ", must be from 1 to " +
+                      std::to_string(LC_EXACT_MOST_SHARE));
   if (options.max_exchanged_frames < 0)
     throw ConfigError("stage I: max_exchanged_frames is " + std::to_string(options.max_exchanged_frames) +
                       ", must be at least 0");
@@ -145,22 +161,34 @@ void PoseStage::find_contour_and_visible(const Pose& pose, bool refining) {
   }
 }
 
-void PoseStage::find_matches(const PoseStageInput& input, int level, bool refining) {
+void PoseStage::find_matches(const PoseStageInput& input, int level, const ocl::Buffer<float>& share) {
   find_picture(input);
-  matcher_.match(rasterizer_, skinned_, normals_, visibility_.visible(), refining ? refined_share_ : matched_share_,
-                 level);
+  matcher_.match(rasterizer_, skinned_, normals_, visibility_.visible(), share, level);
+}
+
+const ocl::Buffer<float>& PoseStage::share_in(Rounds rounds, bool refining) const {
+  const bool on_feet = rounds == Rounds::kOnFeet || rounds == Rounds::kFinishing;
+  return !refining ? matched_share_ : on_feet ? on_feet_share_ : refined_share_;
+}
+
+int PoseStage::first_of(Rounds rounds, const PoseStageInput& input) const {
+  const int n_levels = matches(input) ? int(options_.match_levels.size()) : 0;
+  const int n_last = rounds == Rounds::kRefining    ? options_.refining_rounds
+                     : rounds == Rounds::kFinishing ? 1
+                                                    : n_levels;
+  return std::max(0, n_levels - n_last);
 }
 
 // Once per level of match_levels, less where the last round at the same level was settled; or once when there is
 // nothing to match.
 PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, const Detections& detections,
-                                               const Pose& initial, const Pose* previous, int first_round) {
+                                               const Pose& initial, const Pose* previous, Rounds rounds) {
   if (looks_ahead(input)) {
-    std::optional<Solution> ahead = solve_ahead(input, detections, initial, previous, first_round);
+    std::optional<Solution> ahead = solve_ahead(input, detections, initial, previous, rounds);
     if (ahead) return std::move(*ahead);
     picture_due_ = true;  // it may have been in vain
   }
-  const int n_levels = matches(input) ? int(options_.match_levels.size()) : 0;
+  const int n_levels = matches(input) ? int(options_.match_levels.size()) : 0, first_round = first_of(rounds, input);
   Solution solution;
   solution.pose.pose = initial;
   bool was_refining = false;
@@ -177,7 +205,7 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
     } else {
       find_contour(input, from);
     }
-    if (n_levels > 0) find_matches(input, level, refining);
+    if (n_levels > 0) find_matches(input, level, share_in(rounds, refining));
     if (shades) shading_.measure(input.frame, rasterizer_, skinned_, normals_, visibility_.visible());
     PoseInput solve = round_input(input, detections, from, previous, level, refining);
     solution.pose = solver_.chooses() ? solve_seen(solve, n_levels > 0, shades, solution.skin)
@@ -202,9 +230,9 @@ PoseInput PoseStage::round_input(const PoseStageInput& input, const Detections& 
 
 // The same rounds on a GPU that decides between them by itself; the host waits once. Nothing where that did not work.
 std::optional<PoseStage::Solution> PoseStage::solve_ahead(const PoseStageInput& input, const Detections& detections,
-                                                          const Pose& initial, const Pose* previous, int first_round) {
+                                                          const Pose& initial, const Pose* previous, Rounds which) {
   const std::vector<int>& levels = options_.match_levels;
-  const int n_rounds = int(levels.size()) - first_round;
+  const int first_round = first_of(which, input), n_rounds = int(levels.size()) - first_round;
   const bool has_skin = shading(input);
   SeenVertices known;
   known.match_area_px = matcher_.weight_area_px();
@@ -233,7 +261,7 @@ std::optional<PoseStage::Solution> PoseStage::solve_ahead(const PoseStageInput& 
                  .frame = input.frame,
                  .motions = system.motions(),
                  .displacement = zero_,
-                 .share = refining ? refined_share_ : matched_share_,
+                 .share = share_in(which, refining),
                  .candidates = refining ? &refining_candidates_ : nullptr,
                  .skinned = skinned_,
                  .normals = normals_,
@@ -324,7 +352,10 @@ PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& pre
   const std::vector<KeypointDetections> alternatives =
       exchanged_legs(actor_, camera_, predicted, input.detections.keypoints);
   if (alternatives.empty()) exchanged_frames_ = 0;
-  Solution best = solve_in_rounds(input, input.detections, predicted, &previous);
+  const bool compares = !alternatives.empty();
+  Solution best =
+      solve_in_rounds(input, input.detections, predicted, &previous, compares ? Rounds::kAll : Rounds::kOnFeet);
+  best.is_comparable = compares;
   try_exchanged_legs(input, predicted, previous, alternatives, best);
   try_turned(input, previous, best);
   try_detected_legs(input, previous, best);
@@ -333,8 +364,24 @@ PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& pre
   try_mirrored_arms(input, previous, best);
   if (best.exchanged && exchanged_frames_ >= options_.max_exchanged_frames) try_anew(input, best);
   if (best.exchanged) ++exchanged_frames_;
+  finish(input, previous, best);
   last_skin_ = std::move(best.skin);
   return best.pose;
+}
+
+// Starts are compared where feet count as all else does: legs that are exchanged hold on to the wrong shoes.
+void PoseStage::make_comparable(const PoseStageInput& input, const Pose& previous, Solution& best) {
+  if (std::exchange(best.is_comparable, true) || !(options_.foot_share > 1)) return;
+  Solution other = solve_in_rounds(input, input.detections, best.pose.pose, &previous, Rounds::kRefining);
+  if (other.pose.status != SolveStatus::kOk) return;
+  best = std::move(other);
+}
+
+void PoseStage::finish(const PoseStageInput& input, const Pose& previous, Solution& best) {
+  if (!best.is_comparable || !(options_.foot_share > 1) || !matches(input) || best.exchanged) return;
+  if (best.pose.status != SolveStatus::kOk) return;
+  Solution finished = solve_in_rounds(input, input.detections, best.pose.pose, &previous, Rounds::kFinishing);
+  if (finished.pose.status == SolveStatus::kOk) best = std::move(finished);
 }
 
 // A network that insists on the other legs may be right: silhouette and matches hold a leg where the other should be.
@@ -403,9 +450,8 @@ void PoseStage::try_mirrored_arms(const PoseStageInput& input, const Pose& previ
 // From the last rounds on: the rest of the body stays, so that the costs tell the arms apart. Unlike other starts
 // without what was not matched: here that is chance.
 void PoseStage::try_refined(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best) {
-  const int last_rounds =
-      matches(input) ? std::max(0, int(options_.match_levels.size()) - options_.refining_rounds) : 0;
-  Solution solved = solve_in_rounds(input, input.detections, initial, &previous, last_rounds);
+  make_comparable(input, previous, best);
+  Solution solved = solve_in_rounds(input, input.detections, initial, &previous, Rounds::kRefining);
   if (solved.pose.status == SolveStatus::kOk && solved.pose.energy.total() < best.pose.energy.total())
     best = std::move(solved);
 }
@@ -418,6 +464,7 @@ void PoseStage::try_bent_back(const PoseStageInput& input, const Pose& previous,
 }
 
 void PoseStage::try_from(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best) {
+  make_comparable(input, previous, best);
   keep_better(solve_in_rounds(input, input.detections, initial, &previous), best);
 }
 

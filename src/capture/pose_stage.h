@@ -65,12 +65,21 @@ class PoseStage {
     double cost = 0;
     std::vector<SkinSample> skin;  // as the last round found it
     bool exchanged = false;        // from detections with the legs exchanged
+    bool is_comparable = true;     // false: feet counted foot_share times in its cost
   };
+  enum class Rounds {
+    kAll,       // of match_levels
+    kOnFeet,    // the same, in the refining ones feet count foot_share times
+    kRefining,  // those of kAll
+    kFinishing  // the last one of kOnFeet
+  };
+  int first_of(Rounds rounds, const PoseStageInput& input) const;  // of match_levels
+  const ocl::Buffer<float>& share_in(Rounds rounds, bool refining) const;
   Solution solve_in_rounds(const PoseStageInput& input, const Detections& detections, const Pose& initial,
-                           const Pose* previous, int first_round = 0);
+                           const Pose* previous, Rounds rounds = Rounds::kAll);
   Solution solve_anew(const PoseStageInput& input);
   std::optional<Solution> solve_ahead(const PoseStageInput& input, const Detections& detections, const Pose& initial,
-                                      const Pose* previous, int first_round);
+                                      const Pose* previous, Rounds rounds);
   PoseInput round_input(const PoseStageInput& input, const Detections& detections, const Pose& initial,
                         const Pose* previous, int level, bool refining) const;
   double cost_of(const PoseResult& pose) const;
@@ -82,7 +91,9 @@ class PoseStage {
   bool matches(const PoseStageInput& input) const;
   bool shading(const PoseStageInput& input) const;
   void find_contour_and_visible(const Pose& pose, bool refining);
-  void find_matches(const PoseStageInput& input, int level, bool refining);
+  void find_matches(const PoseStageInput& input, int level, const ocl::Buffer<float>& share);
+  void make_comparable(const PoseStageInput& input, const Pose& previous, Solution& best);
+  void finish(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_anew(const PoseStageInput& input, Solution& best);
   void try_exchanged_legs(const PoseStageInput& input, const Pose& predicted, const Pose& previous,
                           const std::vector<KeypointDetections>& alternatives, Solution& best);
@@ -114,6 +125,7 @@ class PoseStage {
   ocl::Buffer<float> normals_;                // [3n]
   ocl::Buffer<float> matched_share_;          // [n] 1 for vertices that are matched
   ocl::Buffer<float> refined_share_;          // [n] the same in the last rounds: less for hanging cloth
+  ocl::Buffer<float> on_feet_share_;          // [n] and where no starts compete: more for feet
   ocl::Buffer<int32_t> refining_candidates_;  // the same for contour vertices of the last rounds
   std::vector<SkinSample> last_skin_;
   int exchanged_frames_ = 0;  // since the detections last agreed with the prediction, or were tried as named

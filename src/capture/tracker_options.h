@@ -51,6 +51,10 @@ struct TrackerOptions {
   double refined_doubt_3d_mm = 60;
   // In them what is matched of hanging cloth counts so much of its weight: it swings, and would turn hips and legs.
   float refined_hanging_share = 0.3f;
+  // In them what is matched of a foot counts so many times its weight: a foot ends its leg, whose depth little else
+  // tells, and a shoe is matched to a part of a pixel, but it is small. Not where starts compete, since legs that are
+  // exchanged hold on to the wrong shoes; what is chosen there is refined once more. Not in the first frame either.
+  float foot_share = 40;
   // Where several starts compete, what could not be matched costs like a match so far away.
   double missed_px = 2;
   // A body that faces so much elsewhere than the detections is solved from there as well (pose/other_starts.h).

@@ -9,6 +9,7 @@
 
 #include "cloth/hanging_cloth.h"
 #include "livecap/error.h"
+#include "shared/exact_sum.h"
 #include "support/builtin_actor.h"
 #include "support/gpu_bodies.h"
 #include "support/pose_scene.h"
@@ -229,9 +230,10 @@ TEST(PoseStage, HangingClothIsNoContourInTheLastRounds) {
 }
 
 // E_match of one round on a skirt that hangs beside where skinning has it.
-double match_energy(ocl::DeviceContext& device, int refining_rounds, float hanging_share) {
+double match_energy(ocl::DeviceContext& device, int refining_rounds, float hanging_share, float foot_share = 1) {
   Seen seen(device);
   TrackerOptions options;
+  options.foot_share = foot_share;
   options.match_levels = {0};
   options.refining_rounds = refining_rounds;
   options.refined_hanging_share = hanging_share;
@@ -243,6 +245,13 @@ TEST(PoseStage, HangingClothIsMatchedWithLessWeightInTheLastRounds) {
   test::on_every_device([](ocl::DeviceContext& device) {
     EXPECT_EQ(match_energy(device, 0, 0.3f), match_energy(device, 0, 1)) << "other rounds";
     EXPECT_LT(match_energy(device, 1, 0.3f), match_energy(device, 1, 1));
+  });
+}
+
+TEST(PoseStage, FeetAreMatchedWithMoreWeightInTheLastRounds) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    EXPECT_EQ(match_energy(device, 0, 0.3f, 40), match_energy(device, 0, 0.3f, 1)) << "other rounds";
+    EXPECT_GT(match_energy(device, 1, 0.3f, 40), match_energy(device, 1, 0.3f, 1));
   });
 }
 
@@ -281,8 +290,9 @@ TEST(PoseStage, AgainstANetworkThatInsistsThePictureDecides) {
 TEST(PoseStage, OptionsAreChecked) {
   test::on_every_device([](ocl::DeviceContext& device) {
     Seen seen(device);
-    const auto stage_with = [&](float hanging_share, int exchanged_frames) {
+    const auto stage_with = [&](float hanging_share, int exchanged_frames, float foot_share = 1) {
       TrackerOptions options;
+      options.foot_share = foot_share;
       options.refined_hanging_share = hanging_share;
       options.max_exchanged_frames = exchanged_frames;
       PoseStage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
@@ -290,6 +300,8 @@ TEST(PoseStage, OptionsAreChecked) {
     EXPECT_NO_THROW(stage_with(0, 0));
     for (const float share : {-0.1f, 1.1f, std::nanf("")}) EXPECT_THROW(stage_with(share, 9), ConfigError) << share;
     EXPECT_THROW(stage_with(1, -1), ConfigError);
+    EXPECT_NO_THROW(stage_with(1, 9, LC_EXACT_MOST_SHARE));
+    for (const float share : {0.9f, 64.5f, std::nanf("")}) EXPECT_THROW(stage_with(1, 9, share), ConfigError) << share;
   });
 }
 

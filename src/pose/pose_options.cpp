@@ -23,6 +23,7 @@ bool set_weight(PoseWeights& weights, std::string_view term, double value) {
   if (term == "floor") return weights.floor = value, true;
   if (term == "temporal") return weights.temporal = value, true;
   if (term == "anatomic") return weights.anatomic = value, true;
+  if (term == "rest") return weights.rest = value, true;
   return false;
 }
 
@@ -69,6 +70,7 @@ void PoseOptions::validate() const {
   not_negative("weights.floor", weights.floor);
   not_negative("weights.temporal", weights.temporal);
   not_negative("weights.anatomic", weights.anatomic);
+  not_negative("weights.rest", weights.rest);
   for (double weight : keypoint_2d_weights) not_negative("keypoint_2d_weights", weight);
   for (double weight : keypoint_3d_weights) not_negative("keypoint_3d_weights", weight);
   for (double weight : temporal_weights) not_negative("temporal_weights", weight);

@@ -18,6 +18,7 @@ struct PoseWeights {
   double floor = 200;        // lambda_floor; not in the paper
   double temporal = 1.5;     // lambda_temporal
   double anatomic = 1e7;     // lambda_anatomic; the paper: 1e6
+  double rest = 3e6;         // lambda_rest; not in the paper
 };
 
 // Sets the weight of a term by its name in solve/term_table.h; false when the pose stage has no such term.

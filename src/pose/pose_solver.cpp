@@ -245,7 +245,8 @@ void PoseSolver::measure(const PoseState& state, const PoseResiduals& residuals,
   }
   const int n_dofs = actor_.skeleton.n_dofs(), n_soles = int(system_.soles().size());
   result.energy.anatomic = energy(LC_POSE_POINT_ROWS, n_dofs);
-  result.energy.floor = energy(LC_POSE_POINT_ROWS + n_dofs, n_soles);
+  result.energy.rest = energy(LC_POSE_POINT_ROWS + n_dofs, n_dofs);
+  result.energy.floor = energy(LC_POSE_POINT_ROWS + 2 * n_dofs, n_soles);
   result.energy.silhouette = energy(system_.n_point_rows(), system_.n_contour());
   result.energy.match = energy(system_.n_point_rows() + system_.n_contour(), 2 * system_.n_matches());
   result.energy.shading = energy(system_.n_rows() - system_.n_shaded(), system_.n_shaded());

@@ -47,8 +47,9 @@ struct PoseEnergies {
   double floor = 0;
   double temporal = 0;
   double anatomic = 0;
+  double rest = 0;
   double total() const {
-    return keypoint_2d + keypoint_3d + silhouette + match + shading + floor + temporal + anatomic;
+    return keypoint_2d + keypoint_3d + silhouette + match + shading + floor + temporal + anatomic + rest;
   }
 };
 

@@ -428,6 +428,7 @@ TEST(PoseSolver, EveryTermCanBeSwitchedOffByName) {
           // Limits that no pose keeps, so that E_anatomic is never zero by itself.
           Actor cramped = actor;
           cramped.skeleton.dofs[0].min_rad = cramped.skeleton.dofs[0].max_rad = 3;
+          cramped.skeleton.dofs[1].rest_share = 0.01;
           EXPECT_EQ(set_weight(options.weights, term.name, 0), term.stage == TermStage::kPose) << term.name;
           PoseSolver solver(device, cramped, camera, options);
           const PoseEnergies e = solver
@@ -449,6 +450,7 @@ TEST(PoseSolver, EveryTermCanBeSwitchedOffByName) {
           EXPECT_EQ(e.floor == 0, term.name == "floor") << term.name;
           EXPECT_EQ(e.temporal == 0, term.name == "temporal") << term.name;
           EXPECT_EQ(e.anatomic == 0, term.name == "anatomic") << term.name;
+          EXPECT_EQ(e.rest == 0, term.name == "rest") << term.name;
         }
       },
       test::Doubles::kAlsoWithout);

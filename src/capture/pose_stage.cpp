@@ -406,7 +406,8 @@ void PoseStage::try_refined(const PoseStageInput& input, const Pose& initial, co
   const int last_rounds =
       matches(input) ? std::max(0, int(options_.match_levels.size()) - options_.refining_rounds) : 0;
   Solution solved = solve_in_rounds(input, input.detections, initial, &previous, last_rounds);
-  if (solved.pose.status == SolveStatus::kOk && solved.pose.energy.total() < best.pose.energy.total())
+  const auto doubted = [](const PoseEnergies& e) { return e.total() - e.temporal + e.doubted_temporal; };
+  if (solved.pose.status == SolveStatus::kOk && doubted(solved.pose.energy) < doubted(best.pose.energy))
     best = std::move(solved);
 }
 

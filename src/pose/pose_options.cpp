@@ -82,6 +82,7 @@ void PoseOptions::validate() const {
   not_negative("match_huber_px", match_huber_px);
   not_negative("shading_huber", shading_huber);
   not_negative("floor_huber_mm", floor_huber_mm);
+  not_negative("temporal_doubt_mm", temporal_doubt_mm);
   not_negative("max_predicted_turn_rad", max_predicted_turn_rad);
   not_negative("max_predicted_move_mm", max_predicted_move_mm);
   in_range("steps", steps, 1, 1000);

@@ -72,6 +72,10 @@ struct PoseOptions {
   double shading_huber = 2;    // standard deviations; shadows and highlights
   double floor_huber_mm = 20;  // a step, a floor thought too high
 
+  // Where arms compete, E_temporal of a keypoint grows no further than this far from where it was (pose/targets.h:
+  // doubted_cost): the wrong arm of the last frame would hold itself there. 0: it grows for ever.
+  double temporal_doubt_mm = 200;
+
   // Bounds of the Euler step that predicts a frame, per frame.
   double max_predicted_turn_rad = 0.5;
   double max_predicted_move_mm = 250;

@@ -48,6 +48,7 @@ struct PoseEnergies {
   double temporal = 0;
   double anatomic = 0;
   double rest = 0;
+  double doubted_temporal = 0;  // not in total(): temporal by doubted_cost(), see PoseOptions::temporal_doubt_mm
   double total() const {
     return keypoint_2d + keypoint_3d + silhouette + match + shading + floor + temporal + anatomic + rest;
   }

@@ -456,6 +456,39 @@ TEST(PoseSolver, EveryTermCanBeSwitchedOffByName) {
       test::Doubles::kAlsoWithout);
 }
 
+// What a keypoint far from where it was costs where arms compete: r^2 / (1 + r^2 / s^2), which ends at s^2.
+TEST(PoseSolver, DoubtedTemporalEnergyEndsAtItsScale) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const Actor actor = test::make_test_actor(0.7);
+    const Camera camera = test::portrait_camera();
+    std::mt19937 rng(11);
+    const Pose truth = test::random_true_pose(actor, rng, 0.6);
+    const Detections detections = exact_detections(actor, camera, truth, 0.9);
+    Pose previous = truth;
+    previous.root_translation_mm.x() += 700;
+    for (const double scale_mm : {0.0, 150.0, 1e6}) {
+      PoseOptions options;
+      options.temporal_doubt_mm = scale_mm;
+      PoseSolver solver(device, actor, camera, options);
+      const PoseResult result =
+          solver.solve({.detections = detections, .initial = truth, .previous = &previous, .n_steps = 1});
+      ASSERT_EQ(result.status, SolveStatus::kOk);
+      const auto now = keypoint_positions(actor, forward_kinematics(actor.skeleton, result.pose));
+      const auto before = keypoint_positions(actor, forward_kinematics(actor.skeleton, previous));
+      double whole = 0, doubted = 0;
+      for (int k = 0; k < kKeypointCount; ++k) {
+        if (actor.keypoints[k].bone < 0) continue;
+        const double weight = options.weights.temporal * options.temporal_weights[k];
+        const double r = (now[k] - before[k]).norm();
+        whole += weight * r * r;
+        doubted += weight * (scale_mm > 0 ? 1 / (1 / (r * r) + 1 / (scale_mm * scale_mm)) : r * r);
+      }
+      EXPECT_NEAR(result.energy.temporal, whole, test::kFloatRelative * whole);
+      EXPECT_NEAR(result.energy.doubted_temporal, doubted, test::kFloatRelative * doubted) << scale_mm;
+    }
+  });
+}
+
 TEST(PoseSolver, SelfTestPassesOnEveryDevice) {
   test::on_every_device_and_body(
       [](ocl::DeviceContext& device) {

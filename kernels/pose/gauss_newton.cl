@@ -89,7 +89,7 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
     global float* parts, global float* gram, global float* results, volatile global int* state, global float* moved,
     global float* motions, volatile global int* next, local float4* rows, local float* near, local real64* memory) {
   const int id = get_local_id(0), group = get_group_id(0), n_groups = get_num_groups(0);
-  const int n_columns = layout.n_columns, n_point = LC_POSE_POINT_ROWS + layout.n_dofs + layout.n_soles;
+  const int n_columns = layout.n_columns, n_point = LC_POSE_POINT_ROWS + 2 * layout.n_dofs + layout.n_soles;
   global const int* counts = (global const int*)(inputs + at.counts);
   const int n_matches = counts[LC_POSE_COUNT_MATCHES], n_shaded = counts[LC_POSE_COUNT_SHADED];
   contour.n = counts[LC_POSE_COUNT_CONTOUR];

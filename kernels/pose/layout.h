@@ -2,9 +2,9 @@
 //
 // Unknowns: [rotation vector 3 | t 3 | joint angles n_dofs | t' 3]. J has one row per residual and n_columns columns:
 // the unknowns, the residual itself in column n_unknowns, zeros up to a multiple of 16.
-// Rows: 8 per keypoint (2D 2, 3D 3, temporal 3), one per joint angle (anatomic), one per point of the soles (floor),
-// one per contour vertex, two per match, one per shaded vertex. Positions marked "root-relative" are camera-frame
-// vectors from the root's origin t: floats keep more of them.
+// Rows: 8 per keypoint (2D 2, 3D 3, temporal 3), two per joint angle (first anatomic of all, then rest), one per point
+// of the soles (floor), one per contour vertex, two per match, one per shaded vertex. Positions marked "root-relative"
+// are camera-frame vectors from the root's origin t: floats keep more of them.
 #ifndef LC_POSE_LAYOUT_H
 #define LC_POSE_LAYOUT_H
 #include "match/layout.h"

@@ -1,4 +1,4 @@
-// Rows of the keypoint terms E_2D, E_3D, E_temporal, of the joint limits E_anatomic and of E_floor.
+// Rows of the keypoint terms E_2D, E_3D, E_temporal, of the joint limits E_anatomic, of E_rest and of E_floor.
 #include "pose/huber.h"
 #include "pose/layout.h"
 #include "pose/skinned_gradient.h"
@@ -6,6 +6,7 @@
 #include "terms/floor.cl"
 #include "terms/keypoint_2d.cl"
 #include "terms/keypoint_3d.cl"
+#include "terms/rest.cl"
 #include "terms/temporal.cl"
 
 // One row of a point p (root-relative) fixed to `bone`: gradient g by the point, extra coefficients from
@@ -23,9 +24,11 @@ LC_FN void write_point_row(LC_POSE_SPACE float* restrict record, LC_POSE_SPACE f
 
 #define LOAD_VEC3(p) vec3((p)[0], (p)[1], (p)[2])
 
-// i < LC_POSE_KEYPOINTS: the 8 rows of keypoint i; from there on a joint angle each, then a point of the soles each.
+// i < LC_POSE_KEYPOINTS: the 8 rows of keypoint i; from there on a joint angle's limits each, then its rest each, then
+// a point of the soles each.
 // step, targets, ground: see layout.h. bones [LC_POSE_KEYPOINTS + n_soles], -1 for a keypoint without anchor, which has
-// no rows. limits [2*n_dofs] min, max. Out: records [LC_POSE_RECORD * rows], residuals [rows], from row `first` on.
+// no rows. limits [4*n_dofs] min, max, rest, root of the weight of E_rest. Out: records [LC_POSE_RECORD * rows],
+// residuals [rows], from row `first` on.
 static inline void point_records(int i, PoseLayout layout, Pinhole cam, float huber_px, int first,
                                  LC_POSE_SPACE const float* restrict step, LC_POSE_SPACE const float* restrict targets,
                                  global const int* restrict bones, global const float* restrict limits,
@@ -33,9 +36,9 @@ static inline void point_records(int i, PoseLayout layout, Pinhole cam, float hu
                                  LC_POSE_SPACE float* restrict records, LC_POSE_SPACE float* restrict residuals) {
   const Vec3 zero = vec3(0.0f, 0.0f, 0.0f);
 
-  if (i >= LC_POSE_KEYPOINTS + layout.n_dofs) {
-    const int k = i - LC_POSE_KEYPOINTS - layout.n_dofs;
-    const int row = LC_POSE_POINT_ROWS + layout.n_dofs + k - first;
+  if (i >= LC_POSE_KEYPOINTS + 2 * layout.n_dofs) {
+    const int k = i - LC_POSE_KEYPOINTS - 2 * layout.n_dofs;
+    const int row = LC_POSE_POINT_ROWS + 2 * layout.n_dofs + k - first;
     const Vec3 p = LOAD_VEC3(step + LC_POSE_STEP_SOLES(layout) + 3 * k);
     const Vec3 p_camera = add3(p, LOAD_VEC3(step + LC_POSE_STEP_ROOT(layout)));
     FloorRow a = floor_row(p_camera, LOAD_VEC3(ground), ground[3], ground[LC_POSE_GROUND_STANDS + k]);
@@ -44,10 +47,19 @@ static inline void point_records(int i, PoseLayout layout, Pinhole cam, float hu
                     scale3(vec3(a.J[0], a.J[1], a.J[2]), s), bones[LC_POSE_KEYPOINTS + k], layout.n_unknowns - 3, zero);
     return;
   }
+  if (i >= LC_POSE_KEYPOINTS + layout.n_dofs) {
+    const int k = i - LC_POSE_KEYPOINTS - layout.n_dofs;
+    const int row = LC_POSE_POINT_ROWS + layout.n_dofs + k - first;
+    RestRow a = rest_row(step[LC_POSE_STEP_ANGLES(layout) + k], limits[4 * k + 2]);
+    const float s = limits[4 * k + 3];
+    write_point_row(records + row * LC_POSE_RECORD, residuals + row, s * a.r, zero, zero, 0, 6 + k,
+                    vec3(s * a.J, 0.0f, 0.0f));
+    return;
+  }
   if (i >= LC_POSE_KEYPOINTS) {
     const int k = i - LC_POSE_KEYPOINTS;
     const int row = LC_POSE_POINT_ROWS + k - first;
-    AnatomicRow a = anatomic_row(step[LC_POSE_STEP_ANGLES(layout) + k], limits[2 * k], limits[2 * k + 1]);
+    AnatomicRow a = anatomic_row(step[LC_POSE_STEP_ANGLES(layout) + k], limits[4 * k], limits[4 * k + 1]);
     write_point_row(records + row * LC_POSE_RECORD, residuals + row, sqrt_anatomic * a.r, zero, zero, 0, 6 + k,
                     vec3(sqrt_anatomic * a.J, 0.0f, 0.0f));
     return;
@@ -91,13 +103,13 @@ static inline void point_records(int i, PoseLayout layout, Pinhole cam, float hu
 }
 
 #if LC_CPU
-// Over the keypoints, joint angles and points of the soles.
+// Over the keypoints, joint angles twice and points of the soles.
 kernel void pose_point_records(PoseLayout layout, Pinhole cam, float huber_px, float sqrt_anatomic, PoseInputs at,
                                global const float* restrict step, global const float* restrict inputs,
                                global const int* restrict links, global const float* restrict limits,
                                global float* restrict records, global float* restrict residuals) {
   const int i = get_global_id(0);
-  if (i >= LC_POSE_KEYPOINTS + layout.n_dofs + layout.n_soles) return;
+  if (i >= LC_POSE_KEYPOINTS + 2 * layout.n_dofs + layout.n_soles) return;
   point_records(i, layout, cam, huber_px, 0, step, inputs + at.targets, links + LC_POSE_LINKS_POINTS(layout), limits,
                 inputs + at.ground, sqrt_anatomic, records, residuals);
 }

@@ -8,6 +8,7 @@
 #include "terms/keypoint_3d.cl"
 #include "terms/match.cl"
 #include "terms/photo.cl"
+#include "terms/rest.cl"
 #include "terms/shading.cl"
 #include "terms/silhouette.cl"
 #include "terms/smooth.cl"
@@ -35,6 +36,7 @@ LC_CHECK_TERM(match, 2, 3, 9)
 LC_CHECK_TERM(floor, 1, 3, 5)
 LC_CHECK_TERM(temporal, 3, 3, 3)
 LC_CHECK_TERM(anatomic, 1, 1, 2)
+LC_CHECK_TERM(rest, 1, 1, 1)
 LC_CHECK_TERM(photo, 3, 3, 19)
 LC_CHECK_TERM(shading, 1, 3, 10)
 LC_CHECK_TERM(smooth, 3, 6, 6)

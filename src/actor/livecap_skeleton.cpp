@@ -20,23 +20,41 @@ struct DofRow {
   int bone;
   char axis;
   double min_deg, max_deg;
+  double rest_share = 0;
 };
+
+// The network does not see collarbones turn and the trunk has no other joint: without a rest they turn with what the
+// pictures of the chest tell of a twisted spine, and of weights that are not a person's. Raised arms lift them.
+constexpr double kShrug = 1.0 / 3;
 
 // docs/formats.md, in its order.
 constexpr DofRow kDofs[] = {
-    {kRigNeck, 'x', -60, 50},           {kRigNeck, 'y', -75, 75},
-    {kRigNeck, 'z', -40, 40},           {kRigLeftClavicle, 'y', -30, 25},
-    {kRigLeftClavicle, 'z', -10, 40},   {kRigRightClavicle, 'y', -25, 30},
-    {kRigRightClavicle, 'z', -40, 10},  {kRigLeftShoulder, 'z', -95, 95},
-    {kRigLeftShoulder, 'y', -135, 45},  {kRigLeftShoulder, 'x', -120, 120},
-    {kRigLeftElbow, 'y', -150, 2},      {kRigRightShoulder, 'z', -95, 95},
-    {kRigRightShoulder, 'y', -45, 135}, {kRigRightShoulder, 'x', -120, 120},
-    {kRigRightElbow, 'y', -2, 150},     {kRigLeftHip, 'x', -135, 35},
-    {kRigLeftHip, 'y', -45, 45},        {kRigLeftHip, 'z', -40, 70},
-    {kRigRightHip, 'x', -135, 35},      {kRigRightHip, 'y', -45, 45},
-    {kRigRightHip, 'z', -70, 40},       {kRigLeftKnee, 'x', -5, 150},
-    {kRigRightKnee, 'x', -5, 150},      {kRigLeftAnkle, 'x', -25, 50},
-    {kRigLeftAnkle, 'y', -35, 35},      {kRigRightAnkle, 'x', -25, 50},
+    {kRigNeck, 'x', -60, 50},
+    {kRigNeck, 'y', -75, 75},
+    {kRigNeck, 'z', -40, 40},
+    {kRigLeftClavicle, 'y', -30, 25, 1},
+    {kRigLeftClavicle, 'z', -10, 40, kShrug},
+    {kRigRightClavicle, 'y', -25, 30, 1},
+    {kRigRightClavicle, 'z', -40, 10, kShrug},
+    {kRigLeftShoulder, 'z', -95, 95},
+    {kRigLeftShoulder, 'y', -135, 45},
+    {kRigLeftShoulder, 'x', -120, 120},
+    {kRigLeftElbow, 'y', -150, 2},
+    {kRigRightShoulder, 'z', -95, 95},
+    {kRigRightShoulder, 'y', -45, 135},
+    {kRigRightShoulder, 'x', -120, 120},
+    {kRigRightElbow, 'y', -2, 150},
+    {kRigLeftHip, 'x', -135, 35},
+    {kRigLeftHip, 'y', -45, 45},
+    {kRigLeftHip, 'z', -40, 70},
+    {kRigRightHip, 'x', -135, 35},
+    {kRigRightHip, 'y', -45, 45},
+    {kRigRightHip, 'z', -70, 40},
+    {kRigLeftKnee, 'x', -5, 150},
+    {kRigRightKnee, 'x', -5, 150},
+    {kRigLeftAnkle, 'x', -25, 50},
+    {kRigLeftAnkle, 'y', -35, 35},
+    {kRigRightAnkle, 'x', -25, 50},
     {kRigRightAnkle, 'y', -35, 35},
 };
 
@@ -65,6 +83,7 @@ Skeleton build_livecap_skeleton(const RigPositions& p,
     dof.axis = Eigen::Vector3d::Unit(row.axis - 'x');
     dof.min_rad = row.min_deg * kRadPerDeg;
     dof.max_rad = row.max_deg * kRadPerDeg;
+    dof.rest_share = row.rest_share;
     if (const auto own = limits_deg.find(dof.name); own != limits_deg.end()) {
       dof.min_rad = own->second.first * kRadPerDeg;
       dof.max_rad = own->second.second * kRadPerDeg;

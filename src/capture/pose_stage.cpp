@@ -452,7 +452,8 @@ void PoseStage::try_mirrored_arms(const PoseStageInput& input, const Pose& previ
 void PoseStage::try_refined(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best) {
   make_comparable(input, previous, best);
   Solution solved = solve_in_rounds(input, input.detections, initial, &previous, Rounds::kRefining);
-  if (solved.pose.status == SolveStatus::kOk && solved.pose.energy.total() < best.pose.energy.total())
+  const auto doubted = [](const PoseEnergies& e) { return e.total() - e.temporal + e.doubted_temporal; };
+  if (solved.pose.status == SolveStatus::kOk && doubted(solved.pose.energy) < doubted(best.pose.energy))
     best = std::move(solved);
 }
 

@@ -26,6 +26,7 @@ namespace livecap::reference {
 #include "terms/keypoint_3d.cl"
 #include "terms/match.cl"
 #include "terms/photo.cl"
+#include "terms/rest.cl"
 #include "terms/shading.cl"
 #include "terms/silhouette.cl"
 #include "terms/smooth.cl"

@@ -24,7 +24,8 @@ struct Dof {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // unit, in the bone's frame
   double min_rad = 0;
   double max_rad = 0;
-  double rest_rad = 0;  // angle in which the template is bound
+  double rest_rad = 0;    // angle in which the template is bound
+  double rest_share = 0;  // 0..1: how strongly stage I draws it there (E_rest)
 };
 
 struct Skeleton {

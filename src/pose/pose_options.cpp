@@ -23,6 +23,7 @@ bool set_weight(PoseWeights& weights, std::string_view term, double value) {
   if (term == "floor") return weights.floor = value, true;
   if (term == "temporal") return weights.temporal = value, true;
   if (term == "anatomic") return weights.anatomic = value, true;
+  if (term == "rest") return weights.rest = value, true;
   return false;
 }
 
@@ -69,6 +70,7 @@ void PoseOptions::validate() const {
   not_negative("weights.floor", weights.floor);
   not_negative("weights.temporal", weights.temporal);
   not_negative("weights.anatomic", weights.anatomic);
+  not_negative("weights.rest", weights.rest);
   for (double weight : keypoint_2d_weights) not_negative("keypoint_2d_weights", weight);
   for (double weight : keypoint_3d_weights) not_negative("keypoint_3d_weights", weight);
   for (double weight : temporal_weights) not_negative("temporal_weights", weight);
@@ -80,6 +82,7 @@ void PoseOptions::validate() const {
   not_negative("match_huber_px", match_huber_px);
   not_negative("shading_huber", shading_huber);
   not_negative("floor_huber_mm", floor_huber_mm);
+  not_negative("temporal_doubt_mm", temporal_doubt_mm);
   not_negative("max_predicted_turn_rad", max_predicted_turn_rad);
   not_negative("max_predicted_move_mm", max_predicted_move_mm);
   in_range("steps", steps, 1, 1000);

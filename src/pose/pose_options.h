@@ -18,6 +18,7 @@ struct PoseWeights {
   double floor = 200;        // lambda_floor; not in the paper
   double temporal = 1.5;     // lambda_temporal
   double anatomic = 1e7;     // lambda_anatomic; the paper: 1e6
+  double rest = 3e6;         // lambda_rest; not in the paper
 };
 
 // Sets the weight of a term by its name in solve/term_table.h; false when the pose stage has no such term.
@@ -70,6 +71,10 @@ struct PoseOptions {
   double match_huber_px = 2;   // patches that were moved onto something similar
   double shading_huber = 2;    // standard deviations; shadows and highlights
   double floor_huber_mm = 20;  // a step, a floor thought too high
+
+  // Where arms compete, E_temporal of a keypoint grows no further than this far from where it was (pose/targets.h:
+  // doubted_cost): the wrong arm of the last frame would hold itself there. 0: it grows for ever.
+  double temporal_doubt_mm = 200;
 
   // Bounds of the Euler step that predicts a frame, per frame.
   double max_predicted_turn_rad = 0.5;

@@ -241,11 +241,16 @@ void PoseSolver::measure(const PoseState& state, const PoseResiduals& residuals,
       result.energy.keypoint_3d +=
           prepared.undoubted_3d[k] *
           doubted_cost(energy(row + LC_POSE_ROW_3D, 3) / targets[k].weight_3d, prepared.doubt_3d_mm);
-    result.energy.temporal += energy(row + LC_POSE_ROW_TEMPORAL, 3);
+    const double temporal = energy(row + LC_POSE_ROW_TEMPORAL, 3);
+    result.energy.temporal += temporal;
+    if (targets[k].weight_temporal > 0)
+      result.energy.doubted_temporal +=
+          targets[k].weight_temporal * doubted_cost(temporal / targets[k].weight_temporal, options_.temporal_doubt_mm);
   }
   const int n_dofs = actor_.skeleton.n_dofs(), n_soles = int(system_.soles().size());
   result.energy.anatomic = energy(LC_POSE_POINT_ROWS, n_dofs);
-  result.energy.floor = energy(LC_POSE_POINT_ROWS + n_dofs, n_soles);
+  result.energy.rest = energy(LC_POSE_POINT_ROWS + n_dofs, n_dofs);
+  result.energy.floor = energy(LC_POSE_POINT_ROWS + 2 * n_dofs, n_soles);
   result.energy.silhouette = energy(system_.n_point_rows(), system_.n_contour());
   result.energy.match = energy(system_.n_point_rows() + system_.n_contour(), 2 * system_.n_matches());
   result.energy.shading = energy(system_.n_rows() - system_.n_shaded(), system_.n_shaded());

@@ -47,8 +47,10 @@ struct PoseEnergies {
   double floor = 0;
   double temporal = 0;
   double anatomic = 0;
+  double rest = 0;
+  double doubted_temporal = 0;  // not in total(): temporal by doubted_cost(), see PoseOptions::temporal_doubt_mm
   double total() const {
-    return keypoint_2d + keypoint_3d + silhouette + match + shading + floor + temporal + anatomic;
+    return keypoint_2d + keypoint_3d + silhouette + match + shading + floor + temporal + anatomic + rest;
   }
 };
 

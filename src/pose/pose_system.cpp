@@ -71,7 +71,7 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
   layout_.n_columns = int(round_up(layout_.n_unknowns + 1, LC_POSE_SLICE));
   layout_.n_bones = skeleton.n_bones();
   layout_.n_soles = int(points_.soles.size());
-  n_point_rows_ = LC_POSE_POINT_ROWS + layout_.n_dofs + layout_.n_soles;
+  n_point_rows_ = LC_POSE_POINT_ROWS + 2 * layout_.n_dofs + layout_.n_soles;
   const int side = layout_.n_columns / kTile;
   n_tiles_ = side * (side + 1) / 2;
   is_cpu_ = device.is_cpu();
@@ -89,6 +89,8 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
   for (const Dof& dof : skeleton.dofs) {
     limits.push_back(float(dof.min_rad));
     limits.push_back(float(dof.max_rad));
+    limits.push_back(float(dof.rest_rad));
+    limits.push_back(float(std::sqrt(options.weights.rest * dof.rest_share)));
   }
   const size_t n_contour = round_up(options.max_contour_vertices, LC_POSE_SLICE);
   step_host_.resize(LC_POSE_STEP_SIZE(layout_));
@@ -206,7 +208,7 @@ void PoseSystem::upload(const PoseState& state) {
 // On CPUs.
 void PoseSystem::launch_records() {
   const auto lane_items = [this](int n) { return ocl::lane_items(n, lanes_); };
-  point_records_kernel_.launch(kKeypointCount + layout_.n_dofs + layout_.n_soles, 0, layout_, pinhole_,
+  point_records_kernel_.launch(kKeypointCount + 2 * layout_.n_dofs + layout_.n_soles, 0, layout_, pinhole_,
                                float(options_.keypoint_2d_huber_px), float(std::sqrt(options_.weights.anatomic)),
                                inputs_.places(), step_, inputs_on_device_, links_, limits_, point_records_,
                                point_residuals_);

@@ -36,8 +36,8 @@ struct PoseNormalEquations {
   double energy = 0;    // F^T F
 };
 
-// All residuals, weighted: 8 per keypoint (2D 2, 3D 3, temporal 3), n_dofs joint limits, one per point of the soles,
-// one per contour vertex, two per match, one per shaded vertex.
+// All residuals, weighted: 8 per keypoint (2D 2, 3D 3, temporal 3), n_dofs joint limits, n_dofs rest angles, one per
+// point of the soles, one per contour vertex, two per match, one per shaded vertex.
 struct PoseResiduals {
   std::vector<float> rows;          // [n_rows]
   std::vector<float> distances_px;  // [n_contour] signed; NaN for a vertex that is not inside the image

@@ -19,7 +19,7 @@ constexpr double kStepMm = 100;     // of a Gauss-Newton step, beside a radian
 Actor two_bone_actor() {
   Actor actor;
   actor.skeleton.bones = {{"root", -1, {0, 0, 0}}, {"left_ankle", 0, {200, 0, 0}}};  // a sole of vertex 2 alone
-  actor.skeleton.dofs = {{"arm_z", 1, {0, 0, 1}, -0.2, 0.2, 0}};
+  actor.skeleton.dofs = {{"arm_z", 1, {0, 0, 1}, -0.2, 0.2, 0.1, 0.5}};
   actor.mesh.positions = {0, 0, 0, 200, 50, 0, 400, 0, 10, 200, -50, 0, 200, 0, 60};
   actor.mesh.triangles = {0, 4, 1, 1, 4, 2, 2, 4, 3, 3, 4, 0};
   actor.skin.bones = {0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0};
@@ -55,6 +55,8 @@ Eigen::VectorXd host_rows(const Actor& actor, const Camera& camera, const PoseOp
   const Dof& dof = actor.skeleton.dofs[0];
   rows.push_back(std::sqrt(options.weights.anatomic) *
                  reference::anatomic_row(state.pose.angles_rad[0], dof.min_rad, dof.max_rad).r);
+  rows.push_back(std::sqrt(options.weights.rest * dof.rest_share) *
+                 reference::rest_row(state.pose.angles_rad[0], dof.rest_rad).r);
   for (const SolePoint& sole : sole_points(actor)) {
     const reference::Vec3 p = to_vec3(posed.camera_from_rest[sole.bone] * sole.rest_mm);
     rows.push_back(std::sqrt(options.weights.floor) *

@@ -14,6 +14,7 @@ constexpr Term kTerms[] = {
     {"floor", TermStage::kPose, 1, 3, 5, 0, reference::floor_flat, "check_floor"},
     {"temporal", TermStage::kPose, 3, 3, 3, 1.5, reference::temporal_flat, "check_temporal"},
     {"anatomic", TermStage::kPose, 1, 1, 2, 1e6, reference::anatomic_flat, "check_anatomic"},
+    {"rest", TermStage::kPose, 1, 1, 1, 0, reference::rest_flat, "check_rest"},
     {"photo", TermStage::kSurface, 3, 3, 19, 1e4, reference::photo_flat, "check_photo"},
     {"surface_silhouette", TermStage::kSurface, 1, 3, 10, 600, reference::silhouette_flat, "check_silhouette"},
     {"smooth", TermStage::kSurface, 3, 6, 6, 10, reference::smooth_flat, "check_smooth"},

@@ -30,6 +30,18 @@ RigPositions random_rig(std::mt19937& rng) {
   return p;
 }
 
+TEST(LivecapSkeleton, OnlyCollarbonesAreDrawnToRest) {
+  std::mt19937 rng(2);
+  std::vector<std::string> notes;
+  for (const Dof& dof : build_livecap_skeleton(random_rig(rng), {}, notes).dofs) {
+    const bool collarbone = dof.name.find("clavicle") != std::string::npos;
+    EXPECT_EQ(dof.rest_share > 0, collarbone) << dof.name;
+    EXPECT_LE(dof.rest_share, 1) << dof.name;
+    // Raised arms lift them; nothing says where they turn forward.
+    if (collarbone) EXPECT_EQ(dof.rest_share < 1, dof.name.ends_with("_z")) << dof.name;
+  }
+}
+
 TEST(LivecapSkeleton, RestReproducesAnyJointPositions) {
   std::mt19937 rng(1);
   for (int trial = 0; trial < 50; ++trial) {

@@ -19,6 +19,7 @@ namespace {
 #include "terms/anatomic.cl"
 #include "terms/keypoint_2d.cl"
 #include "terms/keypoint_3d.cl"
+#include "terms/rest.cl"
 #include "terms/silhouette.cl"
 #include "terms/temporal.cl"
 
@@ -58,7 +59,7 @@ EigenPose::EigenPose(const Actor& actor, const Camera& camera, const PoseOptions
   for (int b = 0; b < layout_.n_bones; ++b)
     for (int k = 0; k < layout_.n_dofs; ++k) moves_(b, 6 + k) = float(masks[b] >> k & 1);
   step_.resize(LC_POSE_STEP_SIZE(layout_));
-  J_.resize(LC_POSE_POINT_ROWS + layout_.n_dofs + options.max_contour_vertices, layout_.n_columns);
+  J_.resize(LC_POSE_POINT_ROWS + 2 * layout_.n_dofs + options.max_contour_vertices, layout_.n_columns);
   gram_.resize(layout_.n_columns, layout_.n_columns);
 }
 
@@ -90,6 +91,16 @@ void EigenPose::fill_rows(const PoseInput& input, const KeypointTargets& targets
     row = 0;
     row[6 + k] = sqrt_anatomic * a.J;
     row[layout_.n_unknowns] = sqrt_anatomic * a.r;
+  }
+  for (int k = 0; k < layout_.n_dofs; ++k) {
+    const Dof& dof = actor_.skeleton.dofs[k];
+    const float sqrt_rest = float(std::sqrt(options_.weights.rest * dof.rest_share));
+    if (sqrt_rest == 0) continue;
+    const RestRow a = rest_row(step_[LC_POSE_STEP_ANGLES(layout_) + k], float(dof.rest_rad));
+    auto row = J_.row(n_rows_++);
+    row = 0;
+    row[6 + k] = sqrt_rest * a.J;
+    row[layout_.n_unknowns] = sqrt_rest * a.r;
   }
   const float sqrt_silhouette = float(std::sqrt(options_.weights.silhouette));
   for (const int vertex : input.contour_vertices) add_contour_vertex(vertex, distance.data(), sqrt_silhouette, with_J);

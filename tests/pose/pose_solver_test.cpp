@@ -428,6 +428,7 @@ TEST(PoseSolver, EveryTermCanBeSwitchedOffByName) {
           // Limits that no pose keeps, so that E_anatomic is never zero by itself.
           Actor cramped = actor;
           cramped.skeleton.dofs[0].min_rad = cramped.skeleton.dofs[0].max_rad = 3;
+          cramped.skeleton.dofs[1].rest_share = 0.01;
           EXPECT_EQ(set_weight(options.weights, term.name, 0), term.stage == TermStage::kPose) << term.name;
           PoseSolver solver(device, cramped, camera, options);
           const PoseEnergies e = solver
@@ -449,9 +450,43 @@ TEST(PoseSolver, EveryTermCanBeSwitchedOffByName) {
           EXPECT_EQ(e.floor == 0, term.name == "floor") << term.name;
           EXPECT_EQ(e.temporal == 0, term.name == "temporal") << term.name;
           EXPECT_EQ(e.anatomic == 0, term.name == "anatomic") << term.name;
+          EXPECT_EQ(e.rest == 0, term.name == "rest") << term.name;
         }
       },
       test::Doubles::kAlsoWithout);
+}
+
+// What a keypoint far from where it was costs where arms compete: r^2 / (1 + r^2 / s^2), which ends at s^2.
+TEST(PoseSolver, DoubtedTemporalEnergyEndsAtItsScale) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const Actor actor = test::make_test_actor(0.7);
+    const Camera camera = test::portrait_camera();
+    std::mt19937 rng(11);
+    const Pose truth = test::random_true_pose(actor, rng, 0.6);
+    const Detections detections = exact_detections(actor, camera, truth, 0.9);
+    Pose previous = truth;
+    previous.root_translation_mm.x() += 700;
+    for (const double scale_mm : {0.0, 150.0, 1e6}) {
+      PoseOptions options;
+      options.temporal_doubt_mm = scale_mm;
+      PoseSolver solver(device, actor, camera, options);
+      const PoseResult result =
+          solver.solve({.detections = detections, .initial = truth, .previous = &previous, .n_steps = 1});
+      ASSERT_EQ(result.status, SolveStatus::kOk);
+      const auto now = keypoint_positions(actor, forward_kinematics(actor.skeleton, result.pose));
+      const auto before = keypoint_positions(actor, forward_kinematics(actor.skeleton, previous));
+      double whole = 0, doubted = 0;
+      for (int k = 0; k < kKeypointCount; ++k) {
+        if (actor.keypoints[k].bone < 0) continue;
+        const double weight = options.weights.temporal * options.temporal_weights[k];
+        const double r = (now[k] - before[k]).norm();
+        whole += weight * r * r;
+        doubted += weight * (scale_mm > 0 ? 1 / (1 / (r * r) + 1 / (scale_mm * scale_mm)) : r * r);
+      }
+      EXPECT_NEAR(result.energy.temporal, whole, test::kFloatRelative * whole);
+      EXPECT_NEAR(result.energy.doubted_temporal, doubted, test::kFloatRelative * doubted) << scale_mm;
+    }
+  });
 }
 
 TEST(PoseSolver, SelfTestPassesOnEveryDevice) {

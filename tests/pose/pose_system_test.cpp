@@ -37,6 +37,8 @@ struct Scene {
         0;                                                     // the reference is quadratic
     state.pose.angles_rad[actor.skeleton.n_dofs() - 1] = 1.5;  // beyond its limit
     state.pose.angles_rad[10] = -3.0;
+    actor.skeleton.dofs[3].rest_share = 0.4;
+    actor.skeleton.dofs[3].rest_rad = 0.3;
     const std::vector<SolePoint> soles = sole_points(actor);
     const PosedSkeleton posed = forward_kinematics(actor.skeleton, state.pose);
     for (const SolePoint& sole : soles) {

@@ -89,7 +89,7 @@ void expect_prepared(const PoseSystem::Rounds& got, const Scene& scene, const Ke
   EXPECT_LT((got.steps.state.t_prime_mm - t_prime_mm).norm(), test::kRoundStartMm);
   const auto points = scene.soles(scene.pose);
   ASSERT_EQ(stands.size(), points.size());
-  const int first = LC_POSE_POINT_ROWS + scene.actor.skeleton.n_dofs();
+  const int first = LC_POSE_POINT_ROWS + 2 * scene.actor.skeleton.n_dofs();
   for (size_t i = 0; i < points.size(); ++i) {
     const double height = scene.floor.height_mm(points[i]), root = std::sqrt(scene.options.weights.floor);
     EXPECT_NEAR(got.steps.residuals.rows[first + i], root * (height < 0 ? 1 : stands[i]) * height,

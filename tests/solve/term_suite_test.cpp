@@ -181,6 +181,19 @@ std::map<std::string_view, Restatement> restatements() {
           },
       .kinks = {{numbers({0.5}), numbers({-0.5, 0.5})}, {numbers({-0.5}), numbers({-0.5, 0.5})}}};
 
+  table["rest"] = {.residual = [](const Instance& i) { return numbers({i.x[0] - i.params[0]}); },
+                   .sample =
+                       [](std::mt19937& rng) {
+                         return Instance{numbers({uniform(rng, -2, 2)}), numbers({uniform(rng, -1, 1)})};
+                       },
+                   .make_true = [](Instance& i) { i.x[0] = i.params[0]; },
+                   .symmetry =
+                       [](const Instance& i, std::mt19937& rng) {
+                         const double shift = uniform(rng, -1, 1);
+                         return Instance{i.x.array() + shift, i.params.array() + shift};
+                       },
+                   .kinks = {}};
+
   // Distance along the normal from the plane's nearest point to the origin.
   const auto above = [](const Instance& i) {
     const Vector3d normal = i.params.head<3>(), foot = -i.params[3] * normal;

@@ -115,6 +115,10 @@ struct PoseReference {
       const double beyond = std::max(0.0, theta - dof.max_rad) - std::max(0.0, dof.min_rad - theta);
       rows.push_back(std::sqrt(options.weights.anatomic) * beyond);
     }
+    for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
+      const Dof& dof = actor.skeleton.dofs[k];
+      rows.push_back(std::sqrt(options.weights.rest * dof.rest_share) * (state.pose.angles_rad[k] - dof.rest_rad));
+    }
     for (size_t k = 0; k < soles.size(); ++k) {
       const Eigen::Vector3d p = posed.camera_from_rest[soles[k].bone] * soles[k].rest_mm;
       const double below = std::min(0.0, floor.height_mm(p)), above = std::max(0.0, floor.height_mm(p));

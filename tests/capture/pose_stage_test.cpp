@@ -112,8 +112,8 @@ std::vector<PoseResult> track(ocl::DeviceContext& device, int n_frames, int n_ah
   if (has_floor) seen.camera.floor = under(seen.actor, turned(seen.actor, 0));
   TrackerOptions options;
   options.shading.light.least_frames = 0.5;
-  // So that no match stands on the edge of counting: with some weights, the default one too, the last bits of a pose turn
-  // one over in a frame, which moves it by 1e-3 rad.
+  // So that no match stands on the edge of counting: with some weights, the default one too, the last bits of a pose
+  // turn one over in a frame, which moves it by 1e-3 rad.
   options.pose.weights.silhouette *= 1.001;
   PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
   std::vector<PoseResult> results;

@@ -126,7 +126,6 @@ typedef struct {
 } IntVec4;
 
 // From p[i] on.
-
 static inline IntVec4 gather_int_vec4(global const int* restrict p, LaneInt i) {
 #if LANES == 1
   const IntVec4 values = {p[i], p[i + 1], p[i + 2], p[i + 3]};

@@ -14,6 +14,7 @@ namespace {
 constexpr float kMinDepthMm = 100;
 constexpr float kMaxPixel = 1e6f;
 constexpr float kAmbient = 0.55f;
+constexpr float kKeyAmbient = 0.26f, kKeyFromCamera = 0.24f, kKey = 0.72f;
 constexpr float kGrey = 190;
 constexpr float kLightCheck = 225, kDarkCheck = 70;
 constexpr float kWireShade = 0.4f;
@@ -93,14 +94,22 @@ class Painter {
     return options_.checks_mm > 0 ? check_color(value, options_.checks_mm) : value;
   }
 
+  // Of a surface with this normal, of any length, seen along this ray. Both of its sides are lit alike.
+  float brightness(const Vector3f& normal, const Vector3f& ray) const {
+    const float length = normal.norm() * ray.norm();
+    const float cosine = length > 0 ? std::abs(normal.dot(ray)) / length : 1;
+    if (!options_.key_light) return kAmbient + (1 - kAmbient) * cosine;
+    static const Vector3f kToLamp = Vector3f(-0.55f, -0.65f, -0.53f).normalized();
+    const float towards = (normal.dot(ray) > 0 ? -1.f : 1.f) * normal.dot(kToLamp) / std::max(normal.norm(), 1e-6f);
+    return kKeyAmbient + kKeyFromCamera * cosine + kKey * std::max(0.f, towards);
+  }
+
   void pixel(int x, int y, Vector3f color, const Corner (&c)[3], const float (&w)[3]) {
     if (options_.shading) {
       const Vector3f normal = w[0] * c[0].normal + w[1] * c[1].normal + w[2] * c[2].normal;
       const Vector3f ray((x - static_cast<float>(camera_.cx)) / static_cast<float>(camera_.fx),
                          (y - static_cast<float>(camera_.cy)) / static_cast<float>(camera_.fy), 1);
-      const float length = normal.norm() * ray.norm();
-      const float cosine = length > 0 ? std::abs(normal.dot(ray)) / length : 1;
-      color *= kAmbient + (1 - kAmbient) * cosine;
+      color *= brightness(normal, ray);
     }
     const uint8_t* from = &background_.pixels[3 * (size_t(y) * background_.width + x)];
     uint8_t* to = &out_.pixels[3 * (size_t(y) * out_.width + x_offset_ + x)];

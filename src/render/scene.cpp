@@ -143,6 +143,7 @@ ImageRgb Scene::paint_over(ImageRgb picture, const SceneFrame& frame, const View
   look.alpha = static_cast<float>(options_.opacity);
   look.texture = options_.style == "texture";
   look.shading = options_.style != "normals";
+  look.key_light = options_.style == "clay" || options_.style == "wire";
   look.colors = vertex_colors;
   if (options_.style == "checks") look.checks_mm = kChecksMm;
   if (options_.style == "wire") look.wire_px = static_cast<float>(std::max(0.7, kWireShare * picture.height) * n);

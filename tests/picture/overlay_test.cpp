@@ -147,6 +147,27 @@ TEST(Overlay, ChecksLieOnTheSurfaceAtRest) {
   }
 }
 
+TEST(Overlay, TheKeyLightComesFromTheUpperLeft) {
+  Actor actor;
+  actor.mesh = test::sphere({0, 0, 1000}, 120, 20, 30);
+  actor.render.triangles = actor.mesh.triangles;
+  for (int i = 0; i < actor.n_vertices(); ++i) actor.render.template_vertex.push_back(i);
+  const ImageRgb background{40, 30, std::vector<uint8_t>(3 * 40 * 30, 0)};
+  OverlayOptions options;
+  options.texture = false;
+  const auto value = [&](int dx, int dy) {  // px from the sphere's middle
+    const ImageRgb out = render_overlay(actor, actor.mesh.positions, square_camera(), background, options);
+    return static_cast<int>(out.pixels[3 * ((15 + dy) * 40 + 20 + dx)]);
+  };
+  EXPECT_NEAR(value(-6, -6), value(7, 7), test::kHeadlightBytes);  // the sphere's middle is between two pixels
+  options.key_light = true;
+  EXPECT_GT(value(-6, -6), value(7, 7) + 60);
+  EXPECT_GT(value(-6, -6), value(7, -6) + 20);
+  EXPECT_GT(value(-6, -6), value(-6, 7) + 20);
+  std::reverse(actor.mesh.triangles.begin(), actor.mesh.triangles.end());  // inside out
+  EXPECT_GT(value(-6, -6), value(7, 7) + 60);
+}
+
 TEST(Overlay, EdgesOfTrianglesAreDark) {
   const Actor actor = square_actor();
   const ImageRgb background{40, 30, std::vector<uint8_t>(3 * 40 * 30, 100)};

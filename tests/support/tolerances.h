@@ -83,6 +83,8 @@ inline constexpr double kProjectedPx = 1e-6;
 inline constexpr double kHalfPicturePx = 0.35;
 // Mean difference in bytes between a picture of 90x160 with one and with four samples a pixel; seen 1.27.
 inline constexpr double kFinerPicture = 1.4;
+// Brightness of a coarse sphere lit from the camera, at opposite pixels.
+inline constexpr double kHeadlightBytes = 3.0;
 // A picture put together again from colours and opacity, each rounded.
 inline constexpr double kRecomposedBytes = 2.0;
 // On which side of a line a pixel of a small picture lies, in floats.

@@ -59,7 +59,7 @@ void draw_bones(const std::vector<std::pair<int, int>>& lines, const std::vector
       const cv::Scalar color = outline ? cv::Scalar(20, 20, 20) : side_color(names[to]);
       const int width = outline ? thickness + 2 : thickness;
       cv::line(picture, place(a), place(b), color, width, cv::LINE_AA, kFractionBits);
-      cv::circle(picture, place(b), (width + 1) << kFractionBits, color, cv::FILLED, cv::LINE_AA, kFractionBits);
+      cv::circle(picture, place(b), width << kFractionBits, color, cv::FILLED, cv::LINE_AA, kFractionBits);
     }
   }
 }

@@ -35,6 +35,10 @@ class VideoFrames {
       throw ConfigError("the video of " + capture.path.string() + " was " + name_ +
                         ", which shows something else now; give --video or --background '#rrggbb'");
     reader_.emplace(name_);
+    const VideoInfo info = reader_->info();
+    if (info.width != capture.camera.width || info.height != capture.camera.height)
+      throw IoError(name_ + format(": pictures of %dx%d, the camera is for %dx%d; see --camera and --video", info.width,
+                                   info.height, capture.camera.width, capture.camera.height));
   }
 
   ImageRgb at(int64_t index) {

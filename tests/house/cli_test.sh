@@ -205,7 +205,6 @@ expect 2 'still/vertices.pc2 missing' render --capture still --out film.mp4
 expect 2 'other/vertices.pc2 10 points' render --capture other --out film.mp4
 head -c 5000 good/vertices.pc2 >still/vertices.pc2
 expect 2 'still/vertices.pc2 truncated' render --capture still --out film.mp4
-expect 2 'vertices.pc2 builtin:skirt' render --capture good --actor builtin:skirt --out film.mp4
 expect 2 '--view above camera front' render --capture good --out film.mp4 --view above
 expect 2 '--style gold texture' render --capture good --out film.mp4 --style gold
 expect 2 '--size 0x0' render --capture good --out film.mp4 --size 0x0
@@ -214,7 +213,7 @@ expect 2 '--sheet FILE.png' render --capture good --out film.mp4 --sheet 2x2
 expect 2 '--background sky' render --capture good --out film.mp4 --background sky
 expect 2 'garbage.png' render --capture good --out film.mp4 --background garbage.png
 expect 2 'none.mp4' render --capture good --out film.mp4 --video none.mp4
-expect 2 'wide.json 640x960' render --capture good --out film.mp4 --camera wide.json
+expect 2 'seq/video.mp4 540x960 640x960 --camera' render --capture good --out film.mp4 --camera wide.json
 expect 2 'film.avi .mp4' render --capture good --out film.avi
 expect 2 'nowhere/film.mp4' render --capture good --out nowhere/film.mp4
 expect 2 'empty/frames' render --capture good --out empty/frames --view left

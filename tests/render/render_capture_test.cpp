@@ -374,6 +374,12 @@ TEST_F(RenderCapture, RefusesWhatIsNoCapture) {
   asked.height = 20;
   expect_refused<ConfigError>(asked, {"--sheet", "20396 px"});
 
+  asked = options("bad.mp4");
+  asked.video = (folder_ / "wide").string();
+  fs::create_directories(asked.video);
+  write_png(ImageRgb{100, 160, std::vector<uint8_t>(3 * 100 * 160)}, folder_ / "wide/0.png");
+  expect_refused<IoError>(asked, {"wide", "100x160", "90x160", "--camera"});
+
   // A video that is too short is seen when it ends; no film is left.
   asked = options("bad.mp4");
   asked.video = (folder_ / "short").string();

@@ -30,10 +30,9 @@ ImageRgb studio(int width, int height) {
 
 // "#rrggbb".
 std::optional<Rgb> parsed_color(const std::string& text) {
-  if (text.size() != 7 || text[0] != '#') return std::nullopt;
-  char* end = nullptr;
-  const unsigned long value = std::strtoul(text.c_str() + 1, &end, 16);
-  if (*end != '\0') return std::nullopt;
+  if (text.size() != 7 || text[0] != '#' || text.find_first_not_of("0123456789abcdefABCDEF", 1) != std::string::npos)
+    return std::nullopt;
+  const unsigned long value = std::strtoul(text.c_str() + 1, nullptr, 16);
   return Rgb{static_cast<float>(value >> 16), static_cast<float>(value >> 8 & 255), static_cast<float>(value & 255)};
 }
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 
@@ -244,6 +245,34 @@ TEST_F(RenderCapture, DisplacementIsTheDistanceFromTheSkinnedSurface) {
       EXPECT_GE(pixel[k], 0.8 * color[k] - test::kByteRounding) << value;  // shaded
     }
   }
+}
+
+TEST_F(RenderCapture, NormalsAndMaterialsHaveTheirColours) {
+  RenderOptions asked = options("");
+  asked.background = "#000000";
+  const int x = static_cast<int>(std::lround(camera_.fx * 0.2 / 3 + camera_.cx)), y = 60;  // of the trunk
+  asked.style = "normals";
+  const ImageRgb normals = rendered(asked, 2 + kFirst);
+  const uint8_t* normal = &normals.pixels[3 * (size_t(y) * 90 + x)];
+  EXPECT_GT(normal[2], 220);  // towards the viewer
+  EXPECT_LT(std::abs(normal[0] - 128) + std::abs(normal[1] - 128), normal[2] - 128);
+  double to_right = 0, up = 0;
+  for (int i = 0; i < 90 * 160; ++i) {
+    if (normals.pixels[3 * i + 2] == 0) continue;
+    to_right += (i % 90 - x) * (normals.pixels[3 * i] - 128.0);  // what is at the right faces there
+    up += i / 90 < 30 ? normals.pixels[3 * i + 1] - 128.0 : 0;   // the top of the head
+  }
+  EXPECT_GT(to_right, 0);
+  EXPECT_GT(up, 0);
+
+  asked.style = "materials";
+  const ImageRgb materials = rendered(asked, 2 + kFirst);
+  const uint8_t* material = &materials.pixels[3 * (size_t(y) * 90 + x)];
+  const Rgb shirt = label_color(5);
+  const auto strongest = std::max_element(shirt.begin(), shirt.end()) - shirt.begin();
+  const double shade = material[strongest] / shirt[strongest];
+  EXPECT_GT(shade, 0.5);
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(material[k], shade * shirt[k], test::kByteRounding);
 }
 
 TEST_F(RenderCapture, WithoutBackgroundThereIsOpacityWhereThePersonIs) {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/text.h"
-#include "raster/overlay.h"
+#include "picture/overlay.h"
 
 namespace livecap::acquire {
 

@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "image/image_io.h"
 #include "livecap/error.h"
+#include "picture/color_scale.h"
 
 namespace livecap::acquire {
 
@@ -30,7 +31,7 @@ std::string label_legend(const Actor& actor) {
   for (uint8_t label : actor.labels) ++counts[label];
   std::string text = "<p>";
   for (const auto& [label, count] : counts) {
-    const Eigen::Vector3f c = 255 * label_color(label);
+    const Rgb c = label_color(label);
     text += format("<span style=\"background:rgb(%d,%d,%d)\">&nbsp;&nbsp;&nbsp;</span> %s (%d) &nbsp; ",
                    static_cast<int>(c[0]), static_cast<int>(c[1]), static_cast<int>(c[2]),
                    std::string(kLabelNames[label]).c_str(), count);

@@ -5,8 +5,9 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "geometry/reference.h"
-#include "raster/overlay.h"
+#include "actor/posed_vertices.h"
+#include "picture/color_scale.h"
+#include "picture/overlay.h"
 
 namespace livecap::acquire {
 
@@ -17,17 +18,9 @@ using Eigen::Vector3f;
 
 constexpr int kWidth = 300, kHeight = 380;
 
-Vector3f hue_color(double hue, double value) {
-  Vector3f c;
-  for (int k = 0; k < 3; ++k) {
-    const double h = std::fmod(hue + k / 3.0, 1.0);
-    c[k] = static_cast<float>(value * (0.25 + 0.75 * std::clamp(std::abs(6 * h - 3) - 1, 0.0, 1.0)));
-  }
-  return c;
-}
-
 Vector3f bone_color(int bone) {
-  return hue_color(std::fmod(0.381966 * bone, 1.0), bone % 2 ? 1.0 : 0.75);
+  const Rgb color = hue_color(0.381966 * bone, bone % 2 ? 1.0 : 0.75);
+  return Vector3f::Map(color.data()) / 255;
 }
 
 struct Stage {
@@ -100,38 +93,7 @@ ImageRgb side_by_side(const std::vector<ImageRgb>& images) {
   return strip;
 }
 
-std::vector<float> posed_vertices(const Actor& actor, const Eigen::VectorXd& angles) {
-  Pose pose = rest_pose(actor.skeleton);
-  pose.angles_rad = angles;
-  const std::vector<float> motions = bone_dual_quats(forward_kinematics(actor.skeleton, pose));
-  const auto motion = [&](int bone) {
-    const float* q = &motions[8 * bone];
-    return reference::DualQuat{q[0], q[1], q[2], q[3], q[4], q[5], q[6], q[7]};
-  };
-  std::vector<float> positions(actor.mesh.positions.size());
-  for (int i = 0; i < actor.n_vertices(); ++i) {
-    const reference::DualQuat first = motion(actor.skin.bones[4 * i]);
-    reference::DualQuat sum = reference::dual_quat_zero();
-    for (int k = 0; k < kMaxInfluences; ++k) {
-      const reference::DualQuat q = motion(actor.skin.bones[4 * i + k]);
-      const double sign = reference::dual_quat_real_dot(first, q) < 0 ? -1 : 1;
-      sum = reference::dual_quat_add_scaled(sum, q, sign * actor.skin.weights[4 * i + k]);
-    }
-    const float* p = &actor.mesh.positions[3 * i];
-    const reference::Vec3 moved = reference::dual_quat_transform(sum, reference::vec3(p[0], p[1], p[2]));
-    positions[3 * i] = static_cast<float>(moved.x);
-    positions[3 * i + 1] = static_cast<float>(moved.y);
-    positions[3 * i + 2] = static_cast<float>(moved.z);
-  }
-  return positions;
-}
-
 }  // namespace
-
-Vector3f label_color(int label) {
-  return label == 0 ? Vector3f::Constant(0.5f)
-                    : hue_color(std::fmod(0.381966 * label + 0.1, 1.0), label % 3 ? 0.95 : 0.65);
-}
 
 ImageRgb turnaround_strip(const Actor& actor, StripColor color, int n_views, bool with_bones) {
   Actor shown = actor;
@@ -141,7 +103,7 @@ ImageRgb turnaround_strip(const Actor& actor, StripColor color, int n_views, boo
     for (int i = 0; i < actor.n_vertices(); ++i) {
       Vector3f c = Vector3f::Zero();
       if (color == StripColor::kLabels) {
-        c = label_color(actor.labels[i]);
+        c = Vector3f::Map(label_color(actor.labels[i]).data()) / 255;
       } else {
         for (int k = 0; k < kMaxInfluences; ++k)
           c += actor.skin.weights[4 * i + k] * bone_color(actor.skin.bones[4 * i + k]);
@@ -181,8 +143,13 @@ ImageRgb painted_strip(const Actor& actor, const std::vector<float>& colors) {
 
 ImageRgb pose_strip(const Actor& actor, const std::vector<Eigen::VectorXd>& poses) {
   std::vector<ImageRgb> images;
-  for (const Eigen::VectorXd& angles : poses)
-    images.push_back(draw(actor, posed_vertices(actor, angles), make_stage(actor, 0.4), true));
+  for (const Eigen::VectorXd& angles : poses) {
+    Pose pose = rest_pose(actor.skeleton);
+    pose.angles_rad = angles;
+    const std::vector<float> positions =
+        posed_vertices(actor, bone_dual_quats(forward_kinematics(actor.skeleton, pose)));
+    images.push_back(draw(actor, positions, make_stage(actor, 0.4), true));
+  }
   return side_by_side(images);
 }
 

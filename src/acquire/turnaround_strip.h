@@ -20,7 +20,4 @@ ImageRgb painted_strip(const Actor& actor, const std::vector<float>& colors);
 // The actor textured in these poses (joint angles, rad), from the front and a little from the side.
 ImageRgb pose_strip(const Actor& actor, const std::vector<Eigen::VectorXd>& poses);
 
-// A colour per LIP id, sRGB in [0,1].
-Eigen::Vector3f label_color(int label);
-
 }  // namespace livecap::acquire

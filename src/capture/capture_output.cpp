@@ -7,7 +7,7 @@
 #include "capture/report_json.h"
 #include "export/export_frame.h"
 #include "livecap/error.h"
-#include "raster/overlay.h"
+#include "picture/overlay.h"
 
 namespace livecap {
 namespace {

@@ -28,32 +28,37 @@ KeypointAnchor rest_point(const Actor& actor, const std::string& name) {
 
 }  // namespace
 
-std::vector<Eigen::Isometry3d> captured_bones(const CaptureFolder& capture, int64_t row,
-                                              const std::vector<float>& joints_mm) {
+std::optional<Pose> captured_pose(const CaptureFolder& capture, int64_t row, const std::vector<float>& joints_mm) {
   const Skeleton& skeleton = capture.actor.skeleton;
-  if (joints_mm.empty() || row >= static_cast<int64_t>(capture.angles.frames.size())) return {};
+  if (joints_mm.empty() || row >= static_cast<int64_t>(capture.angles.frames.size())) return std::nullopt;
   const std::vector<double>& angles_deg = capture.angles.frames[row];
-  if (angles_deg.empty()) return {};
+  if (angles_deg.empty()) return std::nullopt;
   Pose pose = rest_pose(skeleton);
   pose.root_rotation.setIdentity();
   pose.root_translation_mm.setZero();
   for (int k = 0; k < skeleton.n_dofs(); ++k) {
     const int column = index_of(capture.angles.names, skeleton.dofs[k].name);
-    if (column < 0) return {};
+    if (column < 0) return std::nullopt;
     pose.angles_rad[k] = angles_deg[column] * std::numbers::pi / 180;
   }
   const PosedSkeleton own = forward_kinematics(skeleton, pose);
   Eigen::Matrix3Xd from(3, skeleton.n_bones()), to(3, skeleton.n_bones());
   for (int bone = 0; bone < skeleton.n_bones(); ++bone) {
     const int joint = index_of(capture.joints.names, skeleton.bones[bone].name);
-    if (joint < 0) return {};
+    if (joint < 0) return std::nullopt;
     from.col(bone) = own.camera_from_bone[bone].translation();
     to.col(bone) = Eigen::Map<const Eigen::Vector3f>(&joints_mm[3 * joint]).cast<double>();
   }
   const Eigen::Isometry3d camera_from_own(Eigen::umeyama(from, to, false));
-  std::vector<Eigen::Isometry3d> bones;
-  for (const Eigen::Isometry3d& own_from_rest : own.camera_from_rest) bones.push_back(camera_from_own * own_from_rest);
-  return bones;
+  pose.root_rotation = camera_from_own.linear();
+  pose.root_translation_mm = camera_from_own.translation();
+  return pose;
+}
+
+std::vector<Eigen::Isometry3d> captured_bones(const CaptureFolder& capture, int64_t row,
+                                              const std::vector<float>& joints_mm) {
+  const std::optional<Pose> pose = captured_pose(capture, row, joints_mm);
+  return pose ? forward_kinematics(capture.actor.skeleton, *pose).camera_from_rest : std::vector<Eigen::Isometry3d>();
 }
 
 CarriedJoints::CarriedJoints(const Actor& actor, const Actor& truth, const RestOverlay& overlay,

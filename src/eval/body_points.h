@@ -4,6 +4,7 @@
 // captured mesh are such points too.
 #pragma once
 
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -14,9 +15,12 @@
 
 namespace livecap {
 
-// The rotation and translation of every bone in a row of a capture: camera_from_rest, [n_bones]. From its joint angles,
-// and the root from the rigid motion that lays the skeleton's joints on the row's (joints_mm: [3*n], camera frame).
-// Empty when the row has no result or the capture lacks a column that is needed.
+// The pose of a row of a capture, in the camera's frame: its joint angles, and the root from the rigid motion that lays
+// the skeleton's joints on the row's (joints_mm: [3*n], camera frame). None when the row has no result or the capture
+// lacks a column that is needed.
+std::optional<Pose> captured_pose(const CaptureFolder& capture, int64_t row, const std::vector<float>& joints_mm);
+
+// The rotation and translation of every bone in it: camera_from_rest, [n_bones]; empty where there is no pose.
 std::vector<Eigen::Isometry3d> captured_bones(const CaptureFolder& capture, int64_t row,
                                               const std::vector<float>& joints_mm);
 

@@ -18,6 +18,11 @@ namespace fs = std::filesystem;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kAssumedFps = 30;
+const std::string kBuiltin = "builtin:";
+
+bool is_builtin(const std::string& actor) {
+  return actor.rfind(kBuiltin, 0) == 0;
+}
 
 // Field `name` of a JSON object; `fallback` when it is missing, null or of another type.
 template <typename T>
@@ -32,12 +37,15 @@ T field(const nlohmann::json& object, const char* name, T fallback) {
   }
 }
 
-// The file, or for a capture that was given a field of view only: that, at the size of the true masks.
+// The file, or for a capture that was given a field of view only: the folder's own copy, which has no distortion then;
+// a folder without one: the field of view at the size of the true masks.
 Camera load_camera_of(const fs::path& report_path, const std::string& named, const nlohmann::json& options,
                       const fs::path& masks) {
   const std::string file = named.empty() ? field<std::string>(options, "camera", "") : named;
   if (!file.empty()) return load_camera(file);
   const double fov_deg = field<double>(options, "fov_deg", 0);
+  if (const fs::path own = report_path.parent_path() / "camera.json"; fov_deg > 0 && fs::exists(own))
+    return load_camera(own);
   if (fov_deg > 0 && fs::is_directory(masks)) {
     for (const fs::directory_entry& entry : fs::directory_iterator(masks)) {
       const ImageGray mask = read_image_gray(entry.path());
@@ -85,10 +93,9 @@ void require_points(const Pc2Reader& vertices, const fs::path& file, const std::
 }  // namespace
 
 Actor load_actor_named(const std::string& name, double height_mm) {
-  const std::string prefix = "builtin:";
-  if (name.rfind(prefix, 0) != 0) return load_actor(name, height_mm);
+  if (!is_builtin(name)) return load_actor(name, height_mm);
   return load_actor_bytes(
-      make_builtin_actor_glb(name.substr(prefix.size()), height_mm > 0 ? height_mm : kBuiltinHeightMm), name);
+      make_builtin_actor_glb(name.substr(kBuiltin.size()), height_mm > 0 ? height_mm : kBuiltinHeightMm), name);
 }
 
 CaptureFolder open_capture(const fs::path& folder, const std::string& actor, const std::string& camera,
@@ -99,8 +106,11 @@ CaptureFolder open_capture(const fs::path& folder, const std::string& actor, con
   if (!report.is_object()) throw IoError(report_path.string() + ": is not a JSON object");
   const nlohmann::json options = report.value("options", nlohmann::json());
 
-  const std::string actor_name = actor.empty() ? field<std::string>(options, "actor", "") : actor;
+  std::string actor_name = actor.empty() ? field<std::string>(options, "actor", "") : actor;
   if (actor_name.empty()) throw IoError(report_path.string() + ": field \"options.actor\" is missing; give --actor");
+  const fs::path own_actor = folder / "actor.glb";
+  if (actor.empty() && !is_builtin(actor_name) && !fs::exists(actor_name) && fs::exists(own_actor))
+    actor_name = own_actor.string();
   CaptureFolder capture;
   capture.path = folder;
   capture.actor = load_actor_named(actor_name, field<double>(options, "height_mm", 0));
@@ -134,6 +144,11 @@ std::vector<float> captured_vertices(CaptureFolder& capture, int64_t row) {
   capture.vertices->read(static_cast<int>(row), positions);
   const bool known = std::all_of(positions.begin(), positions.end(), [](float value) { return std::isfinite(value); });
   return known ? to_camera_mm(std::move(positions)) : std::vector<float>();
+}
+
+std::vector<float> captured_joints(const CaptureFolder& capture, int64_t row) {
+  if (row >= static_cast<int64_t>(capture.joints.frames.size())) return {};
+  return to_camera_mm(capture.joints.frames[row]);
 }
 
 }  // namespace livecap

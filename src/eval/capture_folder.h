@@ -37,8 +37,10 @@ struct CaptureFolder {
 // An actor file or builtin:NAME; height_mm > 0 scales it.
 Actor load_actor_named(const std::string& name, double height_mm);
 
-// actor, camera: empty = what report.json names; without a camera file the masks in `masks` give the size for a field
-// of view. Throws IoError naming the file when the folder does not hold what is needed or sizes do not fit together.
+// actor, camera: empty = what report.json names. An actor that is not there any more is read from the folder's own
+// copy, and for a capture that was given a field of view only the folder knows the camera; where it does not, the masks
+// in `masks` give the size. Throws IoError naming the file when the folder does not hold what is needed or sizes do not
+// fit together.
 CaptureFolder open_capture(const std::filesystem::path& folder, const std::string& actor, const std::string& camera,
                            const std::filesystem::path& masks);
 
@@ -47,5 +49,8 @@ std::vector<float> to_camera_mm(std::vector<float> positions);
 
 // The vertices of a row, mm, camera frame; empty when there are none.
 std::vector<float> captured_vertices(CaptureFolder& capture, int64_t row);
+
+// The joints and keypoints of a row by CaptureFolder::joints' names, mm, camera frame; empty when there are none.
+std::vector<float> captured_joints(const CaptureFolder& capture, int64_t row);
 
 }  // namespace livecap

@@ -7,12 +7,12 @@
 
 #include "base/log.h"
 #include "eval/mask_raster.h"
-#include "eval/mesh_picture.h"
 #include "eval/truth_folder.h"
 #include "image/undistort.h"
 #include "image/video.h"
 #include "livecap/error.h"
-#include "raster/overlay.h"
+#include "picture/color_scale.h"
+#include "picture/overlay.h"
 
 namespace livecap {
 namespace {
@@ -105,15 +105,15 @@ ImageRgb outline_picture(const ImageGray& captured, const ImageGray& truth, cons
   return picture;
 }
 
-ImageRgb error_picture(const std::vector<float>& vertices, const std::vector<float>& truth, const Mesh& mesh,
+ImageRgb error_picture(const std::vector<float>& vertices, const std::vector<float>& truth, const Actor& actor,
                        const Camera& camera, const ImageRgb& input) {
   ImageRgb picture = input;
   for (uint8_t& value : picture.pixels) value = static_cast<uint8_t>(kPaper - kDimmed * (255 - value));
-  std::vector<Rgb> colors;
-  for (double error : translation_aligned_distances(vertices, truth))
-    colors.push_back(heat_color(error / kHeatScaleMm));
-  paint_mesh(vertices, mesh.triangles, colors, camera, picture);
-  return picture;
+  const std::vector<float> colors = heat_colors(translation_aligned_distances(vertices, truth), kHeatScaleMm);
+  OverlayOptions options;
+  options.alpha = 1;
+  options.colors = colors;
+  return render_overlay(actor, vertices, camera, picture, options);
 }
 
 // The frames of the video that are wanted, by index; empty when it cannot be read.
@@ -169,8 +169,8 @@ ContactSheet contact_sheet(const EvalOptions& options, const std::string& video,
     if (sheet.has_error) {
       const bool known = !vertices.empty() && !expected.vertices_mm.empty();
       panels.push_back(
-          cut(known ? error_picture(vertices, expected.vertices_mm, capture.actor.mesh, camera, input) : plain(camera),
-              box, height_px));
+          cut(known ? error_picture(vertices, expected.vertices_mm, capture.actor, camera, input) : plain(camera), box,
+              height_px));
     }
     sheet.pictures[index] = side_by_side(panels);
   }

@@ -176,15 +176,12 @@ EvalReport evaluate(const EvalOptions& options) {
       frame.loose_aligned_mm = mean_of(loose);
       vertex_errors.add(direct, aligned);
     }
-    std::vector<float> captured_joints;
-    if (row < static_cast<int64_t>(capture.joints.frames.size())) {
-      captured_joints = to_camera_mm(capture.joints.frames[row]);
-    }
-    joints.add(captured_joints, expected.joints_mm, frame);
+    const std::vector<float> row_joints = captured_joints(capture, row);
+    joints.add(row_joints, expected.joints_mm, frame);
     if (true_joints) {
-      const std::vector<Eigen::Isometry3d> bones = captured_bones(capture, row, captured_joints);
+      const std::vector<Eigen::Isometry3d> bones = captured_bones(capture, row, row_joints);
       FrameEval unused;
-      if (!bones.empty()) body_points.add(true_joints->at(captured_joints, bones), expected.joints_mm, unused);
+      if (!bones.empty()) body_points.add(true_joints->at(row_joints, bones), expected.joints_mm, unused);
     }
     network.add(expected.joints_mm, frame);
     report.n_arms_exchanged += frame.arms_exchanged;

@@ -11,9 +11,9 @@
 #include "base/text.h"
 #include "eval/contact_sheet.h"
 #include "eval/html_style.h"
-#include "eval/mesh_picture.h"
 #include "eval/svg_chart.h"
 #include "image/image_io.h"
+#include "picture/turnaround.h"
 
 namespace livecap {
 namespace {

@@ -69,6 +69,17 @@ void write_png(const ImageGray& image, const std::filesystem::path& path) {
   write_file_atomically(path, encode(gray, ".png"));
 }
 
+void write_png(const ImageRgb& image, const ImageGray& alpha, const std::filesystem::path& path) {
+  if (alpha.width != image.width || alpha.height != image.height ||
+      alpha.pixels.size() != size_t(alpha.width) * alpha.height)
+    throw LogicError(
+        format("write_png: alpha of %dx%d for %dx%d RGB", alpha.width, alpha.height, image.width, image.height));
+  const cv::Mat channel(alpha.height, alpha.width, CV_8UC1, const_cast<uint8_t*>(alpha.pixels.data()));
+  cv::Mat bgra;
+  cv::merge(std::vector<cv::Mat>{to_bgr(image, "write_png"), channel}, bgra);
+  write_file_atomically(path, encode(bgra, ".png"));
+}
+
 std::string encode_png(const ImageRgb& image) {
   return encode(to_bgr(image, "encode_png"), ".png");
 }

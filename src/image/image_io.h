@@ -17,6 +17,8 @@ ImageGray read_image_gray(const std::filesystem::path& path);
 // Through a temporary file and a rename. Throws IoError; LogicError when the pixels do not match the size.
 void write_png(const ImageRgb& image, const std::filesystem::path& path);
 void write_png(const ImageGray& image, const std::filesystem::path& path);
+// With transparency: alpha has the same size (LogicError), colours are not multiplied by it.
+void write_png(const ImageRgb& image, const ImageGray& alpha, const std::filesystem::path& path);
 
 // The bytes of a file, for pictures inside another file. quality: 1..100. LogicError as above.
 std::string encode_png(const ImageRgb& image);

@@ -20,7 +20,7 @@ expect() {
   lines=$(grep -c '^error: ' err.txt)
   local others
   # libpng reports on its own before our line, and cannot be told not to.
-  others=$(grep -cvE '^(error: |warning: |capture |live |synth |detect |eval |actor: |views |calibrate |libpng error: )' err.txt)
+  others=$(grep -cvE '^(error: |warning: |capture |live |synth |detect |eval |render |actor: |views |calibrate |libpng error: )' err.txt)
   local word missing=
   for word in $pattern; do
     grep '^error: ' err.txt | grep -qF -- "$word" || missing+=" $word"
@@ -195,6 +195,36 @@ expect 2 'nowhere folder' eval --capture good --truth seq/truth --view view.json
 expect 2 'nothing 000000.png' eval --capture good --truth seq/truth --view view.json nothing
 expect 2 'nowhere/report.html' eval --capture good --truth seq/truth --html nowhere/report.html
 expect 2 'none' eval --capture good --truth seq/truth --pose-only none
+
+# render.
+expect 2 '--out' render --capture good
+expect 2 'none folder' render --capture none --out film.mp4
+expect 2 'nothing/report.json' render --capture nothing --out film.mp4
+cp -r good still && rm still/vertices.pc2
+expect 2 'still/vertices.pc2 missing' render --capture still --out film.mp4
+expect 2 'other/vertices.pc2 10 points' render --capture other --out film.mp4
+head -c 5000 good/vertices.pc2 >still/vertices.pc2
+expect 2 'still/vertices.pc2 truncated' render --capture still --out film.mp4
+expect 2 '--view above camera front' render --capture good --out film.mp4 --view above
+expect 2 '--style gold texture' render --capture good --out film.mp4 --style gold
+expect 2 '--size 0x0' render --capture good --out film.mp4 --size 0x0
+expect 2 '--size wide' render --capture good --out film.mp4 --size wide
+expect 2 '--sheet FILE.png' render --capture good --out film.mp4 --sheet 2x2
+expect 2 '--background sky' render --capture good --out film.mp4 --background sky
+expect 2 'garbage.png' render --capture good --out film.mp4 --background garbage.png
+expect 2 'none.mp4' render --capture good --out film.mp4 --video none.mp4
+expect 2 'seq/video.mp4 540x960 640x960 --camera' render --capture good --out film.mp4 --camera wide.json
+expect 2 'film.avi .mp4' render --capture good --out film.avi
+expect 2 'nowhere/film.mp4' render --capture good --out nowhere/film.mp4
+expect 2 'empty/frames' render --capture good --out empty/frames --view left
+expect 2 'seq/video.mp4 input' render --capture good --out seq/video.mp4
+expect 2 '--first' render --capture good --out film.mp4 --first 1000
+cases=$((cases + 1))
+if compgen -G 'film.*' >/dev/null || ! "$livecap" -q render --capture good --out film.mp4 --side-by-side >/dev/null 2>err.txt || [[ ! -s film.mp4 ]]; then
+  echo "FAILED: render, or one of the failed ones left a film"
+  sed 's/^/  | /' err.txt | head -5
+  failures=$((failures + 1))
+fi
 expect 2 '--video' eval --ablate --truth seq/truth
 expect 2 '--capture --video' eval --ablate --truth seq/truth --capture good
 expect 2 'nowhere folder' eval --ablate --truth nowhere --video seq/video.mp4 --camera seq/camera.json --actor seq/actor.glb

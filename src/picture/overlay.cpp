@@ -1,12 +1,12 @@
-#include "raster/overlay.h"
+#include "picture/overlay.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/text.h"
 #include "livecap/error.h"
+#include "picture/rasterize.h"
 
 namespace livecap {
 namespace {
@@ -14,14 +14,17 @@ namespace {
 constexpr float kMinDepthMm = 100;
 constexpr float kMaxPixel = 1e6f;
 constexpr float kAmbient = 0.55f;
+constexpr float kKeyAmbient = 0.26f, kKeyFromCamera = 0.24f, kKey = 0.72f;
 constexpr float kGrey = 190;
+constexpr float kLightCheck = 225, kDarkCheck = 70;
+constexpr float kWireShade = 0.4f;
 
 using Eigen::Vector3f;
 
-// A corner of a render triangle, everything that is interpolated divided by depth.
+// A corner of a render triangle.
 struct Corner {
-  float u, v, inv_z;
-  Vector3f color;  // 0..255
+  ScreenPoint at;
+  Vector3f color;  // 0..255, or with checks the place at rest, mm
   Vector3f normal;
   Eigen::Vector2f uv;
 };
@@ -41,6 +44,24 @@ Vector3f sample(const ImageRgb& texture, const Eigen::Vector2f& uv) {
          (texel(x0, y0 + 1) * (1 - fx) + texel(x0 + 1, y0 + 1) * fx) * fy;
 }
 
+Vector3f check_color(const Vector3f& rest_mm, float side_mm) {
+  int sum = 0;
+  for (int k = 0; k < 3; ++k) sum += static_cast<int>(std::floor(rest_mm[k] / side_mm));
+  return Vector3f::Constant(sum % 2 ? kDarkCheck : kLightCheck);
+}
+
+// px from a pixel to the nearest edge of a triangle that covers it. w: the corners' shares, linear in the picture.
+float edge_distance(const Corner (&c)[3], const float (&w)[3]) {
+  const float area =
+      std::abs((c[1].at.x - c[0].at.x) * (c[2].at.y - c[0].at.y) - (c[1].at.y - c[0].at.y) * (c[2].at.x - c[0].at.x));
+  float nearest = area;
+  for (int k = 0; k < 3; ++k) {
+    const ScreenPoint &a = c[(k + 1) % 3].at, &b = c[(k + 2) % 3].at;
+    nearest = std::min(nearest, w[k] * area / std::hypot(b.x - a.x, b.y - a.y));
+  }
+  return nearest;
+}
+
 class Painter {
  public:
   Painter(const Actor& actor, const Camera& camera, const OverlayOptions& options, const ImageRgb& background,
@@ -51,54 +72,44 @@ class Painter {
         background_(background),
         out_(out),
         x_offset_(x_offset),
-        depth_(size_t(camera.width) * camera.height, std::numeric_limits<float>::infinity()) {}
+        nearest_(camera.width, camera.height) {}
 
   void triangle(const Corner (&c)[3]) {
-    const float area = (c[1].u - c[0].u) * (c[2].v - c[0].v) - (c[1].v - c[0].v) * (c[2].u - c[0].u);
-    if (area == 0) return;
-    const int x0 = static_cast<int>(std::ceil(std::max(0.f, std::min({c[0].u, c[1].u, c[2].u}))));
-    const int x1 = static_cast<int>(std::floor(std::min<float>(camera_.width - 1, std::max({c[0].u, c[1].u, c[2].u}))));
-    const int y0 = static_cast<int>(std::ceil(std::max(0.f, std::min({c[0].v, c[1].v, c[2].v}))));
-    const int y1 =
-        static_cast<int>(std::floor(std::min<float>(camera_.height - 1, std::max({c[0].v, c[1].v, c[2].v}))));
-    for (int y = y0; y <= y1; ++y) {
-      for (int x = x0; x <= x1; ++x) {
-        float w[3];
-        bool inside = true;
-        for (int k = 0; k < 3; ++k) {
-          const Corner& a = c[(k + 1) % 3];
-          const Corner& b = c[(k + 2) % 3];
-          w[k] = ((b.u - a.u) * (y - a.v) - (b.v - a.v) * (x - a.u)) / area;
-          inside &= w[k] >= 0;
-        }
-        if (!inside) continue;
-        const float inv_z = w[0] * c[0].inv_z + w[1] * c[1].inv_z + w[2] * c[2].inv_z;
-        float& nearest = depth_[size_t(y) * camera_.width + x];
-        if (!(1 / inv_z < nearest)) continue;
-        nearest = 1 / inv_z;
-        for (int k = 0; k < 3; ++k) w[k] *= c[k].inv_z / inv_z;
-        pixel(x, y, c, w);
-      }
-    }
+    rasterize({c[0].at, c[1].at, c[2].at}, nearest_, [&](int x, int y, const float(&w)[3], float inv_z) {
+      float share[3];
+      for (int k = 0; k < 3; ++k) share[k] = w[k] * (c[k].at.nearness / inv_z);
+      Vector3f color = surface_color(c, share);
+      if (options_.wire_px > 0 && edge_distance(c, w) < options_.wire_px / 2) color *= kWireShade;
+      pixel(x, y, color, c, share);
+    });
   }
 
  private:
-  void pixel(int x, int y, const Corner (&c)[3], const float (&w)[3]) {
-    Vector3f color;
-    if (!options_.texture) {
-      color = Vector3f::Constant(kGrey);
-    } else if (!actor_.texture.empty()) {
-      color = sample(actor_.texture, w[0] * c[0].uv + w[1] * c[1].uv + w[2] * c[2].uv);
-    } else {
-      color = w[0] * c[0].color + w[1] * c[1].color + w[2] * c[2].color;
-    }
+  Vector3f surface_color(const Corner (&c)[3], const float (&w)[3]) const {
+    const bool painted = options_.checks_mm > 0 || !options_.colors.empty();
+    if (!painted && !options_.texture) return Vector3f::Constant(kGrey);
+    if (!painted && !actor_.texture.empty())
+      return sample(actor_.texture, w[0] * c[0].uv + w[1] * c[1].uv + w[2] * c[2].uv);
+    const Vector3f value = w[0] * c[0].color + w[1] * c[1].color + w[2] * c[2].color;
+    return options_.checks_mm > 0 ? check_color(value, options_.checks_mm) : value;
+  }
+
+  // Of a surface with this normal, of any length, seen along this ray. Both of its sides are lit alike.
+  float brightness(const Vector3f& normal, const Vector3f& ray) const {
+    const float length = normal.norm() * ray.norm();
+    const float cosine = length > 0 ? std::abs(normal.dot(ray)) / length : 1;
+    if (!options_.key_light) return kAmbient + (1 - kAmbient) * cosine;
+    static const Vector3f kToLamp = Vector3f(-0.55f, -0.65f, -0.53f).normalized();
+    const float towards = (normal.dot(ray) > 0 ? -1.f : 1.f) * normal.dot(kToLamp) / std::max(normal.norm(), 1e-6f);
+    return kKeyAmbient + kKeyFromCamera * cosine + kKey * std::max(0.f, towards);
+  }
+
+  void pixel(int x, int y, Vector3f color, const Corner (&c)[3], const float (&w)[3]) {
     if (options_.shading) {
       const Vector3f normal = w[0] * c[0].normal + w[1] * c[1].normal + w[2] * c[2].normal;
       const Vector3f ray((x - static_cast<float>(camera_.cx)) / static_cast<float>(camera_.fx),
                          (y - static_cast<float>(camera_.cy)) / static_cast<float>(camera_.fy), 1);
-      const float length = normal.norm() * ray.norm();
-      const float cosine = length > 0 ? std::abs(normal.dot(ray)) / length : 1;
-      color *= kAmbient + (1 - kAmbient) * cosine;
+      color *= brightness(normal, ray);
     }
     const uint8_t* from = &background_.pixels[3 * (size_t(y) * background_.width + x)];
     uint8_t* to = &out_.pixels[3 * (size_t(y) * out_.width + x_offset_ + x)];
@@ -112,13 +123,22 @@ class Painter {
   const ImageRgb& background_;
   ImageRgb& out_;
   int x_offset_;
-  std::vector<float> depth_;  // [w*h] mm
+  NearnessImage nearest_;  // 1/mm
 };
+
+// What is interpolated over the triangles around vertex i.
+Vector3f vertex_color(const Actor& actor, const OverlayOptions& options, int32_t i) {
+  if (options.checks_mm > 0) return Eigen::Map<const Vector3f>(&actor.mesh.positions[3 * i]);
+  const std::span<const float> colors = options.colors.empty() ? actor.colors : options.colors;
+  return colors.empty() ? Vector3f::Constant(kGrey) : Vector3f(255 * Eigen::Map<const Vector3f>(&colors[3 * i]));
+}
 
 }  // namespace
 
 void OverlayOptions::validate() const {
   if (!(alpha >= 0 && alpha <= 1)) throw ConfigError(format("overlay: alpha %g must be in 0..1", alpha));
+  if (!(checks_mm >= 0)) throw ConfigError(format("overlay: checks of %g mm must be 0 or more", checks_mm));
+  if (!(wire_px >= 0)) throw ConfigError(format("overlay: edges of %g px must be 0 or more", wire_px));
 }
 
 ImageRgb render_overlay(const Actor& actor, std::span<const float> positions_camera, const Camera& camera,
@@ -126,6 +146,9 @@ ImageRgb render_overlay(const Actor& actor, std::span<const float> positions_cam
   options.validate();
   if (positions_camera.size() != actor.mesh.positions.size())
     throw LogicError(format("overlay: %zu coordinates for %d vertices", positions_camera.size(), actor.n_vertices()));
+  if (!options.colors.empty() && options.colors.size() != positions_camera.size())
+    throw LogicError(
+        format("overlay: %zu colours for %zu coordinates", options.colors.size(), positions_camera.size()));
   if (background.width != camera.width || background.height != camera.height)
     throw ConfigError(format("overlay: picture of %dx%d for a camera of %dx%d", background.width, background.height,
                              camera.width, camera.height));
@@ -149,13 +172,12 @@ ImageRgb render_overlay(const Actor& actor, std::span<const float> positions_cam
       const float* p = &positions_camera[3 * i];
       Corner& corner = corners[k];
       drawn &= p[2] > kMinDepthMm;
-      corner.inv_z = 1 / p[2];
-      corner.u = static_cast<float>(camera.fx) * p[0] * corner.inv_z + static_cast<float>(camera.cx);
-      corner.v = static_cast<float>(camera.fy) * p[1] * corner.inv_z + static_cast<float>(camera.cy);
-      drawn &= std::abs(corner.u) < kMaxPixel && std::abs(corner.v) < kMaxPixel;
+      const float inv_z = 1 / p[2];
+      corner.at = {static_cast<float>(camera.fx) * p[0] * inv_z + static_cast<float>(camera.cx),
+                   static_cast<float>(camera.fy) * p[1] * inv_z + static_cast<float>(camera.cy), inv_z};
+      drawn &= std::abs(corner.at.x) < kMaxPixel && std::abs(corner.at.y) < kMaxPixel;
       corner.normal = Vector3f(normals[3 * i], normals[3 * i + 1], normals[3 * i + 2]);
-      corner.color = actor.colors.empty() ? Vector3f::Constant(kGrey)
-                                          : Vector3f(255 * Eigen::Map<const Vector3f>(&actor.colors[3 * i]));
+      corner.color = vertex_color(actor, options, i);
       corner.uv = mesh.uvs.empty() ? Eigen::Vector2f::Zero() : Eigen::Vector2f(mesh.uvs[2 * r], mesh.uvs[2 * r + 1]);
     }
     if (drawn) painter.triangle(corners);

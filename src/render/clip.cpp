@@ -1,0 +1,115 @@
+#include "render/clip.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "base/text.h"
+#include "eval/body_points.h"
+#include "livecap/error.h"
+
+namespace livecap::render {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector3d;
+
+constexpr int kFloorSamples = 60;  // rows that tell where a floor is that neither camera nor feet at rest tell
+
+double median_of(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+std::vector<int64_t> chosen_rows(const CaptureFolder& capture, const RenderOptions& options) {
+  std::vector<int64_t> rows;
+  if (capture.rows.empty()) throw IoError((capture.path / "frames.csv").string() + ": has no frame");
+  for (int64_t row = 0; row < static_cast<int64_t>(capture.rows.size()); ++row) {
+    const int64_t index = capture.rows[row].index;
+    if (index < options.first || (options.frames >= 0 && index >= options.first + options.frames)) continue;
+    if ((index - options.first) % options.every == 0) rows.push_back(row);
+  }
+  if (rows.empty())
+    throw IoError((capture.path / "frames.csv").string() +
+                  format(": none of its frames, %lld to %lld, is asked for; see --first, --frames and --every",
+                         static_cast<long long>(capture.rows.front().index),
+                         static_cast<long long>(capture.rows.back().index)));
+  return rows;
+}
+
+Vector3d median_root(const Clip& clip) {
+  const std::vector<std::string>& names = clip.capture.joints.names;
+  const auto found = std::find(names.begin(), names.end(), clip.capture.actor.skeleton.bones[0].name);
+  const size_t root = found == names.end() ? 0 : static_cast<size_t>(found - names.begin());
+  std::vector<double> places[3];
+  for (int64_t row = 0; row < static_cast<int64_t>(clip.capture.rows.size()); ++row) {
+    const std::vector<Vector3d> joints = clip.joints(row);
+    if (joints.empty()) continue;
+    for (int k = 0; k < 3; ++k) places[k].push_back(joints[root][k]);
+  }
+  if (places[0].empty())
+    throw IoError((clip.capture.path / "frames.csv").string() + ": nobody was tracked in any frame");
+  return {median_of(places[0]), median_of(places[1]), median_of(places[2])};
+}
+
+// As the tracker learns it, but of all frames and with every ankle believed.
+std::optional<Floor> learned_floor(const Clip& clip) {
+  FloorFinder finder(clip.capture.actor, {}, measured_floor(clip.capture.camera));
+  Detections seen;
+  for (int ankle : {kLeftAnkle, kRightAnkle}) seen.keypoints[ankle].confidence = 1;
+  std::optional<Pose> previous;
+  for (int64_t row = 0; row < static_cast<int64_t>(clip.capture.rows.size()); ++row) {
+    const std::optional<Pose> pose =
+        clip.tracked(row) ? captured_pose(clip.capture, row, captured_joints(clip.capture, row)) : std::nullopt;
+    if (previous && pose) finder.learn(*previous, *pose, seen);
+    previous = pose;
+  }
+  return finder.floor() ? std::optional<Floor>(*finder.floor()) : std::nullopt;
+}
+
+Floor level_floor(Clip& clip) {
+  const int64_t n = static_cast<int64_t>(clip.capture.rows.size());
+  double lowest = -std::numeric_limits<double>::infinity();  // y points down
+  for (int64_t row = 0; row < n; row += std::max<int64_t>(1, n / kFloorSamples)) {
+    const std::vector<float> vertices = clip.vertices(row);
+    for (size_t i = 1; i < vertices.size(); i += 3) lowest = std::max<double>(lowest, vertices[i]);
+  }
+  return {-Vector3d::UnitY(), std::isfinite(lowest) ? lowest : clip.place_mm.y()};
+}
+
+}  // namespace
+
+std::vector<Vector3d> Clip::joints(int64_t row) const {
+  std::vector<Vector3d> points;
+  if (!tracked(row)) return points;
+  const std::vector<float> joints = captured_joints(capture, row);
+  for (size_t i = 0; i < joints.size(); i += 3)
+    points.push_back(Eigen::Map<const Eigen::Vector3f>(&joints[i]).cast<double>());
+  return points;
+}
+
+std::vector<float> Clip::vertices(int64_t row) {
+  return tracked(row) ? captured_vertices(capture, row) : std::vector<float>();
+}
+
+Clip open_clip(const RenderOptions& options) {
+  // The folder's own camera is the same without distortion, which only the video has.
+  const fs::path own_camera = fs::path(options.capture) / "camera.json";
+  const bool own = options.camera.empty() && !options.needs_video() && fs::exists(own_camera);
+  Clip clip{open_capture(options.capture, options.actor, own ? own_camera.string() : options.camera, {}), {}, {}, {}};
+  if (!clip.capture.vertices)
+    throw IoError((fs::path(options.capture) / "vertices.pc2").string() +
+                  ": is missing; `livecap capture` writes it beside report.json");
+  clip.rows = chosen_rows(clip.capture, options);
+  for (int64_t row : clip.rows) {
+    if (clip.tracked(row) && row >= clip.capture.vertices->n_samples())
+      throw IoError((clip.capture.path / "vertices.pc2").string() +
+                    format(": has %d samples, frames.csv %zu rows: they are of different runs or one is cut off",
+                           clip.capture.vertices->n_samples(), clip.capture.rows.size()));
+  }
+  clip.place_mm = median_root(clip);
+  const std::optional<Floor> floor = learned_floor(clip);
+  clip.floor = floor ? *floor : level_floor(clip);
+  return clip;
+}
+
+}  // namespace livecap::render

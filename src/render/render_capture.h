@@ -1,0 +1,26 @@
+// `livecap render`: pictures and films of a capture folder, from its own camera or from anywhere about the person.
+#pragma once
+
+#include <functional>
+
+#include "render/options.h"
+
+namespace livecap::render {
+
+struct RenderReport {
+  int64_t pictures = 0;  // painted; a sheet holds that many
+  int64_t empty = 0;     // of them without the person: frames that were not tracked
+  int width = 0;         // of a picture, px
+  int height = 0;
+  double fps = 0;        // of the film
+  bool complete = true;  // false: stopped early; what was painted until then is written
+};
+
+// After each picture; false stops.
+using RenderProgress = std::function<bool(int64_t done, int64_t total)>;
+
+// Throws ConfigError for options, IoError for a folder or a file that is not what it has to be and for output that
+// cannot be written; no film or sheet is left then, and a folder has the pictures that the message counts.
+RenderReport render_capture(const RenderOptions& options, const RenderProgress& progress = {});
+
+}  // namespace livecap::render

@@ -25,7 +25,8 @@ static inline void moved_column(global const float* restrict camera, int width, 
 }
 
 // The match of vertex i < n by the work-items get_local_id(0) / 8 * 8 .. + 7; with barriers, so by all of a group.
-// Moved as by align() of patch_match.cl; see the kernel.
+// Moved as by align() of patch_match.cl; see the kernel. fma: compilers take a product that stays the same out of the
+// loop or not, and round it by itself then; see_actor.cl and match_patches are to come to the same bits.
 static inline void match_vertex(int i, int n, Level level, PatchOptions options, float focal_px,
                                 global const float* restrict positions, global const float* restrict normals,
                                 global const int* restrict visible, global const float* restrict projected,
@@ -84,8 +85,8 @@ static inline void match_vertex(int i, int n, Level level, PatchOptions options,
 #pragma unroll
         for (int r = 0; r < PATCH; ++r) {
           const float a = inside[r] * actor[r], b = inside[r] * column[r];
-          of_both += (float4)(a, b, a * a, b * b);
-          product += a * b;
+          of_both = (float4)(of_both.xy + (float2)(a, b), fma(a, a, of_both.z), fma(b, b, of_both.w));
+          product = fma(a, b, product);
         }
       }
     }

@@ -70,32 +70,25 @@ static Chain chain_in(PoseLayout layout, global const double* restrict constants
   return c;
 }
 
-// The first joint of bone b from joint k on; n_dofs if there is none.
-static int next_joint(int b, int k, int n_dofs, local const int* dof_bones) {
-  while (k < n_dofs && dof_bones[k] != b) ++k;
-  return k;
-}
-
-// state: see layout.h.
-static void pose_chain(PoseLayout layout, local const double* state, Chain c) {
+// state: see layout.h. needed: whether anything is done.
+static void pose_chain(bool needed, PoseLayout layout, local const double* state, Chain c) {
   const int id = get_local_id(0);
-  local const int* dof_bones = c.links + LC_POSE_LINKS_DOFS(layout);
+  local const int* first_joint = c.links + LC_POSE_LINKS_FIRST(layout);
+  local const int* next_joint = c.links + LC_POSE_LINKS_NEXT(layout);
   local const double* axes = c.constants + LC_POSE_CHAIN_AXES(layout);
-  for (int k = id; k < layout.n_dofs; k += LC_POSE_GROUP)
+  for (int k = id; needed && k < layout.n_dofs; k += LC_POSE_GROUP)
     vstore4(quat_about(vload3(k, axes), state[LC_POSE_STATE_ANGLES + k]), k, c.joint);
   barrier(CLK_LOCAL_MEM_FENCE);
-  for (int b = id; b < layout.n_bones; b += LC_POSE_GROUP) {
+  for (int b = id; needed && b < layout.n_bones; b += LC_POSE_GROUP) {
     double4 q = (double4)(0.0, 0.0, 0.0, 1.0);
-    // The first joints of all bones at once, then the second ones: work-items wait for each other's branches.
-    for (int k = next_joint(b, 0, layout.n_dofs, dof_bones); k < layout.n_dofs;
-         k = next_joint(b, k + 1, layout.n_dofs, dof_bones)) {
+    for (int k = first_joint[b]; k < layout.n_dofs; k = next_joint[k]) {
       vstore4(q, k, c.before);
       q = quat_product(q, vload4(k, c.joint));
     }
     vstore4(q, b, c.bone);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
-  for (int b = id; b < layout.n_bones; b += LC_POSE_GROUP) {
+  for (int b = id; needed && b < layout.n_bones; b += LC_POSE_GROUP) {
     double4 q = vload4(b, c.bone);
     double3 p = vload3(0, c.constants + b * LC_POSE_CHAIN_BONE);
     for (int up = c.links[b]; up >= 0; up = c.links[up]) {
@@ -186,15 +179,19 @@ static void write_points(PoseLayout layout, float4 camera, local const double* s
   }
 }
 
-// Writes the step (layout.h) of a posed chain. Returns how far the keypoint went that went furthest, see write_points.
-static double write_step(PoseLayout layout, float4 camera, local const double* state, Chain c, local float* step) {
-  write_columns(layout, state, c, step);
-  write_bones(layout, c, step);
-  write_points(layout, camera, state, c, step);
+// Writes the step (layout.h) of a posed chain, if needed. Returns how far the keypoint went that went furthest, see
+// write_points.
+static double write_step(bool needed, PoseLayout layout, float4 camera, local const double* state, Chain c,
+                         local float* step) {
+  if (needed) {
+    write_columns(layout, state, c, step);
+    write_bones(layout, c, step);
+    write_points(layout, camera, state, c, step);
+  }
   const int i = first_from(LC_POSE_GROUP - 64);
-  for (int k = i; k < layout.n_dofs; k += LC_POSE_GROUP)
+  for (int k = i; needed && k < layout.n_dofs; k += LC_POSE_GROUP)
     step[LC_POSE_STEP_ANGLES(layout) + k] = (float)state[LC_POSE_STATE_ANGLES + k];
-  if (i < 3) {
+  if (needed && i < 3) {
     step[LC_POSE_STEP_ROOT(layout) + i] = (float)state[LC_POSE_STATE_ROOT + i];
     step[LC_POSE_STEP_T_PRIME(layout) + i] = (float)state[LC_POSE_STATE_T_PRIME(layout) + i];
   }

@@ -62,12 +62,14 @@ static void damped_system(PoseLayout layout, PoseStepsArg steps, global const fl
       entries[a][b] = i < n && (j < n || j == right) ? gram_entry(layout, gram, i, min(j, n)) : 0.0f;
     }
   }
-  for (int i = id; i < n; i += LC_POSE_GROUP) own[i] = gram_entry(layout, gram, i, i);
+  for (int i = id; i < SIDE; i += LC_POSE_GROUP) own[i] = i < n ? gram_entry(layout, gram, i, i) : 0.0f;
   if (id < 2) s.finite[id] = 1;
   barrier(CLK_LOCAL_MEM_FENCE);
   for (int i = id; i < n; i += LC_POSE_GROUP) {
     float largest = 0.0f;
-    for (int j = 0; j < n; ++j) largest = is_angle(layout, j) == is_angle(layout, i) ? fmax(largest, own[j]) : largest;
+#pragma unroll
+    for (int j = 0; j < SIDE; ++j)
+      largest = is_angle(layout, j) == is_angle(layout, i) ? fmax(largest, own[j]) : largest;
     const double damped = own[i] + steps.damping_own * (double)own[i] + steps.damping_largest * (double)largest;
     s.diagonal[i] = damped;
     s.scale[i] = damped > 0.0 ? 1.0 / sqrt(damped) : 0.0;

@@ -36,7 +36,8 @@ COLUMNS_FN columns_t turned(LC_POSE_SPACE const float* restrict w, int stride, L
 // A row with one bone and extra coefficients, from column `column` on. moves [n_bones*n_columns]: 1 where the column
 // moves the bone, else 0. records [LC_POSE_RECORD*n_rows], residuals [n_rows].
 COLUMNS_FN columns_t point_columns(PoseLayout layout, int row, int column, LC_POSE_SPACE const float* restrict step,
-                                   global const float* restrict moves, LC_POSE_SPACE const float* restrict records,
+                                   LC_POSE_SPACE const float* restrict moves,
+                                   LC_POSE_SPACE const float* restrict records,
                                    LC_POSE_SPACE const float* restrict residuals) {
   const int n_columns = layout.n_columns;
   const column_ids_t columns = column + FIRST_IDS;
@@ -52,7 +53,8 @@ COLUMNS_FN columns_t point_columns(PoseLayout layout, int row, int column, LC_PO
 
 // A row with four bones; `per_vertex` rows of each vertex.
 COLUMNS_FN columns_t skinned_columns(PoseLayout layout, int row, int per_vertex, int column,
-                                     LC_POSE_SPACE const float* restrict step, global const float* restrict moves,
+                                     LC_POSE_SPACE const float* restrict step,
+                                     LC_POSE_SPACE const float* restrict moves,
                                      LC_POSE_SPACE const float* restrict records,
                                      LC_POSE_SPACE const float* restrict residuals) {
   const int n_columns = layout.n_columns;

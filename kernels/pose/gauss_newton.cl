@@ -72,22 +72,39 @@ static void add_parts(int n, int n_parts, global const float* parts, global floa
   }
 }
 
+// Words that every work-item copies at most before the next ones wait for them.
+#define COPIED 8
+
+// All loads of a work-item are under way before the first one is waited for.
+static void copy_words(int n, global const float* restrict from, local float* restrict to) {
+  for (int first = get_local_id(0); first < n; first += COPIED * LC_POSE_GROUP) {
+    float words[COPIED];
+#pragma unroll
+    for (int k = 0; k < COPIED; ++k) words[k] = from[min(first + k * LC_POSE_GROUP, n - 1)];
+#pragma unroll
+    for (int k = 0; k < COPIED; ++k)
+      if (first + k * LC_POSE_GROUP < n) to[first + k * LC_POSE_GROUP] = words[k];
+  }
+}
+
 // steps.most steps from the state in the inputs on (steps.continues: from that in results) and the residuals where they
 // end; or, if that is negative, rows, residuals and parts there, by a group for each ROWS rows (without
 // LC_POSE_TAKES_STEPS: at `from`). Rows: point rows, then contour, then matches (two each), then shaded vertices, each
 // kind from a multiple of ROWS on. Other arguments: layout.h and the functions that are called. Out: results: layout.h;
 // moved: how far a keypoint went, px, -1 after a failure; motions [8*n_bones]: dual quaternions where it ended; J
-// [n_rows*n_columns]; parts [n_parts][n_tiles][8][8] and their sum gram. state: see all_arrived.h; next: of the launch
-// that follows, set to 0. rows: ROWS * n_columns floats; near: LC_POSE_NEAR_SIZE; memory: LC_POSE_LOCAL.
+// [n_rows*n_columns]; kept: layout.h, of such a solve and for the next; parts [n_parts][n_tiles][8][8] and their sum
+// gram. state: see all_arrived.h; next: of the launch that follows, set to 0. rows: ROWS * n_columns floats; near:
+// LC_POSE_NEAR_SIZE; memory: LC_POSE_LOCAL.
 kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gauss_newton(
     PoseLayout layout, float4 camera, PoseContour contour, float keypoint_huber_px, float match_huber_px,
     float shading_huber, float sqrt_anatomic, PoseInputs at, PoseStepsArg steps, global const float* restrict inputs,
     global const real64* restrict constants, global const int* restrict links, global const float* restrict moves,
     global const float* restrict limits, global const float* restrict rest, global const float* restrict rest_normals,
     global const float* restrict displacement, global const int* restrict bones, global const float* restrict weights,
-    global const float* restrict distance, global const float* restrict from, global float* restrict J,
-    global float* parts, global float* gram, global float* results, volatile global int* state, global float* moved,
-    global float* motions, volatile global int* next, local float4* rows, local float* near, local real64* memory) {
+    global const float* restrict distance, global const float* restrict from, global real64* kept,
+    global float* restrict J, global float* parts, global float* gram, global float* results,
+    volatile global int* state, global float* moved, global float* motions, volatile global int* next,
+    local float4* rows, local float* near, local real64* memory) {
   const int id = get_local_id(0), group = get_group_id(0), n_groups = get_num_groups(0);
   const int n_columns = layout.n_columns, n_point = LC_POSE_POINT_ROWS + 2 * layout.n_dofs + layout.n_soles;
   global const int* counts = (global const int*)(inputs + at.counts);
@@ -108,6 +125,8 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
   local float* ground = targets + LC_POSE_TARGET * LC_POSE_KEYPOINTS;
   for (int i = id; i < LC_POSE_TARGET * LC_POSE_KEYPOINTS; i += LC_POSE_GROUP) targets[i] = inputs[at.targets + i];
   for (int i = id; i < LC_POSE_GROUND_STANDS + layout.n_soles; i += LC_POSE_GROUP) ground[i] = inputs[at.ground + i];
+  local float* moved_by = ground + LC_POSE_GROUND_STANDS + layout.n_soles;
+  copy_words(layout.n_bones * n_columns, moves, moved_by);
 #if LC_POSE_TAKES_STEPS
   (void)from;
   if (moved[0] < steps.least_moved_px) return;
@@ -118,21 +137,25 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
   int arrived = steps.arrived, together = 1, status = LC_POSE_SOLVED, taken = 0;
   global const double* first = (global const double*)(steps.continues ? results : inputs + at.start);
   for (int i = id; i < LC_POSE_STATE_SIZE(layout); i += LC_POSE_GROUP) unknowns[i] = first[i];
+  global float* kept_step = (global float*)(kept + 3 * LC_POSE_KEYPOINTS);
+  for (int i = id; steps.continues && i < 3 * LC_POSE_KEYPOINTS; i += LC_POSE_GROUP) chain.keypoints[i] = kept[i];
+  copy_words(steps.continues ? LC_POSE_STEP_SIZE(layout) : 0, kept_step, step);
   barrier(CLK_LOCAL_MEM_FENCE);
   while (true) {
-    pose_chain(layout, unknowns, chain);
-    const double moved_px = write_step(layout, camera, unknowns, chain, step);
+    const bool is_posed = taken == 0 && steps.continues;
+    pose_chain(!is_posed, layout, unknowns, chain);
+    const double moved_px = write_step(!is_posed, layout, camera, unknowns, chain, step);
     start_round(taken == 0, layout, steps, inputs + at.soles_before, chain, unknowns, step, targets, ground);
     const int is_last = taken >= steps.most || (taken > 0 && moved_px < steps.settled_px);
-    const int counts_rows = !is_last || steps.most < 0;
+    const int counts_rows = !is_last || steps.most < 0, n_made = is_last && !steps.tells ? 0 : n_parts;
 #else
-  (void)constants, (void)gram, (void)state, (void)memory, (void)moved, (void)motions, (void)next;
+  (void)constants, (void)kept, (void)gram, (void)state, (void)memory, (void)moved, (void)motions, (void)next;
   for (int i = id; i < LC_POSE_STEP_SIZE(layout); i += LC_POSE_GROUP) step[i] = from[i];
   barrier(CLK_LOCAL_MEM_FENCE);
-  const int counts_rows = 1;
+  const int counts_rows = 1, n_made = n_parts;
   {
 #endif
-    for (int part = group; part < n_parts; part += n_groups) {
+    for (int part = group; part < n_made; part += n_groups) {
       int kind = 0, before = 0, first = part * ROWS;  // of its kind; rows of the kinds before
       for (; first >= n_of[kind]; ++kind) {
         first -= (n_of[kind] + ROWS - 1) / ROWS * ROWS;
@@ -168,8 +191,8 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
         const int row = i / blocks, column = i % blocks * FILL_COLUMNS;
         columns_t value = 0.0f;
         if (row < left) {
-          value = kind == 0 ? point_columns(layout, row, column, step, moves, records, of_rows)
-                            : skinned_columns(layout, row, kind == 2 ? 2 : 1, column, step, moves, records, of_rows);
+          value = kind == 0 ? point_columns(layout, row, column, step, moved_by, records, of_rows)
+                            : skinned_columns(layout, row, kind == 2 ? 2 : 1, column, step, moved_by, records, of_rows);
           if (steps.write_rows) vstore8(value, 0, J + (before + first + row) * n_columns + column);
         }
         rows[i * 2] = value.lo;
@@ -196,6 +219,8 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
   if (!together && id == 0) told[LC_POSE_RESULT_GAVE_UP(layout)] = 1;
   if (group > 0) return;
   for (int i = id; i < LC_POSE_STATE_SIZE(layout); i += LC_POSE_GROUP) ((global double*)results)[i] = unknowns[i];
+  for (int i = id; i < LC_POSE_STEP_SIZE(layout); i += LC_POSE_GROUP) kept_step[i] = step[i];
+  for (int i = id; i < 3 * LC_POSE_KEYPOINTS; i += LC_POSE_GROUP) kept[i] = chain.keypoints[i];
   if (id < LC_POSE_COUNTS) told[LC_POSE_RESULT_COUNTS(layout) + id] = counts[id];
   if (id < LC_POSE_KEYPOINTS) {
     results[LC_POSE_RESULT_ROOTS_3D(layout) + id] = targets[LC_POSE_TARGET * id + LC_POSE_TARGET_ROOT_3D];

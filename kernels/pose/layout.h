@@ -133,10 +133,13 @@ typedef struct {
 #define LC_POSE_CHAIN_POINTS(layout) (LC_POSE_CHAIN_AXES(layout) + 3 * (layout).n_dofs)
 #define LC_POSE_CHAIN_SIZE(layout) (LC_POSE_CHAIN_POINTS(layout) + 3 * (LC_POSE_KEYPOINTS + (layout).n_soles))
 // How it hangs together: each bone's parent (-1 of the root), each joint's bone, each keypoint's (-1: it has no anchor)
-// and sole point's.
+// and sole point's; then the first joint of each bone and the next one of each joint's bone, n_dofs where there is
+// none.
 #define LC_POSE_LINKS_DOFS(layout) ((layout).n_bones)
 #define LC_POSE_LINKS_POINTS(layout) (LC_POSE_LINKS_DOFS(layout) + (layout).n_dofs)
-#define LC_POSE_LINKS_SIZE(layout) (LC_POSE_LINKS_POINTS(layout) + LC_POSE_KEYPOINTS + (layout).n_soles)
+#define LC_POSE_LINKS_FIRST(layout) (LC_POSE_LINKS_POINTS(layout) + LC_POSE_KEYPOINTS + (layout).n_soles)
+#define LC_POSE_LINKS_NEXT(layout) (LC_POSE_LINKS_FIRST(layout) + (layout).n_bones)
+#define LC_POSE_LINKS_SIZE(layout) (LC_POSE_LINKS_NEXT(layout) + (layout).n_dofs)
 
 // Local memory of gauss_newton.cl. In doubles: state, posed chain, damped system.
 #define LC_POSE_MOVED ((LC_POSE_KEYPOINTS + 3) / 4 * 4)
@@ -151,10 +154,13 @@ typedef struct {
 #endif
 #define LC_POSE_SOLVE_LOCAL(layout) (13 * LC_POSE_SIDE(layout))
 #define LC_POSE_LOCAL(layout) (LC_POSE_STATE_SIZE(layout) + LC_POSE_CHAIN_LOCAL(layout) + LC_POSE_SOLVE_LOCAL(layout))
-// In floats: the step, records and residuals of a group's rows, targets, ground.
+// In floats: the step, records and residuals of a group's rows, targets, ground, which column moves which bone.
 #define LC_POSE_NEAR_SIZE(layout)                                                                               \
   (LC_POSE_STEP_SIZE(layout) + LC_POSE_GROUP_ROWS * (LC_POSE_RECORD + 1) + LC_POSE_TARGET * LC_POSE_KEYPOINTS + \
-   LC_POSE_GROUND_STANDS + (layout).n_soles)
+   LC_POSE_GROUND_STANDS + (layout).n_soles + (layout).n_bones * (layout).n_columns)
+
+// What a solve keeps for one that starts where it ended, in doubles: keypoints, camera frame; the step, floats.
+#define LC_POSE_KEPT(layout) (3 * LC_POSE_KEYPOINTS + (LC_POSE_STEP_SIZE(layout) + 1) / 2)
 
 // Entries of [J | F]^T [J | F] in gram.cl's tiles.
 #define LC_POSE_GRAM_SIZE(layout) ((layout).n_columns * ((layout).n_columns + 8) / 2)
@@ -173,6 +179,7 @@ typedef struct {
   float least_moved_px;  // nothing is done when the one before moved no keypoint so far; it moved -1 where it failed
   float doubt_mm;        // of 3D detections where it continues, see src/pose/targets.h; 0: none
   int rests;             // whether soles_before are known
+  int tells;             // whether residuals are asked for where the steps end
 } PoseStepsArg;
 
 // Rounds at most.

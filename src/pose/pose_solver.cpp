@@ -177,11 +177,14 @@ bool PoseSolver::begin_rounds(std::span<const Round> rounds, const SeenVertices&
 
 void PoseSolver::launch_round(int round, const SeenVertices& seen) {
   const PoseInput& input = *rounds_[round].input;
+  const bool is_followed = std::any_of(rounds_.begin() + round + 1, rounds_.end(),
+                                       [](const Round& later) { return !(later.least_moved_px > 0); });
   system_.launch_round({.round = round,
                         .n_steps = steps_of(input),
                         .settled_px = input.settled_px,
                         .doubt_3d_mm = input.doubt_3d_mm,
-                        .least_moved_px = round > 0 ? float(rounds_[round].least_moved_px) : -INFINITY},
+                        .least_moved_px = round > 0 ? float(rounds_[round].least_moved_px) : -INFINITY,
+                        .tells = !is_followed},
                        seen);
 }
 

@@ -25,7 +25,7 @@ constexpr int kMaxBones = LC_POSE_NO_BONE;
 
 static_assert(LC_POSE_KEYPOINTS == kKeypointCount);
 static_assert(sizeof(PoseLayout) == 20 && sizeof(PoseContour) == 24 && sizeof(PoseInputs) == 48 &&
-              sizeof(PoseChoice) == 28 && sizeof(PoseStepsArg) == 52);
+              sizeof(PoseChoice) == 28 && sizeof(PoseStepsArg) == 56);
 
 void require(bool ok, const std::string& message) {
   if (!ok) throw LogicError("pose: " + message);
@@ -121,6 +121,7 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
     results_.fill(0);
     moved_ = ocl::Buffer<float>(device, 1);
     motions_ = ocl::Buffer<float>(device, size_t(8) * layout_.n_bones);
+    kept_ = ocl::Buffer<double>(device, LC_POSE_KEPT(layout_));
     look_state_ = ocl::Buffer<int32_t>(device, 2);
     steps_state_ = ocl::Buffer<int32_t>(device, 2);
     moved_.fill(0);
@@ -278,8 +279,8 @@ void PoseSystem::launch_gauss_newton(size_t n_groups, const PoseStepsArg& steps,
       n_groups * LC_POSE_GROUP, LC_POSE_GROUP, layout_, pinhole_, contour_arg(), float(options_.keypoint_2d_huber_px),
       float(options_.match_huber_px), float(options_.shading_huber), float(std::sqrt(options_.weights.anatomic)),
       inputs_.places(), steps, inputs_on_device_, chain_, links_, moves_, limits_, rest_, rest_normals_,
-      displacement_ ? *displacement_ : rest_, bones_, weights_, frame_ ? frame_->signed_distance : rest_, step_, J_,
-      parts_, gram_, results_, state, moved_, motions_, look_state_,
+      displacement_ ? *displacement_ : rest_, bones_, weights_, frame_ ? frame_->signed_distance : rest_, step_, kept_,
+      J_, parts_, gram_, results_, state, moved_, motions_, look_state_,
       ocl::LocalMemory{sizeof(float) * LC_POSE_GROUP_ROWS * layout_.n_columns},
       ocl::LocalMemory{sizeof(float) * LC_POSE_NEAR_SIZE(layout_)},
       ocl::LocalMemory{takes_steps_ ? sizeof(double) * LC_POSE_LOCAL(layout_) : sizeof(double)});
@@ -296,6 +297,7 @@ void PoseSystem::launch_normal_equations(bool write_rows) {
   PoseStepsArg none{};
   none.most = -1;
   none.write_rows = write_rows;
+  none.tells = true;
   none.least_moved_px = -INFINITY;
   launch_gauss_newton(n_parts(), none, groups_.state());
 }
@@ -326,7 +328,8 @@ PoseStepsArg PoseSystem::steps_arg(int n_steps, double settled_px) const {
           .continues = 0,
           .least_moved_px = -INFINITY,
           .doubt_mm = 0,
-          .rests = 0};
+          .rests = 0,
+          .tells = 1};
 }
 
 void PoseSystem::set_round(int round, const KeypointTargets& targets, const SeenVertices& seen, const Floor* floor,
@@ -357,6 +360,7 @@ void PoseSystem::launch_round(const Round& round, const SeenVertices& seen) {
   steps.least_moved_px = round.least_moved_px;
   steps.doubt_mm = float(round.doubt_3d_mm);
   steps.rests = rests_;
+  steps.tells = round.tells;
   launch_gauss_newton(groups_.n(), steps, steps_state_);
   inputs_.select_round(0);
 }

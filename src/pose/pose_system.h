@@ -93,6 +93,7 @@ class PoseSystem {
     double settled_px = 0;
     double doubt_3d_mm = 0;
     float least_moved_px = -INFINITY;  // nothing is done where the round before moved no keypoint so far
+    bool tells = true;                 // whether it may be the last; others tell no residuals
   };
   // With vertices that the device chooses from `seen`.
   void launch_round(const Round& round, const SeenVertices& seen);
@@ -198,6 +199,7 @@ class PoseSystem {
   ocl::Buffer<float> parts_;                       // of gram_, GPUs
   ocl::Buffer<float> results_;                     // GPUs
   ocl::Buffer<float> moved_, motions_;             // GPUs, see the rounds
+  ocl::Buffer<double> kept_;                       // likewise
   ocl::Buffer<int32_t> look_state_, steps_state_;  // likewise
   ocl::Kernel point_records_kernel_;
   ocl::Kernel contour_records_kernel_;

@@ -70,6 +70,13 @@ std::vector<int32_t> chain_links(const PosePoints& points) {
   for (const Dof& dof : points.skeleton.dofs) links.push_back(dof.bone);
   for (const KeypointAnchor& anchor : points.keypoints) links.push_back(anchor.bone);
   for (const SolePoint& sole : points.soles) links.push_back(sole.bone);
+  const std::vector<Dof>& dofs = points.skeleton.dofs;
+  const auto joint_from = [&dofs](int bone, size_t k) {
+    while (k < dofs.size() && dofs[k].bone != bone) ++k;
+    return int32_t(k);
+  };
+  for (int bone = 0; bone < points.skeleton.n_bones(); ++bone) links.push_back(joint_from(bone, 0));
+  for (size_t k = 0; k < dofs.size(); ++k) links.push_back(joint_from(dofs[k].bone, k + 1));
   return links;
 }
 

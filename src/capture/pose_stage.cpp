@@ -360,6 +360,7 @@ PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& pre
   try_turned(input, previous, best);
   try_detected_legs(input, previous, best);
   try_bent_back(input, previous, best);
+  try_arms_within_limits(input, previous, best);
   try_mirrored_forearms(input, previous, best);
   try_mirrored_arms(input, previous, best);
   if (best.exchanged && exchanged_frames_ >= options_.max_exchanged_frames) try_anew(input, best);
@@ -462,6 +463,12 @@ void PoseStage::try_bent_back(const PoseStageInput& input, const Pose& previous,
   const std::optional<Pose> bent =
       with_hinges_bent_back(actor_.skeleton, best.pose.pose, options_.least_past_limit_rad);
   if (bent) try_from(input, *bent, previous, best);
+}
+
+void PoseStage::try_arms_within_limits(const PoseStageInput& input, const Pose& previous, Solution& best) {
+  if (!matches(input) || best.pose.status != SolveStatus::kOk || best.exchanged) return;
+  const std::optional<Pose> bent = with_arms_within_limits(actor_, best.pose.pose, options_.least_arm_past_limit_rad);
+  if (bent) try_refined(input, *bent, previous, best);
 }
 
 void PoseStage::try_from(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best) {

@@ -100,6 +100,7 @@ class PoseStage {
   void try_turned(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_detected_legs(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_bent_back(const PoseStageInput& input, const Pose& previous, Solution& best);
+  void try_arms_within_limits(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_mirrored_forearms(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_mirrored_arms(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_refined(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best);

@@ -64,6 +64,9 @@ struct TrackerOptions {
   double strayed_share = 0.04;
   // So is one with an elbow or knee so far past its limit (pose/other_starts.h): E_anatomic lets hardly any go further.
   double least_past_limit_rad = 0.015;
+  // And one with an upper arm so far past a limit of its angles. Less is no sign: the twist of a nearly straight arm
+  // that is hidden leans on its limit for a while.
+  double least_arm_past_limit_rad = 0.025;
   // And so is one with a forearm mirrored in depth, if that turns it by so much and the skin's shading then misfits
   // less than this share of before (pose/mirrored_arms.h, match/skin_shading.h).
   double least_mirrored_rad = 0.35;

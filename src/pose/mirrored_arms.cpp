@@ -3,86 +3,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 
+#include "pose/arm_chain.h"
 #include "pose/targets.h"
 
 namespace livecap {
 namespace {
-
-struct ArmNames {
-  Keypoint shoulder, elbow, wrist;
-  const char *upper, *lower;
-};
-
-constexpr ArmNames kArms[] = {{kLeftShoulder, kLeftElbow, kLeftWrist, "left_shoulder", "left_elbow"},
-                              {kRightShoulder, kRightElbow, kRightWrist, "right_shoulder", "right_elbow"}};
-constexpr int kTwists = 48;             // steps over the range of an upper arm's twist
-constexpr double kSpareTwistRad = 0.3;  // an arm twisted to its limit is hardly ever right
-constexpr int kElbowSweeps = 20;
-
-struct Arm {
-  Keypoint shoulder, elbow, wrist;
-  int upper, lower;       // bones
-  std::vector<int> aims;  // angles of the upper arm but its twist
-  int twist, bend;        // angles
-};
-
-std::optional<Arm> arm_of(const Actor& actor, Keypoint elbow) {
-  const ArmNames& names = kArms[elbow == kLeftElbow ? 0 : 1];
-  const Skeleton& skeleton = actor.skeleton;
-  Arm arm{names.shoulder,
-          names.elbow,
-          names.wrist,
-          skeleton.bone_index(names.upper),
-          skeleton.bone_index(names.lower),
-          {},
-          -1,
-          -1};
-  for (int k = 0; k < skeleton.n_dofs(); ++k) {
-    if (skeleton.dofs[k].bone == arm.upper) arm.aims.push_back(k);
-    if (skeleton.dofs[k].bone == arm.lower) arm.bend = k;
-  }
-  if (arm.upper < 0 || arm.bend < 0 || arm.aims.empty() || actor.keypoints[arm.elbow].bone < 0 ||
-      actor.keypoints[arm.wrist].bone < 0)
-    return std::nullopt;
-  arm.twist = arm.aims.back();
-  arm.aims.pop_back();
-  return arm;
-}
-
-// Turns one joint angle so that the keypoint comes as near to `target` (camera frame, mm) as it can, or to its limit on
-// the way there.
-void turn_towards(const Actor& actor, int dof, Keypoint keypoint, const Eigen::Vector3d& target, Pose& pose) {
-  const PosedSkeleton posed = forward_kinematics(actor.skeleton, pose);
-  const Eigen::Vector3d& axis = posed.dof_axis[dof];
-  const Eigen::Vector3d from = keypoint_positions(actor, posed)[keypoint] - posed.dof_origin_mm[dof];
-  const Eigen::Vector3d to = target - posed.dof_origin_mm[dof];
-  const double turn = std::atan2(to.dot(axis.cross(from)), to.dot(from - axis * axis.dot(from)));
-  const Dof& limits = actor.skeleton.dofs[dof];
-  const double angle = std::remainder(pose.angles_rad[dof] + turn, 2 * std::numbers::pi);
-  pose.angles_rad[dof] = std::clamp(angle, limits.min_rad, limits.max_rad);
-}
-
-// `pose` with the wrist as near to `target` as the upper arm's twist and the elbow's bend bring it.
-Pose with_wrist_at(const Actor& actor, const Arm& arm, const Pose& pose, const Eigen::Vector3d& target) {
-  const Dof& twists = actor.skeleton.dofs[arm.twist];
-  const double low = twists.min_rad + kSpareTwistRad, high = twists.max_rad - kSpareTwistRad;
-  Pose best = pose;
-  double best_mm = std::numeric_limits<double>::infinity();
-  for (int i = 0; i <= kTwists; ++i) {
-    Pose bent = pose;
-    bent.angles_rad[arm.twist] = low + (high - low) * i / kTwists;
-    turn_towards(actor, arm.bend, arm.wrist, target, bent);
-    const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, bent));
-    const double mm = (positions[arm.wrist] - target).norm();
-    if (mm >= best_mm) continue;
-    best_mm = mm;
-    best = bent;
-  }
-  return best;
-}
 
 // The point on the ray of `end` that is `length` from `start`, or as near to that as one is: the farther of the two
 // from the camera, or the nearer.
@@ -102,7 +28,7 @@ Eigen::Vector3d mirrored_end(const Eigen::Vector3d& start, const Eigen::Vector3d
 
 std::optional<MirroredForearm> mirrored_forearm(const Actor& actor, const Pose& pose, Keypoint elbow_name,
                                                 double least_turn_rad) {
-  const std::optional<Arm> arm = arm_of(actor, elbow_name);
+  const std::optional<ArmChain> arm = arm_chain(actor, elbow_name);
   if (!arm) return std::nullopt;
   const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
   const Eigen::Vector3d &elbow = positions[arm->elbow], &wrist = positions[arm->wrist];
@@ -113,13 +39,13 @@ std::optional<MirroredForearm> mirrored_forearm(const Actor& actor, const Pose& 
 }
 
 Pose with_mirrored_forearm(const Actor& actor, const Pose& pose, const MirroredForearm& mirrored) {
-  const std::optional<Arm> arm = arm_of(actor, mirrored.elbow);
+  const std::optional<ArmChain> arm = arm_chain(actor, mirrored.elbow);
   return arm ? with_wrist_at(actor, *arm, pose, mirrored.wrist_mm) : pose;
 }
 
 std::vector<Pose> mirrored_arms(const Actor& actor, const Pose& pose, Keypoint elbow_name, const Detections& detections,
                                 const PoseOptions& options, const MirroredArmOptions& mirrored) {
-  const std::optional<Arm> arm = arm_of(actor, elbow_name);
+  const std::optional<ArmChain> arm = arm_chain(actor, elbow_name);
   if (!arm || actor.keypoints[arm->shoulder].bone < 0) return {};
   const Keypoints3d seen = detected_points(actor, detections, options);
   for (Keypoint k : {arm->shoulder, arm->elbow, arm->wrist})
@@ -140,10 +66,8 @@ std::vector<Pose> mirrored_arms(const Actor& actor, const Pose& pose, Keypoint e
   for (const auto& [turn_upper, turn_lower] : {std::pair{true, false}, {false, true}, {true, true}}) {
     if (!(difference(turn_upper ? -upper : upper, turn_lower ? -lower : lower) < mirrored.largest_share * now))
       continue;
-    Pose bent = pose;
     const Eigen::Vector3d new_elbow = turn_upper ? mirrored_end(shoulder, elbow) : elbow;
-    for (int sweep = 0; turn_upper && sweep < kElbowSweeps; ++sweep)
-      for (int dof : arm->aims) turn_towards(actor, dof, arm->elbow, new_elbow, bent);
+    const Pose bent = turn_upper ? with_elbow_at(actor, *arm, pose, new_elbow) : pose;
     const bool farther = (wrist.norm() > elbow.dot(wrist.normalized())) != turn_lower;
     poses.push_back(with_wrist_at(actor, *arm, bent, on_ray(new_elbow, wrist, (wrist - elbow).norm(), farther)));
   }

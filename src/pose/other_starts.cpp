@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
+#include "pose/arm_chain.h"
 #include "pose/initialize.h"
 #include "pose/targets.h"
 
@@ -83,6 +85,29 @@ std::optional<Pose> with_hinges_bent_back(const Skeleton& skeleton, const Pose& 
     any = true;
   }
   return any ? std::optional(bent) : std::nullopt;
+}
+
+std::optional<Pose> with_arms_within_limits(const Actor& actor, const Pose& pose, double least_rad) {
+  const Skeleton& skeleton = actor.skeleton;
+  const auto positions = keypoint_positions(actor, forward_kinematics(skeleton, pose));
+  const auto is_past = [&](int k) {
+    const Dof& dof = skeleton.dofs[k];
+    return std::max(dof.min_rad - pose.angles_rad[k], pose.angles_rad[k] - dof.max_rad) >= least_rad;
+  };
+  std::optional<Pose> bent;
+  for (Keypoint elbow : {kLeftElbow, kRightElbow}) {
+    const std::optional<ArmChain> arm = arm_chain(actor, elbow);
+    if (!arm || !(is_past(arm->twist) || std::any_of(arm->aims.begin(), arm->aims.end(), is_past))) continue;
+    Pose start = bent.value_or(pose);
+    const int collarbone = skeleton.bones[arm->upper].parent;
+    for (int k = 0; k < skeleton.n_dofs(); ++k) {
+      const Dof& dof = skeleton.dofs[k];
+      if (dof.bone == collarbone || dof.bone == arm->upper) start.angles_rad[k] = dof.rest_rad;
+    }
+    start = with_elbow_at(actor, *arm, std::move(start), positions[arm->elbow]);
+    bent = with_wrist_at(actor, *arm, start, positions[arm->wrist]);
+  }
+  return bent;
 }
 
 }  // namespace livecap

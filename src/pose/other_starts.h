@@ -30,4 +30,10 @@ std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera,
 // bends away, and the way back leads through the straight limb. nullopt when there is none.
 std::optional<Pose> with_hinges_bent_back(const Skeleton& skeleton, const Pose& pose, double least_rad);
 
+// `pose` with every arm whose upper arm is past a limit of one of its angles by at least least_rad led to the same
+// places of elbow and wrist anew, from rest, as near as limits let it; its collarbone is at rest. An arm that nothing
+// has seen for some frames turns about itself, and comes out on the far side of its limits, where three angles do not
+// lead back. nullopt when there is none.
+std::optional<Pose> with_arms_within_limits(const Actor& actor, const Pose& pose, double least_rad);
+
 }  // namespace livecap

@@ -48,7 +48,7 @@ static float sum_plane(global const float* restrict values, int n, local float* 
 
 // The sum kernels run as one work-group (of one work-item on a CPU) for each sum.
 
-// totals [6]: sums of two planes and of the four of `regularizer`.
+// totals [7]: sums of two planes and of the five of `regularizer`.
 kernel void sum_energies(int n_rows, int stride, global const float* restrict photo,
                          global const float* restrict silhouette, global const float* restrict regularizer,
                          global float* restrict totals) {

@@ -1,6 +1,6 @@
-// E_smooth, E_edge, E_velocity and E_acceleration of the surface stage: completes the diagonal blocks and right-hand
-// side that the data terms began, leaves one vector per directed edge for the matrix-free product, inverts the blocks
-// (the preconditioner) and starts the conjugate gradients.
+// E_smooth, E_edge, E_depth, E_velocity and E_acceleration of the surface stage: completes the diagonal blocks and
+// right-hand side that the data terms began, leaves one vector per directed edge for the matrix-free product, inverts
+// the blocks (the preconditioner) and starts the conjugate gradients.
 //
 // Both directions of an edge contribute, so its weight is c_ij = s_ij (1/|N_i| + 1/|N_j|), the same seen from i and j.
 #include "shared/lanes.h"
@@ -8,6 +8,7 @@
 #include "surface/direction.h"
 #include "surface/system.h"
 #include "terms/acceleration.cl"
+#include "terms/depth.cl"
 #include "terms/edge.cl"
 #include "terms/smooth.cl"
 #include "terms/velocity.cl"
@@ -31,16 +32,18 @@ static inline void store_planes(Vec3 value, global float* restrict planes, int s
 // rest_share: how far an edge's length is drawn from the skinned template's to the rest pose's.
 // edges: sqrt(w_edge c_ij) times the unit edge, 3 per entry, 16 of each axis together. inverse: 6 planes.
 // z, p: 3 planes (p: surface/direction.h), preconditioned rhs; step: 3 planes, zero. products: rhs . z per row.
-// energies: planes smooth, edge, velocity, acceleration.
+// depth_weights: of each row, 0 where E_depth does not hold. energies: planes smooth, edge, velocity, acceleration,
+// depth.
 kernel void regularizer_system(int n_rows, int stride, float rest_share, float w_smooth, float w_edge, float w_velocity,
                                float w_acceleration, float damping, global const int* restrict slice_offsets,
                                global const int* restrict neighbors, global const float* restrict edge_weights,
-                               global const float* restrict rest_lengths, global const float* restrict v,
-                               global const float* restrict skinned, global const float* restrict previous,
-                               global const float* restrict before, global float* restrict blocks,
-                               global float* restrict rhs, global float* restrict edges, global float* restrict inverse,
-                               global float* restrict z, global float* restrict p, global float* restrict step,
-                               global float* restrict products, global float* restrict energies) {
+                               global const float* restrict rest_lengths, global const float* restrict depth_weights,
+                               global const float* restrict v, global const float* restrict skinned,
+                               global const float* restrict previous, global const float* restrict before,
+                               global float* restrict blocks, global float* restrict rhs, global float* restrict edges,
+                               global float* restrict inverse, global float* restrict z, global float* restrict p,
+                               global float* restrict step, global float* restrict products,
+                               global float* restrict energies) {
   int row = FIRST_ROW;
   if (row >= n_rows) return;
   Vec3 v_i = load_planes(v, stride, row);
@@ -64,6 +67,10 @@ kernel void regularizer_system(int n_rows, int stride, float rest_share, float w
   s.rhs = sub3(s.rhs, scale3(r_acceleration, w_acceleration * acceleration.J[0][0]));
   REAL diagonal =
       w_velocity * velocity.J[0][0] * velocity.J[0][0] + w_acceleration * acceleration.J[0][0] * acceleration.J[0][0];
+
+  DepthRow depth = depth_row(v_i, skinned_i);
+  REAL w_depth = LOAD(depth_weights, row);
+  s = add_row(s, w_depth, depth.r, vec3(depth.J[0], depth.J[1], depth.J[2]));
 
   REAL e_smooth = 0.0f, e_edge = 0.0f;
   int begin = slice_offsets[row / SLICE];
@@ -137,4 +144,6 @@ kernel void regularizer_system(int n_rows, int stride, float rest_share, float w
   REAL e_acceleration = w_acceleration * dot3(r_acceleration, r_acceleration);
   STORE(e_velocity, energies, row + 2 * stride);
   STORE(e_acceleration, energies, row + 3 * stride);
+  REAL e_depth = w_depth * depth.r * depth.r;
+  STORE(e_depth, energies, row + 4 * stride);
 }

@@ -2,6 +2,7 @@
 // term file; sizes as in src/solve/term_table.cpp.
 #include "terms/acceleration.cl"
 #include "terms/anatomic.cl"
+#include "terms/depth.cl"
 #include "terms/edge.cl"
 #include "terms/floor.cl"
 #include "terms/keypoint_2d.cl"
@@ -41,5 +42,6 @@ LC_CHECK_TERM(photo, 3, 3, 19)
 LC_CHECK_TERM(shading, 1, 3, 10)
 LC_CHECK_TERM(smooth, 3, 6, 6)
 LC_CHECK_TERM(edge, 1, 6, 1)
+LC_CHECK_TERM(depth, 1, 3, 3)
 LC_CHECK_TERM(velocity, 3, 3, 3)
 LC_CHECK_TERM(acceleration, 3, 3, 6)

@@ -55,6 +55,11 @@ struct Actor {
   int n_vertices() const { return mesh.n_vertices(); }
 };
 
+// Hanging cloth: dress, coat, jumpsuit, skirt, the softest class of the paper's Table 1.
+inline bool hangs(const Actor& actor, int vertex) {
+  return actor.rigidity[vertex] <= 1;
+}
+
 // Reads an actor.glb. height_mm > 0 scales it so that the template (top to sole) has that height.
 // Throws IoError naming the file and what is wrong (not a GLB, no skin, no mapped bones, vertex count out of range
 // ...).

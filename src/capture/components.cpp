@@ -15,6 +15,7 @@ float* surface_weight(SurfaceOptions& options, const std::string& name) {
   if (name == "surface_silhouette") return &options.w_silhouette;
   if (name == "smooth") return &options.w_smooth;
   if (name == "edge") return &options.w_edge;
+  if (name == "depth") return &options.w_depth;
   if (name == "velocity") return &options.w_velocity;
   if (name == "acceleration") return &options.w_acceleration;
   return nullptr;

@@ -91,6 +91,10 @@ bool PoseStage::matches(const PoseStageInput& input) const {
   return matcher_.usable() && options_.pose.weights.match > 0 && !input.silhouette.empty();
 }
 
+bool PoseStage::counts_feet(const PoseStageInput& input) const {
+  return matches(input) && options_.foot_share > 1;
+}
+
 bool PoseStage::shading(const PoseStageInput& input) const {
   return shading_.usable() && options_.pose.weights.shading > 0 && !input.silhouette.empty();
 }
@@ -352,10 +356,10 @@ PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& pre
   const std::vector<KeypointDetections> alternatives =
       exchanged_legs(actor_, camera_, predicted, input.detections.keypoints);
   if (alternatives.empty()) exchanged_frames_ = 0;
-  const bool compares = !alternatives.empty();
+  const bool on_feet = alternatives.empty() && counts_feet(input);
   Solution best =
-      solve_in_rounds(input, input.detections, predicted, &previous, compares ? Rounds::kAll : Rounds::kOnFeet);
-  best.is_comparable = compares;
+      solve_in_rounds(input, input.detections, predicted, &previous, on_feet ? Rounds::kOnFeet : Rounds::kAll);
+  best.is_comparable = !on_feet;
   try_exchanged_legs(input, predicted, previous, alternatives, best);
   try_turned(input, previous, best);
   try_detected_legs(input, previous, best);
@@ -372,14 +376,14 @@ PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& pre
 
 // Starts are compared where feet count as all else does: legs that are exchanged hold on to the wrong shoes.
 void PoseStage::make_comparable(const PoseStageInput& input, const Pose& previous, Solution& best) {
-  if (std::exchange(best.is_comparable, true) || !(options_.foot_share > 1)) return;
+  if (std::exchange(best.is_comparable, true)) return;
   Solution other = solve_in_rounds(input, input.detections, best.pose.pose, &previous, Rounds::kRefining);
   if (other.pose.status != SolveStatus::kOk) return;
   best = std::move(other);
 }
 
 void PoseStage::finish(const PoseStageInput& input, const Pose& previous, Solution& best) {
-  if (!best.is_comparable || !(options_.foot_share > 1) || !matches(input) || best.exchanged) return;
+  if (!best.is_comparable || !counts_feet(input) || best.exchanged) return;
   if (best.pose.status != SolveStatus::kOk) return;
   Solution finished = solve_in_rounds(input, input.detections, best.pose.pose, &previous, Rounds::kFinishing);
   if (finished.pose.status == SolveStatus::kOk) best = std::move(finished);

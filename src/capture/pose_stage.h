@@ -89,6 +89,7 @@ class PoseStage {
   void find_contour(const PoseStageInput& input, const Pose& pose);
   std::vector<int32_t> read_contour(const PoseStageInput& input);
   bool matches(const PoseStageInput& input) const;
+  bool counts_feet(const PoseStageInput& input) const;
   bool shading(const PoseStageInput& input) const;
   void find_contour_and_visible(const Pose& pose, bool refining);
   void find_matches(const PoseStageInput& input, int level, const ocl::Buffer<float>& share);

@@ -12,8 +12,6 @@
 namespace livecap {
 namespace {
 
-constexpr float kHangingRigidity = 1.0f;
-
 // The bone the legs hang from.
 std::optional<int> bone_of_the_hips(const Skeleton& skeleton) {
   const int left = skeleton.bone_index("left_hip"), right = skeleton.bone_index("right_hip");
@@ -65,10 +63,6 @@ SkinWeights give_to_hanging_bone(const Actor& actor, float leg_share, int hangin
 }
 
 }  // namespace
-
-bool hangs(const Actor& actor, int vertex) {
-  return actor.rigidity[vertex] <= kHangingRigidity;
-}
 
 std::optional<Eigen::Vector3d> middle_of_the_hips(const Skeleton& skeleton) {
   const int left = skeleton.bone_index("left_hip"), right = skeleton.bone_index("right_hip");

@@ -22,9 +22,6 @@ struct HangingClothOptions {
   void validate() const;  // throws ConfigError
 };
 
-// Hanging cloth: dress, coat, jumpsuit, skirt, the softest class of the paper's Table 1 (rigidity <= 1).
-bool hangs(const Actor& actor, int vertex);
-
 // Between left_hip and right_hip in the rest pose, mm; nothing for a skeleton without them.
 std::optional<Eigen::Vector3d> middle_of_the_hips(const Skeleton& skeleton);
 

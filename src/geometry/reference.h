@@ -20,6 +20,7 @@ namespace livecap::reference {
 //
 #include "terms/acceleration.cl"
 #include "terms/anatomic.cl"
+#include "terms/depth.cl"
 #include "terms/edge.cl"
 #include "terms/floor.cl"
 #include "terms/keypoint_2d.cl"

@@ -19,6 +19,7 @@ constexpr Term kTerms[] = {
     {"surface_silhouette", TermStage::kSurface, 1, 3, 10, 600, reference::silhouette_flat, "check_silhouette"},
     {"smooth", TermStage::kSurface, 3, 6, 6, 10, reference::smooth_flat, "check_smooth"},
     {"edge", TermStage::kSurface, 1, 6, 1, 30, reference::edge_flat, "check_edge"},
+    {"depth", TermStage::kSurface, 1, 3, 3, 0, reference::depth_flat, "check_depth"},
     {"velocity", TermStage::kSurface, 3, 3, 3, 0.25, reference::velocity_flat, "check_velocity"},
     {"acceleration", TermStage::kSurface, 3, 3, 6, 0.1, reference::acceleration_flat, "check_acceleration"},
 };

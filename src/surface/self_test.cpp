@@ -154,8 +154,8 @@ class Bench {
   }
 
   // Triangle with right angle at vertex 0, s = 2 so c = 2 for each edge; edges 0-1 and 0-2 are 1 mm longer than the
-  // mean of rest and skinned length (sqrt(10001)); V^S of vertex 0 is 1 mm nearer; everything moved by 2 mm on each
-  // axis since the last frame.
+  // mean of rest and skinned length (sqrt(10001)); V^S of vertex 0 is 1 mm nearer and held there with a weight of 8;
+  // everything moved by 2 mm on each axis since the last frame.
   void system() {
     Floats skinned = vertices_, previous = vertices_;
     skinned[2] -= 1;
@@ -167,17 +167,18 @@ class Bench {
     const ocl::Buffer<float> lengths(device_, graph_.per_entry([](int i, int j) {
       return i && j ? std::sqrt(20000.0) : 2 * 99.0 - std::sqrt(10001.0);
     }));
+    const ocl::Buffer<float> depth_weights(device_, graph_.planes(Floats(3, 8.0f), 1));
     ocl::Buffer<float> blocks = zero(6), rhs = zero(3), inverse = zero(6), z = zero(3), p = zero(7), step = zero(3);
-    ocl::Buffer<float> products = zero(1), energies = zero(4), edges(device_, 3 * size_t(graph_.n_entries));
+    ocl::Buffer<float> products = zero(1), energies = zero(5), edges(device_, 3 * size_t(graph_.n_entries));
     kernel("regularizer_system.cl", "regularizer_system")
         .launch(lane_items_, lane_local(), rows_, stride_, 0.5f, 10.0f, 30.0f, 0.25f, 0.0f, 0.5f, offsets, neighbors,
-                weights, lengths, planes(vertices_), planes(skinned), planes(previous), planes(previous), blocks, rhs,
-                edges, inverse, z, p, step, products, energies);
+                weights, lengths, depth_weights, planes(vertices_), planes(skinned), planes(previous), planes(previous),
+                blocks, rhs, edges, inverse, z, p, step, products, energies);
     Floats found = at(rhs, 0, 3);
     for (const float x : at(blocks, 0, 6)) found.push_back(x);
-    // Energies at vertex 0: half of 2 edges * 20 * 1, half of 2 * 60 * 1, 0.25 * 12, none.
-    for (const float x : at(energies, 0, 4)) found.push_back(x);
-    expect("regularizer_system", found, {59.5f, 59.5f, -40.5f, 100.75f, 0, 0, 100.75f, 0, 40.75f, 20, 60, 3, 0});
+    // Energies at vertex 0: half of 2 edges * 20 * 1, half of 2 * 60 * 1, 0.25 * 12, none, 8 * 1.
+    for (const float x : at(energies, 0, 5)) found.push_back(x);
+    expect("regularizer_system", found, {59.5f, 59.5f, -48.5f, 100.75f, 0, 0, 100.75f, 0, 48.75f, 20, 60, 3, 0, 8});
 
     Floats direction(9, 0.0f);
     direction[3] = 1;  // x of vertex 1
@@ -200,7 +201,7 @@ class Bench {
     found = at(image, 0, 3);
     for (const float x : at(image, 2, 3)) found.push_back(x);
     // Edge 1-2 lies along (1, -1, 0)/sqrt 2: row 2 gets -20 - 60/2 along x and +60/2 along y from it.
-    expect("apply_system", found, {-80, 0, 40.75f, -50, 30, -20});
+    expect("apply_system", found, {-80, 0, 48.75f, -50, 30, -20});
   }
 
   void scalars() {
@@ -209,14 +210,14 @@ class Bench {
     for (int k = 0; k < kCount; ++k) values[k] = float(k % 5);
     const ocl::Buffer<float> products(device_, values);  // sum 320
     ocl::Buffer<float> scalars(device_, Floats{9, 9, 9, 1});
-    ocl::Buffer<float> totals(device_, 6);
+    ocl::Buffer<float> totals(device_, 7);
     totals.fill(0.0f);
     Floats energies;
-    for (int k = 0; k < 4 * 80; ++k) energies.push_back(float(k % 5 * (1 + k / 80)));
+    for (int k = 0; k < 5 * 80; ++k) energies.push_back(float(k % 5 * (1 + k / 80)));
     kernel("pcg.cl", "sum_energies")
-        .launch(6 * sum_items_, sum_items_, 80, 80, products, ocl::Buffer<float>(device_, Floats(80, 1)),
+        .launch(7 * sum_items_, sum_items_, 80, 80, products, ocl::Buffer<float>(device_, Floats(80, 1)),
                 ocl::Buffer<float>(device_, energies), totals);
-    expect("sum_energies", totals.read_all(), {160, 80, 160, 320, 480, 640});
+    expect("sum_energies", totals.read_all(), {160, 80, 160, 320, 480, 640, 800});
     if (!device_.is_cpu()) return;
     kernel("pcg.cl", "start_scalars").launch(sum_items_, sum_items_, kCount, 1, products, scalars);
     expect("start_scalars", scalars.read_all(), {320, 0, 0, 0});

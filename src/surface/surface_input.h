@@ -35,6 +35,8 @@ struct SurfaceOptions {
   float constant_rigidity = 0;  // > 0: s_ij of every edge, instead of its vertices' labels'
   float w_smooth = 10.0f;       // mm, as the following
   float w_edge = 30.0f;
+  // Of what does not hang (actor.h:hangs). Nearly a constraint: from 5 on, captures hardly differ.
+  float w_depth = 30.0f;
   float w_velocity = 0.25f;
   float w_acceleration = 0.1f;
   std::vector<int> gaussian_kernels = {15, 9, 3};  // odd, 1..15; one Gauss-Newton step each
@@ -61,9 +63,10 @@ struct SurfaceEnergies {
   double silhouette = 0;  // sum of w r^2 over contour vertices with b_i != 0
   double smooth = 0;
   double edge = 0;
+  double depth = 0;
   double velocity = 0;
   double acceleration = 0;
-  double total() const { return photo + silhouette + smooth + edge + velocity + acceleration; }
+  double total() const { return photo + silhouette + smooth + edge + depth + velocity + acceleration; }
 };
 
 enum class SurfaceStatus {

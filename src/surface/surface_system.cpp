@@ -40,6 +40,7 @@ void SurfaceOptions::validate() const {
   require_weight(w_silhouette, "w_silhouette");
   require_weight(w_smooth, "w_smooth");
   require_weight(w_edge, "w_edge");
+  require_weight(w_depth, "w_depth");
   require_weight(w_velocity, "w_velocity");
   require_weight(w_acceleration, "w_acceleration");
   require_weight(constant_rigidity, "constant_rigidity");
@@ -76,6 +77,9 @@ SurfaceSystem::SurfaceSystem(ocl::DeviceContext& device, const Actor& actor, con
                      return s * (1.0 / domain_->graph.degree[i] + 1.0 / domain_->graph.degree[j]);
                    })};
   rest_lengths_ = {device, domain_->graph.per_entry([&](int i, int j) { return rest_length(actor.mesh, i, j); })};
+  std::vector<float> depth_weights(actor.n_vertices());
+  for (int i = 0; i < actor.n_vertices(); ++i) depth_weights[i] = hangs(actor, i) ? 0.0f : options.w_depth;
+  depth_weights_ = {device, domain_->graph.planes(depth_weights, 1)};
   colors_ = {device, domain_->graph.planes(actor.colors, 3)};
   no_parts_ = ocl::Buffer<uint8_t>(device, 1);
   v_ = planes(3);
@@ -93,9 +97,9 @@ SurfaceSystem::SurfaceSystem(ocl::DeviceContext& device, const Actor& actor, con
   edges_.fill(0.0f);
   products_ = planes(1);
   for (auto& energy : data_energies_) energy = planes(1);
-  regularizer_energies_ = planes(4);
+  regularizer_energies_ = planes(5);
   scalars_ = {device, std::vector<float>(4, 0.0f)};
-  totals_ = {device, std::vector<float>(6, 0.0f)};
+  totals_ = {device, std::vector<float>(totals_read_.size(), 0.0f)};
 
   const bool cpu = device.is_cpu();
   row_local_ = 64;
@@ -175,9 +179,9 @@ void SurfaceSystem::linearize(const SurfaceInput& input, int gaussian_kernel) {
   const ocl::Buffer<float>& before = w_acceleration_ > 0 ? before_ : v_;
   regularizer_.launch(domain_->lane_items, domain_->lane_local, n_rows, stride, options_.edge_rest_share,
                       options_.w_smooth, options_.w_edge, w_velocity_, w_acceleration_, options_.damping,
-                      domain_->slice_offsets, domain_->neighbors, edge_weights_, rest_lengths_, v_, skinned_, previous,
-                      before, blocks_, residual_, edges_, inverse_, preconditioned_, direction_, step_, products_,
-                      regularizer_energies_);
+                      domain_->slice_offsets, domain_->neighbors, edge_weights_, rest_lengths_, depth_weights_, v_,
+                      skinned_, previous, before, blocks_, residual_, edges_, inverse_, preconditioned_, direction_,
+                      step_, products_, regularizer_energies_);
   if (!device_->is_cpu()) return;
   start_scalars_.launch(sum_items_, sum_items_, n_rows, first_ ? 1 : 0, products_, scalars_);
   first_ = false;
@@ -270,6 +274,7 @@ SurfaceEnergies SurfaceSystem::summed_energies() const {
           .silhouette = totals[1],
           .smooth = totals[2],
           .edge = totals[3],
+          .depth = totals[6],
           .velocity = totals[4],
           .acceleration = totals[5]};
 }

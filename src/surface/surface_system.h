@@ -67,6 +67,7 @@ class SurfaceSystem {
 
   // Constants.
   ocl::Buffer<float> edge_weights_, rest_lengths_;  // [n_entries]
+  ocl::Buffer<float> depth_weights_;                // 1 plane
   ocl::Buffer<float> colors_;                       // 3 planes
   ocl::Buffer<uint8_t> no_parts_;
   // State, planes of graph_.stride floats.
@@ -76,10 +77,10 @@ class SurfaceSystem {
   ocl::Buffer<float> direction_;                                // likewise; surface/direction.h, on GPUs twice
   ocl::Buffer<float> edges_;                                    // [3*n_entries]
   ocl::Buffer<float> products_;                                 // 1 plane
-  ocl::Buffer<float> data_energies_[2], regularizer_energies_;  // 1, 1, 4 planes
+  ocl::Buffer<float> data_energies_[2], regularizer_energies_;  // 1, 1, 5 planes
   ocl::Buffer<float> scalars_;                                  // [4]
-  std::array<float, 6> totals_read_{};
-  ocl::Buffer<float> totals_;  // [6]
+  std::array<float, 7> totals_read_{};
+  ocl::Buffer<float> totals_;  // [7]
 
   ocl::Kernel pack_, unpack_, photo_, silhouette_, regularizer_;
   ocl::Kernel sum_energies_, move_;

@@ -147,6 +147,26 @@ std::map<std::string_view, Restatement> restatements() {
                            .symmetry = [](const Instance& i, std::mt19937& rng) { return translated(i, rng, 3); },
                            .kinks = {}};
 
+  table["depth"] = {.residual = [](const Instance& i) -> VectorXd {
+                      // How much farther along the sight of the skinned vertex.
+                      return VectorXd::Constant(1, i.x.dot(i.params) / i.params.norm() - i.params.norm());
+                    },
+                    .sample =
+                        [](std::mt19937& rng) {
+                          const Vector3d p = random_point(rng);
+                          return Instance{p, p + random_vector(rng, 3, -40, 40)};
+                        },
+                    .make_true = [](Instance& i) { i.x = i.params; },
+                    .symmetry =
+                        [](const Instance& i, std::mt19937& rng) {
+                          // Across the sight nothing holds.
+                          Instance moved = i;
+                          const Vector3d sight = Vector3d(i.params).normalized();
+                          moved.x += sight.cross(Vector3d(random_vector(rng, 3, -40, 40)));
+                          return moved;
+                        },
+                    .kinks = {}};
+
   table["acceleration"] = {
       .residual = [](const Instance& i) -> VectorXd {
         // Change of the velocity.

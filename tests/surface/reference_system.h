@@ -114,6 +114,13 @@ inline ReferenceSystem reference_system(const Scene& s, const SurfaceOptions& o,
         out.energies.silhouette += o.w_silhouette * d * d;
       }
     }
+    if (!hangs(s.actor, i)) {
+      const Eigen::Vector3d skinned = point(s.skinned, i), ray = skinned.normalized();
+      const double w = std::sqrt(double(o.w_depth)), r = (p - skinned).dot(ray);
+      const int k = row(w * r);
+      for (int a = 0; a < 3; ++a) J.emplace_back(k, 3 * i + a, w * ray[a]);
+      out.energies.depth += o.w_depth * r * r;
+    }
     if (temporal) {
       const double wv = std::sqrt(double(o.w_velocity)), wa = std::sqrt(double(o.w_acceleration));
       const Eigen::Vector3d t1 = point(s.previous, i), t2 = point(s.before, i);

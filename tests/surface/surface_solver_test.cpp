@@ -207,6 +207,31 @@ TEST(SurfaceSolver, WithoutDataTheSkinnedMeshStays) {
   });
 }
 
+// Loose vertices that the last frame draws aside and away from the camera: what hangs follows, the rest only aside.
+TEST(SurfaceSolver, WhatDoesNotHangKeepsItsDepth) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
+    Mesh mesh;
+    mesh.positions = {300, -200, 2000, -400, 100, 2500};
+    Scene s = test::make_scene(mesh, 64, 48, 100);
+    s.actor.rigidity = {1, 2};
+    s.previous = s.before = {310, -190, 2010, -390, 110, 2510};
+    SurfaceOptions o;
+    o.w_acceleration = 0;
+    const std::vector<float> v = solved(device, s, o, true);
+    for (int i = 0; i < 2; ++i) {
+      const auto point = [i](const std::vector<float>& p) {
+        return Eigen::Vector3d(p[3 * i], p[3 * i + 1], p[3 * i + 2]);
+      };
+      const Eigen::Vector3d start = point(s.start), sight = start.normalized(), drawn = point(s.previous) - start;
+      const double along = sight.dot(drawn);
+      // Of two springs between both ends.
+      const double kept = i == 0 ? 1 : o.w_velocity / (o.w_velocity + o.w_depth);
+      const Eigen::Vector3d wanted = start + drawn + (kept - 1) * along * sight;
+      EXPECT_LT((point(v) - wanted).norm(), test::kSurfaceSystem * 10 * 30) << i;
+    }
+  });
+}
+
 TEST(SurfaceSolver, DegenerateMeshesAreSolved) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
     for (const int n : {1, 15, 16, 17}) {  // loose vertices, no triangle
@@ -216,6 +241,7 @@ TEST(SurfaceSolver, DegenerateMeshesAreSolved) {
       for (size_t k = 0; k < s.previous.size(); ++k) s.previous[k] = s.before[k] = s.start[k] + 10;
       SurfaceOptions o;
       o.w_acceleration = 0;
+      o.w_depth = 0;
       const std::vector<float> v = solved(device, s, o, true);
       for (size_t k = 0; k < v.size(); ++k) EXPECT_NEAR(v[k], s.previous[k], test::kSurfaceSystem * 10 * 30) << n;
     }

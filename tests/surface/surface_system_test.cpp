@@ -70,10 +70,13 @@ TEST(SurfaceSystem, GradientProductAndEnergiesEqualAnAssembledJacobian) {
         system.linearize(d.input(), kernel);
         EXPECT_LT(relative_error(system.right_hand_side(), expected.rhs), test::kSurfaceSystem) << kernel;
         const SurfaceEnergies e = system.energies();
-        const double pairs[][2] = {
-            {e.photo, expected.energies.photo},       {e.silhouette, expected.energies.silhouette},
-            {e.smooth, expected.energies.smooth},     {e.edge, expected.energies.edge},
-            {e.velocity, expected.energies.velocity}, {e.acceleration, expected.energies.acceleration}};
+        const double pairs[][2] = {{e.photo, expected.energies.photo},
+                                   {e.silhouette, expected.energies.silhouette},
+                                   {e.smooth, expected.energies.smooth},
+                                   {e.edge, expected.energies.edge},
+                                   {e.depth, expected.energies.depth},
+                                   {e.velocity, expected.energies.velocity},
+                                   {e.acceleration, expected.energies.acceleration}};
         for (const auto& [found, wanted] : pairs) {
           EXPECT_GT(wanted, 0);
           EXPECT_NEAR(found, wanted, test::kSurfaceSystem * wanted);
@@ -91,13 +94,14 @@ TEST(SurfaceSystem, EachTermAloneEqualsTheAssembledJacobian) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const Scene s = busy_scene();
     const test::DeviceScene d(device, s);
-    for (int term = 0; term < 6; ++term) {
+    for (int term = 0; term < 7; ++term) {
       SurfaceOptions o = smooth_options();
       const SurfaceOptions all = o;
       o.w_photo = term == 0 ? all.w_photo : 0;
       o.w_silhouette = term == 1 ? all.w_silhouette : 0;
       o.w_smooth = term == 2 ? all.w_smooth : 0;
       o.w_edge = term == 3 ? all.w_edge : 0;
+      o.w_depth = term == 6 ? all.w_depth : 0;
       o.w_velocity = term == 4 ? all.w_velocity : 0;
       o.w_acceleration = term == 5 ? all.w_acceleration : 0;
       SurfaceSystem system(device, s.actor, s.camera, o);

@@ -134,7 +134,7 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
   local double* unknowns = memory;
   local double* chain_memory = unknowns + LC_POSE_STATE_SIZE(layout);
   const Chain chain = chain_in(layout, constants, links, chain_memory);
-  int arrived = steps.arrived, together = 1, status = LC_POSE_SOLVED, taken = 0;
+  int arrived = steps.arrived, together = 1, status = LC_POSE_SOLVED, taken = 0, has_chain = 0;
   global const double* first = (global const double*)(steps.continues ? results : inputs + at.start);
   for (int i = id; i < LC_POSE_STATE_SIZE(layout); i += LC_POSE_GROUP) unknowns[i] = first[i];
   global float* kept_step = (global float*)(kept + 3 * LC_POSE_KEYPOINTS);
@@ -144,6 +144,7 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
   while (true) {
     const bool is_posed = taken == 0 && steps.continues;
     pose_chain(!is_posed, layout, unknowns, chain);
+    has_chain |= !is_posed;
     const double moved_px = write_step(!is_posed, layout, camera, unknowns, chain, step);
     start_round(taken == 0, layout, steps, inputs + at.soles_before, chain, unknowns, step, targets, ground);
     const int is_last = taken >= steps.most || (taken > 0 && moved_px < steps.settled_px);
@@ -219,16 +220,18 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
   if (!together && id == 0) told[LC_POSE_RESULT_GAVE_UP(layout)] = 1;
   if (group > 0) return;
   for (int i = id; i < LC_POSE_STATE_SIZE(layout); i += LC_POSE_GROUP) ((global double*)results)[i] = unknowns[i];
-  for (int i = id; i < LC_POSE_STEP_SIZE(layout); i += LC_POSE_GROUP) kept_step[i] = step[i];
-  for (int i = id; i < 3 * LC_POSE_KEYPOINTS; i += LC_POSE_GROUP) kept[i] = chain.keypoints[i];
   if (id < LC_POSE_COUNTS) told[LC_POSE_RESULT_COUNTS(layout) + id] = counts[id];
   if (id < LC_POSE_KEYPOINTS) {
     results[LC_POSE_RESULT_ROOTS_3D(layout) + id] = targets[LC_POSE_TARGET * id + LC_POSE_TARGET_ROOT_3D];
     chain.moved_px[id] = way_px(layout, camera, id, chain, vload3(id, chain.start), vload3(id, chain.keypoints));
   }
-  const double3 root = vload3(0, unknowns + LC_POSE_STATE_ROOT);
-  for (int b = first_from(LC_POSE_GROUP / 4); b < layout.n_bones; b += LC_POSE_GROUP)
-    vstore8(bone_motion(b, root, chain), b, motions);
+  if (has_chain) {  // else this round ended before it moved, and those of the round before stay
+    for (int i = id; i < LC_POSE_STEP_SIZE(layout); i += LC_POSE_GROUP) kept_step[i] = step[i];
+    for (int i = id; i < 3 * LC_POSE_KEYPOINTS; i += LC_POSE_GROUP) kept[i] = chain.keypoints[i];
+    const double3 root = vload3(0, unknowns + LC_POSE_STATE_ROOT);
+    for (int b = first_from(LC_POSE_GROUP / 4); b < layout.n_bones; b += LC_POSE_GROUP)
+      vstore8(bone_motion(b, root, chain), b, motions);
+  }
   barrier(CLK_LOCAL_MEM_FENCE);
   if (id == 0) {
     const float most = (float)largest_of(LC_POSE_MOVED, chain.moved_px);
@@ -236,7 +239,7 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
     told[LC_POSE_RESULT_STATUS(layout)] = status;
     told[LC_POSE_RESULT_ROUND(layout)] = steps.round;
     results[LC_POSE_RESULT_MOVED(layout)] = most;
-    moved[0] = status == LC_POSE_SOLVED ? most : -1.0f;
+    moved[0] = together && status == LC_POSE_SOLVED ? most : -1.0f;
     if (next[1]) told[LC_POSE_RESULT_GAVE_UP(layout)] = 1;
     next[0] = 0;
   }

@@ -55,7 +55,7 @@ struct Actor {
   int n_vertices() const { return mesh.n_vertices(); }
 };
 
-// Hanging cloth: dress, coat, jumpsuit, skirt, the softest class of the paper's Table 1.
+// Hanging cloth: dress, coat, jumpsuit, skirt, the softest class of the paper's Table 1 (and what has no label).
 inline bool hangs(const Actor& actor, int vertex) {
   return actor.rigidity[vertex] <= 1;
 }

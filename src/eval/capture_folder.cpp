@@ -109,7 +109,7 @@ CaptureFolder open_capture(const fs::path& folder, const std::string& actor, con
   std::string actor_name = actor.empty() ? field<std::string>(options, "actor", "") : actor;
   if (actor_name.empty()) throw IoError(report_path.string() + ": field \"options.actor\" is missing; give --actor");
   const fs::path own_actor = folder / "actor.glb";
-  if (actor.empty() && !is_builtin(actor_name) && !fs::exists(actor_name) && fs::exists(own_actor))
+  if (actor.empty() && !is_builtin(actor_name) && fs::exists(own_actor))  // the file named may be another one by now
     actor_name = own_actor.string();
   CaptureFolder capture;
   capture.path = folder;

@@ -79,12 +79,28 @@ std::vector<int64_t> rows_of(const Clip& clip, const RenderOptions& options) {
   return {tracked == clip.rows.end() ? clip.rows.front() : *tracked};
 }
 
-// A finished picture must not take the place of what it was made from.
+bool is_same(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;
+  return fs::equivalent(a, b, ignored);
+}
+
+fs::path folder_of(const fs::path& file) {
+  return file.has_parent_path() ? file.parent_path() : ".";
+}
+
+// A finished picture must not take the place of what it was made from, nor of a picture beside it.
 void require_apart(const RenderOptions& options, const CaptureFolder& capture) {
   std::error_code ignored;
-  for (const std::string& input : {options.video.empty() ? capture.video : options.video, options.background}) {
-    if (!input.empty() && fs::equivalent(options.out, input, ignored))
-      throw ConfigError("--out " + options.out + ": is an input of this");
+  const bool has_picture = options.background != "video" && options.background != "none";
+  for (const std::string& input :
+       {options.video.empty() ? capture.video : options.video, has_picture ? options.background : std::string()}) {
+    if (input.empty()) continue;
+    if (is_same(options.out, input)) throw ConfigError("--out " + options.out + ": is an input of this");
+    if (fs::is_directory(input, ignored) && is_same(folder_of(options.out), input))
+      throw ConfigError("--out " + options.out + ": lies among the pictures of " + input +
+                        ", an input of this; give another folder");
+    if (fs::path(input).extension() == ".png" && is_same(options.out, folder_of(input)))
+      throw ConfigError("--out " + options.out + ": holds " + input + ", an input of this; give another folder");
   }
 }
 

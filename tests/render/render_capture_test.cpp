@@ -379,6 +379,14 @@ TEST_F(RenderCapture, RefusesWhatIsNoCapture) {
   asked = options("video/000.png");
   asked.video = asked.out;
   expect_refused<ConfigError>(asked, {"000.png", "input"});
+  asked = options("video/new.png");  // would be a picture of the video from then on
+  expect_refused<ConfigError>(asked, {"new.png", "video", "input"});
+  asked = options("video");
+  expect_refused<ConfigError>(asked, {"video", "input"});
+  asked = options("video");
+  asked.video = (folder_ / "other").string();
+  asked.background = (folder_ / "video/000.png").string();  // might be overwritten by a frame's picture
+  expect_refused<ConfigError>(asked, {"video", "000.png", "input"});
 
   // Files of the folder that are missing or cut off.
   const fs::path pc2 = capture() / "vertices.pc2", kept = folder_ / "kept.pc2";

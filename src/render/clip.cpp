@@ -25,7 +25,7 @@ std::vector<int64_t> chosen_rows(const CaptureFolder& capture, const RenderOptio
   if (capture.rows.empty()) throw IoError((capture.path / "frames.csv").string() + ": has no frame");
   for (int64_t row = 0; row < static_cast<int64_t>(capture.rows.size()); ++row) {
     const int64_t index = capture.rows[row].index;
-    if (index < options.first || (options.frames >= 0 && index >= options.first + options.frames)) continue;
+    if (index < options.first || (options.frames >= 0 && index - options.first >= options.frames)) continue;
     if ((index - options.first) % options.every == 0) rows.push_back(row);
   }
   if (rows.empty())
@@ -95,7 +95,7 @@ Clip open_clip(const RenderOptions& options) {
   // The folder's own camera is the same without distortion, which only the video has.
   const fs::path own_camera = fs::path(options.capture) / "camera.json";
   const bool own = options.camera.empty() && !options.needs_video() && fs::exists(own_camera);
-  Clip clip{open_capture(options.capture, options.actor, own ? own_camera.string() : options.camera, {}), {}, {}, {}};
+  Clip clip{open_capture(options.capture, options.actor, own ? own_camera.string() : options.camera, {})};
   if (!clip.capture.vertices)
     throw IoError((fs::path(options.capture) / "vertices.pc2").string() +
                   ": is missing; `livecap capture` writes it beside report.json");
@@ -106,6 +106,7 @@ Clip open_clip(const RenderOptions& options) {
                     format(": has %d samples, frames.csv %zu rows: they are of different runs or one is cut off",
                            clip.capture.vertices->n_samples(), clip.capture.rows.size()));
   }
+  if (!options.is_about_person()) return clip;
   clip.place_mm = median_root(clip);
   const std::optional<Floor> floor = learned_floor(clip);
   clip.floor = floor ? *floor : level_floor(clip);

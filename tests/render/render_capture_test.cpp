@@ -175,6 +175,20 @@ TEST_F(RenderCapture, AFrameThatWasNotTrackedShowsTheVideoAlone) {
   EXPECT_EQ(rendered(options(""), kFirst).pixels, input.pixels);
 }
 
+TEST_F(RenderCapture, WhereNobodyWasTrackedTheCamerasViewIsTheVideoAndNoOtherIs) {
+  const fs::path frames = capture() / "frames.csv", kept = folder_ / "kept.csv";
+  fs::copy_file(frames, kept, fs::copy_options::overwrite_existing);
+  std::string nobody = read_file(frames);
+  for (size_t at; (at = nobody.find(",ok,")) != std::string::npos;) nobody.replace(at, 4, ",lost,");
+  write_file_atomically(frames, nobody);
+  RenderOptions asked = options("");
+  EXPECT_EQ(rendered(asked, 3 + kFirst).pixels, Undistorter(camera_).undistort(video_picture(3 + kFirst)).pixels);
+  asked = options("bad.mp4");
+  asked.view = "front";
+  expect_refused<IoError>(asked, {"frames.csv", "nobody"});
+  fs::rename(kept, frames);
+}
+
 TEST_F(RenderCapture, HalfTheSizeHasThePersonAtHalfThePlace) {
   RenderOptions asked = options("");
   asked.background = "#0000ff";

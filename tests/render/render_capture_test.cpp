@@ -418,6 +418,15 @@ TEST_F(RenderCapture, RefusesWhatIsNoCapture) {
   expect_refused<IoError>(options("bad.mp4"), {"vertices.pc2", "1 samples", "5 rows"});
   fs::rename(kept, pc2);
 
+  for (const std::string name : {"joints.csv", "angles.csv"}) {
+    const std::string whole = read_file(capture() / name);
+    write_file_atomically(capture() / name, whole.substr(0, whole.rfind('\n', whole.size() - 2) + 1));
+    asked = options("bad.mp4");
+    asked.style = "displacement";
+    expect_refused<IoError>(asked, {name, "4 rows", "5 rows"});
+    write_file_atomically(capture() / name, whole);
+  }
+
   asked = options("bad.png");
   asked.sheet_columns = 100;
   asked.sheet_rows = 1;

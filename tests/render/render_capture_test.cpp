@@ -402,6 +402,16 @@ TEST_F(RenderCapture, RefusesWhatIsNoCapture) {
   asked.background = (folder_ / "video/000.png").string();  // might be overwritten by a frame's picture
   expect_refused<ConfigError>(asked, {"video", "000.png", "input"});
 
+  // Names that no file system takes.
+  const std::string overlong(300, 'x');
+  asked = options("bad.mp4");
+  asked.capture = overlong;
+  expect_refused<IoError>(asked, {overlong, "folder"});
+  asked = options("bad.mp4");
+  asked.background = overlong;
+  expect_refused<ConfigError>(asked, {"--background " + overlong});
+  for (const std::string suffix : {".mp4", ".png", ""}) expect_refused<IoError>(options(overlong + suffix), {overlong});
+
   // Files of the folder that are missing or cut off.
   const fs::path pc2 = capture() / "vertices.pc2", kept = folder_ / "kept.pc2";
   fs::rename(pc2, kept);

@@ -11,7 +11,7 @@ namespace livecap::render {
 namespace {
 
 constexpr int kMinSide = 16, kMaxSide = 8192;
-constexpr int kMaxSamples = 4, kMaxDrawnSide = 16384;  // a picture of this side squared takes 0.8 GB
+constexpr int kMaxSamples = 4;
 constexpr int kMaxPanels = 100;
 
 void require_one_of(const char* option, const std::string& value, const std::vector<std::string>& names) {
@@ -73,9 +73,6 @@ void RenderOptions::validate() const {
     require_within("--size", height, kMinSide, kMaxSide);
   }
   require_within("--samples", samples, 1, kMaxSamples);
-  if (std::max(width, height) * samples > kMaxDrawnSide)
-    throw ConfigError(format("--size %dx%d: with --samples %d at most %d px a side", width, height, samples,
-                             kMaxDrawnSide / samples));
   if (!(fps >= 0) || fps > 1000) throw ConfigError(format("--fps %g: expected above 0, at most 1000", fps));
   if (first < 0) throw ConfigError(format("--first %lld: must not be negative", static_cast<long long>(first)));
   if (every < 1) throw ConfigError(format("--every %lld: must be at least 1", static_cast<long long>(every)));

@@ -8,7 +8,6 @@
 #include <thread>
 
 #include "base/text.h"
-#include "image/image_io.h"
 #include "image/undistort.h"
 #include "image/video.h"
 #include "livecap/error.h"
@@ -21,7 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMaxThreads = 16;
+constexpr int64_t kMaxThreads = 16;
+constexpr int64_t kPaintingBytes = 2'000'000'000;  // for all pictures being painted
+constexpr int64_t kBytesPerPixel = 10;             // of one: background, result and nearness
 
 // The undistorted pictures of a video by their frame's number, which rises.
 class VideoFrames {
@@ -110,11 +111,10 @@ SceneFrame scene_frame(Clip& clip, int64_t row, double share, VideoFrames* video
   return frame;
 }
 
-// As many pictures at a time as there are processors; in and out go in order.
+// Pictures are painted several at a time; in and out go in order.
 void paint_all(const std::vector<int64_t>& rows, Clip& clip, const Scene& scene, VideoFrames* video, PictureSink& sink,
                const RenderProgress& progress, RenderReport& report) {
-  set_image_threads(1);
-  const size_t at_once = std::clamp<size_t>(std::thread::hardware_concurrency(), 1, kMaxThreads);
+  const size_t at_once = pictures_at_once(scene.drawn_pixels(), std::thread::hardware_concurrency());
   const auto n = static_cast<int64_t>(rows.size());
   for (size_t begin = 0; begin < rows.size() && report.complete; begin += at_once) {
     const size_t end = std::min(rows.size(), begin + at_once);
@@ -140,6 +140,11 @@ void paint_all(const std::vector<int64_t>& rows, Clip& clip, const Scene& scene,
 }
 
 }  // namespace
+
+size_t pictures_at_once(int64_t drawn_pixels, unsigned processors) {
+  const int64_t room = kPaintingBytes / (kBytesPerPixel * drawn_pixels);
+  return static_cast<size_t>(std::max<int64_t>(1, std::min({room, int64_t{processors}, kMaxThreads})));
+}
 
 RenderReport render_capture(const RenderOptions& options, const RenderProgress& progress) {
   options.validate();

@@ -16,6 +16,7 @@
 namespace livecap::render {
 namespace {
 
+constexpr int kMaxDrawnSide = 16384;   // samples; a picture of this side squared takes 2.7 GB while it is painted
 constexpr double kElevationDeg = 8;    // of views about the person: enough to see the floor
 constexpr double kBodyMarginMm = 170;  // from a joint to what is farthest out around it, and some air
 constexpr int kOrbitSteps = 24;        // from which it is found how far away the camera has to be
@@ -92,6 +93,9 @@ Scene::Scene(const Clip& clip, const RenderOptions& options)
       width_(options.side_by_side ? 2 * fitted_.width : fitted_.width),
       around_{clip.place_mm, clip.floor.up} {
   fitted_.distortion = {};
+  if (const int64_t side = std::max(fitted_.width, fitted_.height); side * options.samples > kMaxDrawnSide)
+    throw ConfigError(format("--samples %d: pictures of %dx%d are too large for it, at most %d px a side; see --size",
+                             options.samples, fitted_.width, fitted_.height, kMaxDrawnSide / options.samples));
   backdrop_.emplace(options, fitted_.width, fitted_.height);
   if (options.skeleton) bones_ = bone_lines(clip.capture.actor.skeleton, clip.capture.joints.names);
   if (options.style == "displacement" && clip.capture.angles.empty())

@@ -37,7 +37,6 @@ TEST(Options, EveryMistakeIsNamed) {
       {"--scale 0", [](RenderOptions& o) { o.scale_mm = 0; }},
       {"--size 0", [](RenderOptions& o) { o.height = 100; }},
       {"--size 100000", [](RenderOptions& o) { o.width = 100000, o.height = 100; }},
-      {"--size 8000x8000", [](RenderOptions& o) { o.width = o.height = 8000, o.samples = 4; }},
       {"--samples 0", [](RenderOptions& o) { o.samples = 0; }},
       {"--fps -1", [](RenderOptions& o) { o.fps = -1; }},
       {"--first -2", [](RenderOptions& o) { o.first = -2; }},

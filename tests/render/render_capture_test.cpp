@@ -358,6 +358,14 @@ TEST_F(RenderCapture, FilmSheetAndSideBySide) {
   EXPECT_NEAR(half.info().fps, 12.5, test::kHandComputed);  // as long as the video
 }
 
+TEST(PicturesAtOnce, OneForEveryProcessorWithin2GB) {
+  EXPECT_EQ(pictures_at_once(540 * 960, 8), 8u);
+  EXPECT_EQ(pictures_at_once(540 * 960, 0), 1u);
+  EXPECT_EQ(pictures_at_once(540 * 960, 64), 16u);
+  EXPECT_EQ(pictures_at_once(66'000'000, 8), 3u);  // 0.66 GB each
+  EXPECT_EQ(pictures_at_once(int64_t{16384} * 16384, 8), 1u);
+}
+
 TEST_F(RenderCapture, StoppedEarlyWhatIsThereIsWhole) {
   const RenderOptions asked = options("short.mp4");
   const RenderReport report = render_capture(asked, [](int64_t done, int64_t) { return done < 1; });
@@ -443,6 +451,17 @@ TEST_F(RenderCapture, RefusesWhatIsNoCapture) {
   asked.width = 200;
   asked.height = 20;
   expect_refused<ConfigError>(asked, {"--sheet", "20396 px"});
+
+  // Too large for its samples: the size that was asked for, and the camera's own.
+  asked = options("bad.png");
+  asked.samples = 4;
+  asked.width = asked.height = 8000;
+  expect_refused<ConfigError>(asked, {"--samples 4", "8000x8000", "4096 px", "--size"});
+  asked.width = asked.height = 0;
+  asked.view = "front";
+  asked.camera = (folder_ / "large.json").string();
+  save_camera(camera_from_fov(3000, 5000, 45), asked.camera);
+  expect_refused<ConfigError>(asked, {"--samples 4", "3000x5000", "4096 px", "--size"});
 
   asked = options("bad.mp4");
   asked.video = (folder_ / "wide").string();

@@ -6,6 +6,7 @@
 
 #include "base/text.h"
 #include "command.h"
+#include "image/image_io.h"
 #include "livecap/error.h"
 #include "progress.h"
 #include "render/render_capture.h"
@@ -35,6 +36,7 @@ int run(const Options& options) {
   parse_pair("--sheet", options.sheet, render.sheet_columns, render.sheet_rows);
   render.floor = !options.no_floor;
 
+  set_image_threads(1);
   catch_interrupt();
   Progress progress("render");
   const render::RenderReport report = render_capture(render, [&](int64_t done, int64_t total) {

@@ -157,6 +157,9 @@ RenderReport render_capture(const RenderOptions& options, const RenderProgress& 
   report.width = scene.width();
   report.height = scene.height();
   report.fps = options.fps > 0 ? options.fps : clip.capture.fps / static_cast<double>(options.every);
+  if (output_kind(options.out) == OutputKind::kFilm && !(report.fps >= kMinFps && report.fps <= kMaxFps))
+    throw ConfigError(format("--every %lld: a film of %g pictures a second, expected %g to %g; see --fps",
+                             static_cast<long long>(options.every), report.fps, kMinFps, kMaxFps));
   const std::unique_ptr<PictureSink> sink = open_sink(options, report.width, report.height, report.fps);
   try {
     paint_all(rows_of(clip, options), clip, scene, video ? &*video : nullptr, *sink, progress, report);

@@ -131,7 +131,7 @@ ScenePicture Scene::paint(const SceneFrame& frame) const {
     return separated(over(0), over(255));
   }
   ImageRgb picture = paint_over(backdrop_->picture(frame.video), frame, view);
-  if (options_.style == "displacement") draw_scale(options_.scale_mm, picture);
+  if (options_.style == "displacement") draw_scale(options_.scale_mm.value_or(kScaleMm), picture);
   if (options_.side_by_side) picture = beside(fitted_picture(frame.video, fitted_.width, fitted_.height), picture);
   return {std::move(picture), {}};
 }
@@ -182,7 +182,7 @@ std::vector<float> Scene::colors(const SceneFrame& frame, const std::vector<floa
     std::vector<double> distances;
     for (size_t i = 0; i < skinned.size(); i += 3)
       distances.push_back((Eigen::Vector3f::Map(&skinned[i]) - Eigen::Vector3f::Map(&frame.vertices[i])).norm());
-    colors = heat_colors(distances, options_.scale_mm);
+    colors = heat_colors(distances, options_.scale_mm.value_or(kScaleMm));
   }
   return colors;
 }

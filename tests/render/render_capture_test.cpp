@@ -410,6 +410,11 @@ TEST_F(RenderCapture, RefusesWhatIsNoCapture) {
   asked.background = (folder_ / "video/000.png").string();  // might be overwritten by a frame's picture
   expect_refused<ConfigError>(asked, {"video", "000.png", "input"});
 
+  asked = options("bad.mp4");
+  asked.first = kFirst;
+  asked.every = 5000;
+  expect_refused<ConfigError>(asked, {"--every 5000", "0.005", "--fps"});
+
   // Names that no file system takes.
   const std::string overlong(300, 'x');
   asked = options("bad.mp4");

@@ -88,8 +88,9 @@ void add_render_command(CLI::App& app, Action& action) {
   command->add_option("--style", render.style, "one of " + joined(render::style_names()))
       ->capture_default_str()
       ->group(look);
-  command->add_option("--scale", render.scale_mm, "displacement that has the last colour, mm")
-      ->capture_default_str()
+  command
+      ->add_option("--scale", render.scale_mm,
+                   format("displacement that has the last colour, mm; default: %g", render::kScaleMm))
       ->group(look);
   command->add_option("--opacity", render.opacity, "of the person, 0 to 1")->capture_default_str()->group(look);
   command->add_flag("--skeleton", render.skeleton, "the bones over it")->group(look);

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "base/text.h"
+#include "base/timer.h"
 #include "eval/body_points.h"
 #include "livecap/error.h"
 
@@ -14,11 +15,6 @@ namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
 constexpr int kFloorSamples = 60;  // rows that tell where a floor is that neither camera nor feet at rest tell
-
-double median_of(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
 
 std::vector<int64_t> chosen_rows(const CaptureFolder& capture, const RenderOptions& options) {
   std::vector<int64_t> rows;
@@ -48,7 +44,7 @@ Vector3d median_root(const Clip& clip) {
   }
   if (places[0].empty())
     throw IoError((clip.capture.path / "frames.csv").string() + ": nobody was tracked in any frame");
-  return {median_of(places[0]), median_of(places[1]), median_of(places[2])};
+  return {median(places[0]), median(places[1]), median(places[2])};
 }
 
 // As the tracker learns it, but of all frames and with every ankle believed.

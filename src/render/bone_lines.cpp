@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "eval/sequence_files.h"
 #include "picture/overlay.h"
 #include "pose/targets.h"
 
@@ -12,11 +13,6 @@ namespace {
 
 constexpr double kThicknessShare = 1 / 260.0;  // of the picture's height
 constexpr int kFractionBits = 4;               // of a pixel, in what OpenCV is given
-
-int index_of(const std::vector<std::string>& names, const std::string& name) {
-  const auto found = std::find(names.begin(), names.end(), name);
-  return found == names.end() ? -1 : static_cast<int>(found - names.begin());
-}
 
 cv::Scalar side_color(const std::string& name) {
   if (name.rfind("left_", 0) == 0) return {255, 120, 30};

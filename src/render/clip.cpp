@@ -33,9 +33,7 @@ std::vector<int64_t> chosen_rows(const CaptureFolder& capture, const RenderOptio
 }
 
 Vector3d median_root(const Clip& clip) {
-  const std::vector<std::string>& names = clip.capture.joints.names;
-  const auto found = std::find(names.begin(), names.end(), clip.capture.actor.skeleton.bones[0].name);
-  const size_t root = found == names.end() ? 0 : static_cast<size_t>(found - names.begin());
+  const int root = std::max(0, index_of(clip.capture.joints.names, clip.capture.actor.skeleton.bones[0].name));
   std::vector<double> places[3];
   for (int64_t row = 0; row < static_cast<int64_t>(clip.capture.rows.size()); ++row) {
     const std::vector<Vector3d> joints = clip.joints(row);

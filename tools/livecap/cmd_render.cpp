@@ -9,6 +9,7 @@
 #include "image/image_io.h"
 #include "livecap/error.h"
 #include "progress.h"
+#include "render/picture_sink.h"
 #include "render/render_capture.h"
 
 namespace livecap::tools {
@@ -21,7 +22,7 @@ struct Options {
   bool no_floor = false;
 };
 
-// "540x960"; both 0 for an empty text.
+// "540x960"; an empty text leaves both as they are.
 void parse_pair(const char* option, const std::string& text, int& first, int& second) {
   if (text.empty()) return;
   int end = 0;
@@ -46,6 +47,7 @@ int run(const Options& options) {
   progress.finish();
   std::printf("%s: %lld pictures of %dx%d", render.out.c_str(), static_cast<long long>(report.pictures), report.width,
               report.height);
+  if (render::output_kind(render.out) == render::OutputKind::kFilm) std::printf(", %g a second", report.fps);
   if (report.empty > 0) std::printf(", %lld of them without the person", static_cast<long long>(report.empty));
   std::printf("\n");
   if (!report.complete)

@@ -10,11 +10,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-int index_of(const std::vector<std::string>& names, const std::string& name) {
-  const auto found = std::find(names.begin(), names.end(), name);
-  return found == names.end() ? -1 : static_cast<int>(found - names.begin());
-}
-
 // The bone or keypoint of that name at rest; bone -1: there is none.
 KeypointAnchor rest_point(const Actor& actor, const std::string& name) {
   if (const int bone = actor.skeleton.bone_index(name); bone >= 0) {

@@ -100,7 +100,8 @@ Actor load_actor_named(const std::string& name, double height_mm) {
 
 CaptureFolder open_capture(const fs::path& folder, const std::string& actor, const std::string& camera,
                            const fs::path& masks) {
-  if (!fs::is_directory(folder)) throw IoError(folder.string() + ": is not a folder");
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) throw IoError(folder.string() + ": is not a folder");
   const fs::path report_path = folder / "report.json";
   const nlohmann::json report = nlohmann::json::parse(read_file(report_path), nullptr, false);
   if (!report.is_object()) throw IoError(report_path.string() + ": is not a JSON object");
@@ -109,7 +110,7 @@ CaptureFolder open_capture(const fs::path& folder, const std::string& actor, con
   std::string actor_name = actor.empty() ? field<std::string>(options, "actor", "") : actor;
   if (actor_name.empty()) throw IoError(report_path.string() + ": field \"options.actor\" is missing; give --actor");
   const fs::path own_actor = folder / "actor.glb";
-  if (actor.empty() && !is_builtin(actor_name) && fs::exists(own_actor))  // the file named may be another one by now
+  if (actor.empty() && !is_builtin(actor_name) && fs::exists(own_actor, ignored))  // the file named may have changed
     actor_name = own_actor.string();
   CaptureFolder capture;
   capture.path = folder;

@@ -83,6 +83,11 @@ std::vector<float> read_joint_frame(const Json& frame, size_t n_joints, const st
 
 }  // namespace
 
+int index_of(const std::vector<std::string>& names, const std::string& name) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() ? -1 : static_cast<int>(found - names.begin());
+}
+
 JointTrack read_joints_json(const std::filesystem::path& path) {
   const Json json = Json::parse(read_file(path), nullptr, false);
   if (!json.is_object()) throw IoError(path.string() + ": is not a JSON object");

@@ -15,6 +15,9 @@ struct JointTrack {
   bool empty() const { return names.empty(); }
 };
 
+// Where a name is among a track's; -1: nowhere.
+int index_of(const std::vector<std::string>& names, const std::string& name);
+
 // joints.json of a truth folder: {"names":[...],"frames":[[[x,y,z],...] or null,...]}. Throws IoError naming the field.
 JointTrack read_joints_json(const std::filesystem::path& path);
 

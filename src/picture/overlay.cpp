@@ -11,7 +11,6 @@
 namespace livecap {
 namespace {
 
-constexpr float kMinDepthMm = 100;
 constexpr float kMaxPixel = 1e6f;
 constexpr float kAmbient = 0.55f;
 constexpr float kKeyAmbient = 0.26f, kKeyFromCamera = 0.24f, kKey = 0.72f;
@@ -65,13 +64,12 @@ float edge_distance(const Corner (&c)[3], const float (&w)[3]) {
 class Painter {
  public:
   Painter(const Actor& actor, const Camera& camera, const OverlayOptions& options, const ImageRgb& background,
-          ImageRgb& out, int x_offset)
+          ImageRgb& out)
       : actor_(actor),
         camera_(camera),
         options_(options),
         background_(background),
         out_(out),
-        x_offset_(x_offset),
         nearest_(camera.width, camera.height) {}
 
   void triangle(const Corner (&c)[3]) {
@@ -112,7 +110,7 @@ class Painter {
       color *= brightness(normal, ray);
     }
     const uint8_t* from = &background_.pixels[3 * (size_t(y) * background_.width + x)];
-    uint8_t* to = &out_.pixels[3 * (size_t(y) * out_.width + x_offset_ + x)];
+    uint8_t* to = &out_.pixels[3 * (size_t(y) * out_.width + x)];
     for (int k = 0; k < 3; ++k)
       to[k] = static_cast<uint8_t>(std::clamp(from[k] + options_.alpha * (color[k] - from[k]) + 0.5f, 0.f, 255.f));
   }
@@ -122,7 +120,6 @@ class Painter {
   const OverlayOptions& options_;
   const ImageRgb& background_;
   ImageRgb& out_;
-  int x_offset_;
   NearnessImage nearest_;  // 1/mm
 };
 
@@ -152,16 +149,9 @@ ImageRgb render_overlay(const Actor& actor, std::span<const float> positions_cam
   if (background.width != camera.width || background.height != camera.height)
     throw ConfigError(format("overlay: picture of %dx%d for a camera of %dx%d", background.width, background.height,
                              camera.width, camera.height));
-  ImageRgb out{options.side_by_side ? 2 * background.width : background.width, background.height, {}};
-  out.pixels.resize(size_t(3) * out.width * out.height);
-  for (int y = 0; y < out.height; ++y) {
-    for (int copy = 0; copy <= static_cast<int>(options.side_by_side); ++copy) {
-      std::copy_n(&background.pixels[size_t(3) * y * background.width], size_t(3) * background.width,
-                  &out.pixels[3 * (size_t(y) * out.width + size_t(copy) * background.width)]);
-    }
-  }
+  ImageRgb out = background;
   const std::vector<float> normals = vertex_normals(positions_camera, actor.mesh.triangles);
-  Painter painter(actor, camera, options, background, out, options.side_by_side ? background.width : 0);
+  Painter painter(actor, camera, options, background, out);
   const RenderMesh& mesh = actor.render;
   for (size_t t = 0; t + 2 < mesh.triangles.size(); t += 3) {
     Corner corners[3];

@@ -10,12 +10,14 @@
 
 namespace livecap {
 
+// What is nearer to the camera is not drawn.
+inline constexpr float kMinDepthMm = 100;
+
 struct OverlayOptions {
-  float alpha = 0.85f;        // opacity of the actor, 0..1
-  bool texture = true;        // false: plain grey, which shows the shape best
-  bool shading = true;        // light from the camera
-  bool key_light = false;     // with shading: less of it and a lamp at the upper left, which shows folds
-  bool side_by_side = false;  // input left, result right: twice as wide
+  float alpha = 0.85f;     // opacity of the actor, 0..1
+  bool texture = true;     // false: plain grey, which shows the shape best
+  bool shading = true;     // light from the camera
+  bool key_light = false;  // with shading: less of it and a lamp at the upper left, which shows folds
   // Instead of texture and grey:
   std::span<const float> colors{};  // [3*n_vertices] sRGB in [0,1]; empty: none
   float checks_mm = 0;  // > 0: cubes of this side, light and dark, fixed to the surface at rest; they show it slide

@@ -25,19 +25,20 @@ struct NearnessImage {
 };
 
 // Calls paint(x, y, w, nearness) for every pixel whose centre the triangle covers in front of what is there already.
+// None of a triangle whose area a float does not hold.
 // w[3]: the corners' shares, linear in the picture.
 template <typename Paint>
 void rasterize(const ScreenPoint (&c)[3], NearnessImage& image, Paint&& paint) {
   const float area = (c[1].x - c[0].x) * (c[2].y - c[0].y) - (c[1].y - c[0].y) * (c[2].x - c[0].x);
-  if (area == 0) return;
-  const auto first = [](float a, float b, float d) {
-    return static_cast<int>(std::ceil(std::max(0.f, std::min({a, b, d}))));
+  if (area == 0 || !std::isfinite(area)) return;
+  const auto first = [](float a, float b, float d, int size) {
+    return static_cast<int>(std::ceil(std::clamp(std::min({a, b, d}), 0.f, static_cast<float>(size))));
   };
   const auto last = [](float a, float b, float d, int size) {
-    return static_cast<int>(std::floor(std::min(static_cast<float>(size - 1), std::max({a, b, d}))));
+    return static_cast<int>(std::floor(std::clamp(std::max({a, b, d}), -1.f, static_cast<float>(size - 1))));
   };
-  const int x0 = first(c[0].x, c[1].x, c[2].x), x1 = last(c[0].x, c[1].x, c[2].x, image.width);
-  const int y0 = first(c[0].y, c[1].y, c[2].y), y1 = last(c[0].y, c[1].y, c[2].y, image.height);
+  const int x0 = first(c[0].x, c[1].x, c[2].x, image.width), x1 = last(c[0].x, c[1].x, c[2].x, image.width);
+  const int y0 = first(c[0].y, c[1].y, c[2].y, image.height), y1 = last(c[0].y, c[1].y, c[2].y, image.height);
   for (int y = y0; y <= y1; ++y) {
     for (int x = x0; x <= x1; ++x) {
       float w[3];

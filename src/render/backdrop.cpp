@@ -60,11 +60,12 @@ Backdrop::Backdrop(const RenderOptions& options, int width, int height) : width_
   video_ = background == "video" || (background.empty() && !options.is_about_person());
   transparent_ = background == "none";
   if (video_ || transparent_) return;
+  std::error_code ignored;
   if (background.empty()) {
     still_ = studio(width, height);
   } else if (const std::optional<Rgb> color = parsed_color(background)) {
     still_ = plain_picture(width, height, *color);
-  } else if (std::filesystem::exists(background)) {
+  } else if (std::filesystem::exists(background, ignored)) {
     still_ = fitted_picture(read_image_rgb(background), width, height);
   } else {
     throw ConfigError("--background " + background + ": expected video, none, #rrggbb or a picture file");

@@ -4,17 +4,15 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "eval/sequence_files.h"
+#include "picture/overlay.h"
+#include "pose/targets.h"
+
 namespace livecap::render {
 namespace {
 
-constexpr double kMinDepthMm = 100;
 constexpr double kThicknessShare = 1 / 260.0;  // of the picture's height
 constexpr int kFractionBits = 4;               // of a pixel, in what OpenCV is given
-
-int index_of(const std::vector<std::string>& names, const std::string& name) {
-  const auto found = std::find(names.begin(), names.end(), name);
-  return found == names.end() ? -1 : static_cast<int>(found - names.begin());
-}
 
 cv::Scalar side_color(const std::string& name) {
   if (name.rfind("left_", 0) == 0) return {255, 120, 30};
@@ -46,10 +44,8 @@ void draw_bones(const std::vector<std::pair<int, int>>& lines, const std::vector
                 std::span<const Eigen::Vector3d> joints_mm, const Viewpoint& view, ImageRgb& canvas) {
   cv::Mat picture(canvas.height, canvas.width, CV_8UC3, canvas.pixels.data());
   const auto place = [&](const Eigen::Vector3d& p) {
-    const double x = view.camera.fx * p.x() / p.z() + view.camera.cx;
-    const double y = view.camera.fy * p.y() / p.z() + view.camera.cy;
-    return cv::Point(static_cast<int>(std::lround(x * (1 << kFractionBits))),
-                     static_cast<int>(std::lround(y * (1 << kFractionBits))));
+    const Eigen::Vector2d px = (1 << kFractionBits) * project_px(view.camera, p);
+    return cv::Point(static_cast<int>(std::lround(px.x())), static_cast<int>(std::lround(px.y())));
   };
   const int thickness = std::max(1, static_cast<int>(std::lround(kThicknessShare * canvas.height)));
   for (const bool outline : {true, false}) {

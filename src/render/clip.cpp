@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "base/text.h"
+#include "base/timer.h"
 #include "eval/body_points.h"
 #include "livecap/error.h"
 
@@ -15,17 +16,12 @@ using Eigen::Vector3d;
 
 constexpr int kFloorSamples = 60;  // rows that tell where a floor is that neither camera nor feet at rest tell
 
-double median_of(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
-
 std::vector<int64_t> chosen_rows(const CaptureFolder& capture, const RenderOptions& options) {
   std::vector<int64_t> rows;
   if (capture.rows.empty()) throw IoError((capture.path / "frames.csv").string() + ": has no frame");
   for (int64_t row = 0; row < static_cast<int64_t>(capture.rows.size()); ++row) {
     const int64_t index = capture.rows[row].index;
-    if (index < options.first || (options.frames >= 0 && index >= options.first + options.frames)) continue;
+    if (index < options.first || (options.frames >= 0 && index - options.first >= options.frames)) continue;
     if ((index - options.first) % options.every == 0) rows.push_back(row);
   }
   if (rows.empty())
@@ -37,9 +33,7 @@ std::vector<int64_t> chosen_rows(const CaptureFolder& capture, const RenderOptio
 }
 
 Vector3d median_root(const Clip& clip) {
-  const std::vector<std::string>& names = clip.capture.joints.names;
-  const auto found = std::find(names.begin(), names.end(), clip.capture.actor.skeleton.bones[0].name);
-  const size_t root = found == names.end() ? 0 : static_cast<size_t>(found - names.begin());
+  const int root = std::max(0, index_of(clip.capture.joints.names, clip.capture.actor.skeleton.bones[0].name));
   std::vector<double> places[3];
   for (int64_t row = 0; row < static_cast<int64_t>(clip.capture.rows.size()); ++row) {
     const std::vector<Vector3d> joints = clip.joints(row);
@@ -48,7 +42,7 @@ Vector3d median_root(const Clip& clip) {
   }
   if (places[0].empty())
     throw IoError((clip.capture.path / "frames.csv").string() + ": nobody was tracked in any frame");
-  return {median_of(places[0]), median_of(places[1]), median_of(places[2])};
+  return {median(places[0]), median(places[1]), median(places[2])};
 }
 
 // As the tracker learns it, but of all frames and with every ankle believed.
@@ -76,6 +70,16 @@ Floor level_floor(Clip& clip) {
   return {-Vector3d::UnitY(), std::isfinite(lowest) ? lowest : clip.place_mm.y()};
 }
 
+// Where somebody was tracked, `file` has to have an entry.
+void require_rows(const Clip& clip, const char* file, size_t n, const char* entries) {
+  for (int64_t row : clip.rows) {
+    if (clip.tracked(row) && row >= static_cast<int64_t>(n))
+      throw IoError((clip.capture.path / file).string() +
+                    format(": has %zu %s, frames.csv %zu rows: they are of different runs or one is cut off", n,
+                           entries, clip.capture.rows.size()));
+  }
+}
+
 }  // namespace
 
 std::vector<Vector3d> Clip::joints(int64_t row) const {
@@ -93,19 +97,20 @@ std::vector<float> Clip::vertices(int64_t row) {
 
 Clip open_clip(const RenderOptions& options) {
   // The folder's own camera is the same without distortion, which only the video has.
+  std::error_code ignored;
   const fs::path own_camera = fs::path(options.capture) / "camera.json";
-  const bool own = options.camera.empty() && !options.needs_video() && fs::exists(own_camera);
-  Clip clip{open_capture(options.capture, options.actor, own ? own_camera.string() : options.camera, {}), {}, {}, {}};
+  const bool own = options.camera.empty() && !options.needs_video() && fs::exists(own_camera, ignored);
+  Clip clip{open_capture(options.capture, options.actor, own ? own_camera.string() : options.camera, {})};
   if (!clip.capture.vertices)
     throw IoError((fs::path(options.capture) / "vertices.pc2").string() +
                   ": is missing; `livecap capture` writes it beside report.json");
   clip.rows = chosen_rows(clip.capture, options);
-  for (int64_t row : clip.rows) {
-    if (clip.tracked(row) && row >= clip.capture.vertices->n_samples())
-      throw IoError((clip.capture.path / "vertices.pc2").string() +
-                    format(": has %d samples, frames.csv %zu rows: they are of different runs or one is cut off",
-                           clip.capture.vertices->n_samples(), clip.capture.rows.size()));
-  }
+  require_rows(clip, "vertices.pc2", static_cast<size_t>(clip.capture.vertices->n_samples()), "samples");
+  require_rows(clip, "joints.csv", clip.capture.joints.frames.size(), "rows");
+  const bool uses_angles = options.is_about_person() || options.style == "displacement";
+  if (uses_angles && !clip.capture.angles.empty())
+    require_rows(clip, "angles.csv", clip.capture.angles.frames.size(), "rows");
+  if (!options.is_about_person()) return clip;
   clip.place_mm = median_root(clip);
   const std::optional<Floor> floor = learned_floor(clip);
   clip.floor = floor ? *floor : level_floor(clip);

@@ -13,9 +13,10 @@ namespace livecap::render {
 
 struct Clip {
   CaptureFolder capture;
-  std::vector<int64_t> rows;  // of frames.csv, ascending
-  Eigen::Vector3d place_mm;   // where the person is: the median of the root over the tracked rows, camera frame
-  Floor floor;                // measured, or from the feet; else level through the lowest of them
+  std::vector<int64_t> rows{};  // of frames.csv, ascending
+  // Looked for in views about the person only:
+  Eigen::Vector3d place_mm = Eigen::Vector3d::Zero();  // the median of the root over the tracked rows, camera frame
+  Floor floor{};  // measured, or from the feet; else level through the lowest vertex
 
   bool tracked(int64_t row) const { return capture.rows[row].tracked(); }
   // Of all joints and keypoints, mm, camera frame; empty in a row that is not tracked.

@@ -11,7 +11,7 @@ namespace livecap::render {
 namespace {
 
 constexpr int kMinSide = 16, kMaxSide = 8192;
-constexpr int kMaxSamples = 4, kMaxDrawnSide = 16384;  // a picture of this side squared takes 0.8 GB
+constexpr int kMaxSamples = 4;
 constexpr int kMaxPanels = 100;
 
 void require_one_of(const char* option, const std::string& value, const std::vector<std::string>& names) {
@@ -66,19 +66,23 @@ void RenderOptions::validate() const {
   if (background == "none" && output_kind(out) == OutputKind::kFilm)
     throw ConfigError("--background none: a film has no transparency; give --out FOLDER or FILE.png");
   require_within("--opacity", opacity, 0, 1);
-  if (!(scale_mm > 0) || !std::isfinite(scale_mm))
-    throw ConfigError(format("--scale %g: must be above 0 mm", scale_mm));
+  if (scale_mm && style != "displacement") throw ConfigError("--scale: is of --style displacement only");
+  if (scale_mm && (!(*scale_mm > 0) || !std::isfinite(*scale_mm)))
+    throw ConfigError(format("--scale %g: must be above 0 mm", *scale_mm));
+  if (!floor && !is_about_person())
+    throw ConfigError("--no-floor: the camera's own view has none; see --view, --azimuth and --orbit");
   if (width != 0 || height != 0) {
     require_within("--size", width, kMinSide, kMaxSide);
     require_within("--size", height, kMinSide, kMaxSide);
   }
   require_within("--samples", samples, 1, kMaxSamples);
-  if (std::max(width, height) * samples > kMaxDrawnSide)
-    throw ConfigError(format("--size %dx%d: with --samples %d at most %d px a side", width, height, samples,
-                             kMaxDrawnSide / samples));
-  if (!(fps >= 0) || fps > 1000) throw ConfigError(format("--fps %g: expected above 0, at most 1000", fps));
+  if (fps != 0 && output_kind(out) != OutputKind::kFilm)
+    throw ConfigError("--fps: is of a film only; expected --out FILE.mp4");
+  if (fps != 0) require_within("--fps", fps, kMinFps, kMaxFps);
   if (first < 0) throw ConfigError(format("--first %lld: must not be negative", static_cast<long long>(first)));
   if (every < 1) throw ConfigError(format("--every %lld: must be at least 1", static_cast<long long>(every)));
+  if (orbit && sheet_columns == 0 && output_kind(out) == OutputKind::kPicture)
+    throw ConfigError("--orbit: one picture does not turn; give --out FILE.mp4, a folder or --sheet, or --azimuth");
   if (sheet_columns != 0 || sheet_rows != 0) {
     require_within("--sheet", sheet_columns, 1, kMaxPanels);
     require_within("--sheet", sheet_rows, 1, kMaxPanels);

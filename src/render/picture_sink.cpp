@@ -63,7 +63,8 @@ class Folder : public PictureSink {
   explicit Folder(const fs::path& folder) : folder_(folder) {
     std::error_code code;
     fs::create_directories(folder, code);
-    if (code || !fs::is_directory(folder))
+    std::error_code ignored;
+    if (code || !fs::is_directory(folder, ignored))
       throw IoError(folder.string() + ": cannot be made a folder" + (code ? ": " + code.message() : ""));
   }
   void write(int64_t index, const ScenePicture& picture) override {
@@ -79,8 +80,10 @@ class OnePicture : public PictureSink {
  public:
   explicit OnePicture(const std::string& file) : file_(file) {
     const fs::path folder = fs::path(file).parent_path();
-    if (fs::is_directory(file)) throw IoError(file + ": is a folder, expected a file to write");
-    if (!folder.empty() && !fs::is_directory(folder)) throw IoError(file + ": there is no folder " + folder.string());
+    std::error_code ignored;
+    if (fs::is_directory(file, ignored)) throw IoError(file + ": is a folder, expected a file to write");
+    if (!folder.empty() && !fs::is_directory(folder, ignored))
+      throw IoError(file + ": there is no folder " + folder.string());
   }
   void write(int64_t, const ScenePicture& picture) override { write_picture(picture, file_); }
   void finish() override {}
@@ -125,7 +128,8 @@ class Sheet : public PictureSink {
 }  // namespace
 
 OutputKind output_kind(const std::string& out) {
-  if (fs::is_directory(out)) return OutputKind::kFolder;
+  std::error_code ignored;
+  if (fs::is_directory(out, ignored)) return OutputKind::kFolder;
   const std::string suffix = fs::path(out).extension().string();
   if (suffix == ".mp4") return OutputKind::kFilm;
   if (suffix == ".png") return OutputKind::kPicture;

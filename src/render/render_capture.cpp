@@ -8,7 +8,6 @@
 #include <thread>
 
 #include "base/text.h"
-#include "image/image_io.h"
 #include "image/undistort.h"
 #include "image/video.h"
 #include "livecap/error.h"
@@ -21,7 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMaxThreads = 16;
+constexpr int64_t kMaxThreads = 16;
+constexpr int64_t kPaintingBytes = 2'000'000'000;  // for all pictures being painted
+constexpr int64_t kBytesPerPixel = 10;             // of one: background, result and nearness
 
 // The undistorted pictures of a video by their frame's number, which rises.
 class VideoFrames {
@@ -79,12 +80,28 @@ std::vector<int64_t> rows_of(const Clip& clip, const RenderOptions& options) {
   return {tracked == clip.rows.end() ? clip.rows.front() : *tracked};
 }
 
-// A finished picture must not take the place of what it was made from.
+bool is_same(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;
+  return fs::equivalent(a, b, ignored);
+}
+
+fs::path folder_of(const fs::path& file) {
+  return file.has_parent_path() ? file.parent_path() : ".";
+}
+
+// A finished picture must not take the place of what it was made from, nor of a picture beside it.
 void require_apart(const RenderOptions& options, const CaptureFolder& capture) {
   std::error_code ignored;
-  for (const std::string& input : {options.video.empty() ? capture.video : options.video, options.background}) {
-    if (!input.empty() && fs::equivalent(options.out, input, ignored))
-      throw ConfigError("--out " + options.out + ": is an input of this");
+  const bool has_picture = options.background != "video" && options.background != "none";
+  for (const std::string& input :
+       {options.video.empty() ? capture.video : options.video, has_picture ? options.background : std::string()}) {
+    if (input.empty()) continue;
+    if (is_same(options.out, input)) throw ConfigError("--out " + options.out + ": is an input of this");
+    if (fs::is_directory(input, ignored) && is_same(folder_of(options.out), input))
+      throw ConfigError("--out " + options.out + ": lies among the pictures of " + input +
+                        ", an input of this; give another folder");
+    if (fs::path(input).extension() == ".png" && is_same(options.out, folder_of(input)))
+      throw ConfigError("--out " + options.out + ": holds " + input + ", an input of this; give another folder");
   }
 }
 
@@ -94,11 +111,10 @@ SceneFrame scene_frame(Clip& clip, int64_t row, double share, VideoFrames* video
   return frame;
 }
 
-// As many pictures at a time as there are processors; in and out go in order.
+// Pictures are painted several at a time; in and out go in order.
 void paint_all(const std::vector<int64_t>& rows, Clip& clip, const Scene& scene, VideoFrames* video, PictureSink& sink,
                const RenderProgress& progress, RenderReport& report) {
-  set_image_threads(1);
-  const size_t at_once = std::clamp<size_t>(std::thread::hardware_concurrency(), 1, kMaxThreads);
+  const size_t at_once = pictures_at_once(scene.drawn_pixels(), std::thread::hardware_concurrency());
   const auto n = static_cast<int64_t>(rows.size());
   for (size_t begin = 0; begin < rows.size() && report.complete; begin += at_once) {
     const size_t end = std::min(rows.size(), begin + at_once);
@@ -125,6 +141,11 @@ void paint_all(const std::vector<int64_t>& rows, Clip& clip, const Scene& scene,
 
 }  // namespace
 
+size_t pictures_at_once(int64_t drawn_pixels, unsigned processors) {
+  const int64_t room = kPaintingBytes / (kBytesPerPixel * drawn_pixels);
+  return static_cast<size_t>(std::max<int64_t>(1, std::min({room, int64_t{processors}, kMaxThreads})));
+}
+
 RenderReport render_capture(const RenderOptions& options, const RenderProgress& progress) {
   options.validate();
   Clip clip = open_clip(options);
@@ -136,6 +157,9 @@ RenderReport render_capture(const RenderOptions& options, const RenderProgress& 
   report.width = scene.width();
   report.height = scene.height();
   report.fps = options.fps > 0 ? options.fps : clip.capture.fps / static_cast<double>(options.every);
+  if (output_kind(options.out) == OutputKind::kFilm && !(report.fps >= kMinFps && report.fps <= kMaxFps))
+    throw ConfigError(format("--every %lld: a film of %g pictures a second, expected %g to %g; see --fps",
+                             static_cast<long long>(options.every), report.fps, kMinFps, kMaxFps));
   const std::unique_ptr<PictureSink> sink = open_sink(options, report.width, report.height, report.fps);
   try {
     paint_all(rows_of(clip, options), clip, scene, video ? &*video : nullptr, *sink, progress, report);

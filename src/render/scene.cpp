@@ -16,6 +16,7 @@
 namespace livecap::render {
 namespace {
 
+constexpr int kMaxDrawnSide = 16384;   // samples; a picture of this side squared takes 2.7 GB while it is painted
 constexpr double kElevationDeg = 8;    // of views about the person: enough to see the floor
 constexpr double kBodyMarginMm = 170;  // from a joint to what is farthest out around it, and some air
 constexpr int kOrbitSteps = 24;        // from which it is found how far away the camera has to be
@@ -92,6 +93,9 @@ Scene::Scene(const Clip& clip, const RenderOptions& options)
       width_(options.side_by_side ? 2 * fitted_.width : fitted_.width),
       around_{clip.place_mm, clip.floor.up} {
   fitted_.distortion = {};
+  if (const int64_t side = std::max(fitted_.width, fitted_.height); side * options.samples > kMaxDrawnSide)
+    throw ConfigError(format("--samples %d: pictures of %dx%d are too large for it, at most %d px a side; see --size",
+                             options.samples, fitted_.width, fitted_.height, kMaxDrawnSide / options.samples));
   backdrop_.emplace(options, fitted_.width, fitted_.height);
   if (options.skeleton) bones_ = bone_lines(clip.capture.actor.skeleton, clip.capture.joints.names);
   if (options.style == "displacement" && clip.capture.angles.empty())
@@ -127,7 +131,7 @@ ScenePicture Scene::paint(const SceneFrame& frame) const {
     return separated(over(0), over(255));
   }
   ImageRgb picture = paint_over(backdrop_->picture(frame.video), frame, view);
-  if (options_.style == "displacement") draw_scale(options_.scale_mm, picture);
+  if (options_.style == "displacement") draw_scale(options_.scale_mm.value_or(kScaleMm), picture);
   if (options_.side_by_side) picture = beside(fitted_picture(frame.video, fitted_.width, fitted_.height), picture);
   return {std::move(picture), {}};
 }
@@ -178,7 +182,7 @@ std::vector<float> Scene::colors(const SceneFrame& frame, const std::vector<floa
     std::vector<double> distances;
     for (size_t i = 0; i < skinned.size(); i += 3)
       distances.push_back((Eigen::Vector3f::Map(&skinned[i]) - Eigen::Vector3f::Map(&frame.vertices[i])).norm());
-    colors = heat_colors(distances, options_.scale_mm);
+    colors = heat_colors(distances, options_.scale_mm.value_or(kScaleMm));
   }
   return colors;
 }

@@ -31,7 +31,8 @@ struct ScenePicture {
 
 class Scene {
  public:
-  // Keeps references to both. Throws like Backdrop, and IoError where the capture lacks what the style shows.
+  // Keeps references to both. Throws like Backdrop, ConfigError for pictures that are too large, and IoError where the
+  // capture lacks what the style shows.
   Scene(const Clip& clip, const RenderOptions& options);
 
   Viewpoint viewpoint(double share) const;
@@ -40,6 +41,8 @@ class Scene {
 
   int width() const { return width_; }  // of a picture, both halves of side by side
   int height() const { return fitted_.height; }
+  // Pixels of what paint() draws, samples counted.
+  int64_t drawn_pixels() const { return int64_t{options_.samples} * options_.samples * fitted_.width * fitted_.height; }
 
  private:
   ImageRgb paint_over(ImageRgb picture, const SceneFrame& frame, const Viewpoint& view) const;

@@ -61,17 +61,6 @@ TEST(Overlay, DrawsTheTextureWhereTheSquareIs) {
   EXPECT_NEAR(middle[0] + middle[3], middle[2] + middle[5], 2);
 }
 
-TEST(Overlay, SideBySideKeepsTheInputAtTheLeft) {
-  const Actor actor = square_actor();
-  const ImageRgb background{40, 30, std::vector<uint8_t>(3 * 40 * 30, 100)};
-  OverlayOptions options;
-  options.side_by_side = true;
-  const ImageRgb out = render_overlay(actor, actor.mesh.positions, square_camera(), background, options);
-  ASSERT_EQ(out.width, 80);
-  EXPECT_EQ(out.pixels[3 * (15 * 80 + 15)], 100);
-  EXPECT_NE(out.pixels[3 * (15 * 80 + 40 + 15)], 100);
-}
-
 TEST(Overlay, HiddenAndNearTrianglesAndBadInput) {
   Actor actor = square_actor();
   const ImageRgb background{40, 30, std::vector<uint8_t>(3 * 40 * 30, 100)};

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "support/tolerances.h"
@@ -56,6 +57,25 @@ TEST(Rasterize, CoversThePixelsInsideAndKeepsTheNearest) {
 TEST(Rasterize, NothingWithoutArea) {
   NearnessImage image(10, 10);
   rasterize({{1, 1, 1}, {5, 5, 1}, {9, 9, 1}}, image, [](int, int, const float(&)[3], float) { FAIL(); });
+}
+
+// Coordinates that no int holds.
+TEST(Rasterize, CornersFarOut) {
+  NearnessImage image(4, 4);
+  int painted = 0;
+  const auto count = [&](int x, int y, const float(&)[3], float) {
+    ASSERT_TRUE(x >= 0 && x < 4 && y >= 0 && y < 4);
+    ++painted;
+  };
+  for (const float sign : {-1.f, 1.f}) {
+    rasterize({{sign * 4e9f, 0, 1}, {sign * 5e9f, 9, 1}, {sign * 6e9f, 0, 1}}, image, count);
+    rasterize({{0, sign * 4e9f, 1}, {9, sign * 5e9f, 1}, {0, sign * 6e9f, 1}}, image, count);
+  }
+  rasterize({{1e30f, 0, 1}, {2e30f, 1e30f, 1}, {0, 2e30f, 1}}, image, count);
+  rasterize({{std::nanf(""), 0, 1}, {3, 0, 1}, {0, 3, 1}}, image, count);
+  EXPECT_EQ(painted, 0);
+  rasterize({{-4e9f, -4e9f, 1}, {8e9f, -4e9f, 1}, {-4e9f, 8e9f, 1}}, image, count);
+  EXPECT_EQ(painted, 16);
 }
 
 }  // namespace

@@ -175,6 +175,20 @@ TEST_F(RenderCapture, AFrameThatWasNotTrackedShowsTheVideoAlone) {
   EXPECT_EQ(rendered(options(""), kFirst).pixels, input.pixels);
 }
 
+TEST_F(RenderCapture, WhereNobodyWasTrackedTheCamerasViewIsTheVideoAndNoOtherIs) {
+  const fs::path frames = capture() / "frames.csv", kept = folder_ / "kept.csv";
+  fs::copy_file(frames, kept, fs::copy_options::overwrite_existing);
+  std::string nobody = read_file(frames);
+  for (size_t at; (at = nobody.find(",ok,")) != std::string::npos;) nobody.replace(at, 4, ",lost,");
+  write_file_atomically(frames, nobody);
+  RenderOptions asked = options("");
+  EXPECT_EQ(rendered(asked, 3 + kFirst).pixels, Undistorter(camera_).undistort(video_picture(3 + kFirst)).pixels);
+  asked = options("bad.mp4");
+  asked.view = "front";
+  expect_refused<IoError>(asked, {"frames.csv", "nobody"});
+  fs::rename(kept, frames);
+}
+
 TEST_F(RenderCapture, HalfTheSizeHasThePersonAtHalfThePlace) {
   RenderOptions asked = options("");
   asked.background = "#0000ff";
@@ -344,6 +358,14 @@ TEST_F(RenderCapture, FilmSheetAndSideBySide) {
   EXPECT_NEAR(half.info().fps, 12.5, test::kHandComputed);  // as long as the video
 }
 
+TEST(PicturesAtOnce, OneForEveryProcessorWithin2GB) {
+  EXPECT_EQ(pictures_at_once(540 * 960, 8), 8u);
+  EXPECT_EQ(pictures_at_once(540 * 960, 0), 1u);
+  EXPECT_EQ(pictures_at_once(540 * 960, 64), 16u);
+  EXPECT_EQ(pictures_at_once(66'000'000, 8), 3u);  // 0.66 GB each
+  EXPECT_EQ(pictures_at_once(int64_t{16384} * 16384, 8), 1u);
+}
+
 TEST_F(RenderCapture, StoppedEarlyWhatIsThereIsWhole) {
   const RenderOptions asked = options("short.mp4");
   const RenderReport report = render_capture(asked, [](int64_t done, int64_t) { return done < 1; });
@@ -379,6 +401,29 @@ TEST_F(RenderCapture, RefusesWhatIsNoCapture) {
   asked = options("video/000.png");
   asked.video = asked.out;
   expect_refused<ConfigError>(asked, {"000.png", "input"});
+  asked = options("video/new.png");  // would be a picture of the video from then on
+  expect_refused<ConfigError>(asked, {"new.png", "video", "input"});
+  asked = options("video");
+  expect_refused<ConfigError>(asked, {"video", "input"});
+  asked = options("video");
+  asked.video = (folder_ / "other").string();
+  asked.background = (folder_ / "video/000.png").string();  // might be overwritten by a frame's picture
+  expect_refused<ConfigError>(asked, {"video", "000.png", "input"});
+
+  asked = options("bad.mp4");
+  asked.first = kFirst;
+  asked.every = 5000;
+  expect_refused<ConfigError>(asked, {"--every 5000", "0.005", "--fps"});
+
+  // Names that no file system takes.
+  const std::string overlong(300, 'x');
+  asked = options("bad.mp4");
+  asked.capture = overlong;
+  expect_refused<IoError>(asked, {overlong, "folder"});
+  asked = options("bad.mp4");
+  asked.background = overlong;
+  expect_refused<ConfigError>(asked, {"--background " + overlong});
+  for (const std::string suffix : {".mp4", ".png", ""}) expect_refused<IoError>(options(overlong + suffix), {overlong});
 
   // Files of the folder that are missing or cut off.
   const fs::path pc2 = capture() / "vertices.pc2", kept = folder_ / "kept.pc2";
@@ -396,12 +441,32 @@ TEST_F(RenderCapture, RefusesWhatIsNoCapture) {
   expect_refused<IoError>(options("bad.mp4"), {"vertices.pc2", "1 samples", "5 rows"});
   fs::rename(kept, pc2);
 
+  for (const std::string name : {"joints.csv", "angles.csv"}) {
+    const std::string whole = read_file(capture() / name);
+    write_file_atomically(capture() / name, whole.substr(0, whole.rfind('\n', whole.size() - 2) + 1));
+    asked = options("bad.mp4");
+    asked.style = "displacement";
+    expect_refused<IoError>(asked, {name, "4 rows", "5 rows"});
+    write_file_atomically(capture() / name, whole);
+  }
+
   asked = options("bad.png");
   asked.sheet_columns = 100;
   asked.sheet_rows = 1;
   asked.width = 200;
   asked.height = 20;
   expect_refused<ConfigError>(asked, {"--sheet", "20396 px"});
+
+  // Too large for its samples: the size that was asked for, and the camera's own.
+  asked = options("bad.png");
+  asked.samples = 4;
+  asked.width = asked.height = 8000;
+  expect_refused<ConfigError>(asked, {"--samples 4", "8000x8000", "4096 px", "--size"});
+  asked.width = asked.height = 0;
+  asked.view = "front";
+  asked.camera = (folder_ / "large.json").string();
+  save_camera(camera_from_fov(3000, 5000, 45), asked.camera);
+  expect_refused<ConfigError>(asked, {"--samples 4", "3000x5000", "4096 px", "--size"});
 
   asked = options("bad.mp4");
   asked.video = (folder_ / "wide").string();

@@ -6,8 +6,10 @@
 
 #include "base/text.h"
 #include "command.h"
+#include "image/image_io.h"
 #include "livecap/error.h"
 #include "progress.h"
+#include "render/picture_sink.h"
 #include "render/render_capture.h"
 
 namespace livecap::tools {
@@ -20,7 +22,7 @@ struct Options {
   bool no_floor = false;
 };
 
-// "540x960"; both 0 for an empty text.
+// "540x960"; an empty text leaves both as they are.
 void parse_pair(const char* option, const std::string& text, int& first, int& second) {
   if (text.empty()) return;
   int end = 0;
@@ -35,6 +37,7 @@ int run(const Options& options) {
   parse_pair("--sheet", options.sheet, render.sheet_columns, render.sheet_rows);
   render.floor = !options.no_floor;
 
+  set_image_threads(1);
   catch_interrupt();
   Progress progress("render");
   const render::RenderReport report = render_capture(render, [&](int64_t done, int64_t total) {
@@ -44,6 +47,7 @@ int run(const Options& options) {
   progress.finish();
   std::printf("%s: %lld pictures of %dx%d", render.out.c_str(), static_cast<long long>(report.pictures), report.width,
               report.height);
+  if (render::output_kind(render.out) == render::OutputKind::kFilm) std::printf(", %g a second", report.fps);
   if (report.empty > 0) std::printf(", %lld of them without the person", static_cast<long long>(report.empty));
   std::printf("\n");
   if (!report.complete)
@@ -86,8 +90,9 @@ void add_render_command(CLI::App& app, Action& action) {
   command->add_option("--style", render.style, "one of " + joined(render::style_names()))
       ->capture_default_str()
       ->group(look);
-  command->add_option("--scale", render.scale_mm, "displacement that has the last colour, mm")
-      ->capture_default_str()
+  command
+      ->add_option("--scale", render.scale_mm,
+                   format("displacement that has the last colour, mm; default: %g", render::kScaleMm))
       ->group(look);
   command->add_option("--opacity", render.opacity, "of the person, 0 to 1")->capture_default_str()->group(look);
   command->add_flag("--skeleton", render.skeleton, "the bones over it")->group(look);

@@ -234,7 +234,7 @@ expect 2 'none.mp4' eval --ablate --truth seq/truth --video none.mp4 --camera se
 cases=$((cases + 1))
 if ! "$livecap" eval --ablate --truth seq/truth --video seq/video.mp4 --camera seq/camera.json --actor seq/actor.glb \
   --background seq/background.png --model lite --view view.json seq/truth/masks --out table --html table.html \
-  >out.txt 2>err.txt || [[ $(grep -cE ' [0-9.]+ +[0-9.]+ +[0-9.]+ +[-+][0-9.]+ %' out.txt) -ne 19 ]] ||
+  >out.txt 2>err.txt || [[ $(grep -cE ' [0-9.]+ +[0-9.]+ +[0-9.]+ +[-+][0-9.]+ %' out.txt) -ne 21 ]] ||
   [[ ! -s table/ablation.json ]] || ! grep -q '</html>' table.html || grep -qE 'https?:|<script' table.html; then
   echo "FAILED: eval --ablate"
   sed 's/^/  | /' err.txt out.txt | head -20

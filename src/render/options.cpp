@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/joined.h"
 #include "base/text.h"
 #include "livecap/error.h"
 #include "render/picture_sink.h"
@@ -16,9 +17,7 @@ constexpr int kMaxPanels = 100;
 
 void require_one_of(const char* option, const std::string& value, const std::vector<std::string>& names) {
   if (std::find(names.begin(), names.end(), value) != names.end()) return;
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  throw ConfigError(std::string(option) + " " + value + ": expected one of " + list);
+  throw ConfigError(std::string(option) + " " + value + ": expected one of " + joined(names));
 }
 
 void require_within(const char* option, double value, double low, double high) {

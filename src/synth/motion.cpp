@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 
+#include "base/joined.h"
 #include "livecap/error.h"
 #include "synth/synth.h"
 
@@ -213,9 +214,7 @@ void append_segments(const std::string& name, std::vector<Segment>& segments) {
     constexpr double kTurntable = 10;
     segments.push_back({kTurntable, [](double t, double w, Posture& p) { turntable(t, w, p, kTurntable); }});
   } else {
-    std::string names;
-    for (const auto& known : motion_names()) names += (names.empty() ? "" : ", ") + known;
-    throw ConfigError("there is no motion '" + name + "'; there are: " + names);
+    throw ConfigError("there is no motion '" + name + "'; there are: " + joined(motion_names()));
   }
 }
 

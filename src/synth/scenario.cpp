@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/joined.h"
 #include "livecap/error.h"
 
 namespace livecap {
@@ -44,9 +45,7 @@ Scenario scenario_from_name(const std::string& name) {
   const auto& names = scenario_names();
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<Scenario>(found - names.begin());
-  std::string known;
-  for (const auto& one : names) known += (known.empty() ? "" : ", ") + one;
-  throw ConfigError("there is no scenario '" + name + "'; there are: " + known);
+  throw ConfigError("there is no scenario '" + name + "'; there are: " + joined(names));
 }
 
 void leave_and_return(double t, double out_mm, Posture& posture) {

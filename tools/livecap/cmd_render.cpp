@@ -4,6 +4,7 @@
 #include <string>
 #include <tuple>
 
+#include "base/joined.h"
 #include "base/text.h"
 #include "command.h"
 #include "image/image_io.h"
@@ -54,12 +55,6 @@ int run(const Options& options) {
     throw Error(format("interrupted; %s holds the first %lld pictures", render.out.c_str(),
                        static_cast<long long>(report.pictures)));
   return kExitOk;
-}
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
 }
 
 }  // namespace

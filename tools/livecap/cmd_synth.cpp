@@ -4,6 +4,7 @@
 #include <string>
 #include <tuple>
 
+#include "base/joined.h"
 #include "base/text.h"
 #include "command.h"
 #include "livecap/error.h"
@@ -48,12 +49,6 @@ int run(const Options& options) {
               options.out.c_str(), report.n_frames, report.n_vertices, report.cloth_mean_mm, report.cloth_p95_mm,
               report.render_ms_per_frame);
   return kExitOk;
-}
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
 }
 
 }  // namespace

@@ -18,6 +18,8 @@ typedef float window_t;
 #define SUMS_SPACE local
 // A work-group has TILE x TILE pixels and, at their sides, what their windows reach.
 #define TILE LC_MATCH_TILE
+// Pixels of these that a work-item loads at most.
+#define PER_ITEM ((LC_MATCH_WITH_SIDES * LC_MATCH_WITH_SIDES + TILE * TILE - 1) / (TILE * TILE))
 #endif
 
 // Sums over a window: pixels that count, their light, its square.
@@ -36,6 +38,9 @@ static inline void add_row(Sums* sums, window_t light, window_t weight) {
 static inline window_t normalised(SUMS_SPACE const float* restrict sums, int plane, int radius, window_t light,
                                   window_t weight, float variance_floor) {
   window_t n = 0.0f, s = 0.0f, ss = 0.0f;
+#if !LC_CPU
+#pragma unroll 5
+#endif
   for (int k = -radius; k <= radius; ++k) {
     n += LOAD_PIXELS(sums + k);
     s += LOAD_PIXELS(sums + plane + k);
@@ -126,12 +131,20 @@ static inline void normalise_tile(int there, int tile_x, int tile_y, int id, Mat
   local float* sums = weights + LC_MATCH_WITH_SIDES * LC_MATCH_WITH_SIDES;  // over the rows around each of TILE
   const int radius = LC_MATCH_RADIUS >> level, margin = LC_MATCH_MARGIN >> level, reach = TILE + 2 * radius;
   const int x0 = tile_x * TILE - radius, y0 = tile_y * TILE - radius;
-#pragma unroll 7
-  for (int i = id; there && i < reach * reach; i += TILE * TILE) {
-    const int x = x0 + i % reach, y = y0 + i / reach;
-    const bool inside = x >= 0 && x < box.width && y >= 0 && y < box.height;
-    lights[i] = inside ? light[y * box.width + x] : 0.0f;
-    weights[i] = inside ? weight[y * box.width + x] : 0.0f;
+  float near_light[PER_ITEM], near_weight[PER_ITEM];  // loaded all at once: none waits for another
+#pragma unroll
+  for (int k = 0; k < PER_ITEM; ++k) {
+    const int i = id + k * TILE * TILE, at_x = x0 + i % reach, at_y = y0 + i / reach;
+    const bool inside = there && i < reach * reach && at_x >= 0 && at_x < box.width && at_y >= 0 && at_y < box.height;
+    near_light[k] = inside ? light[at_y * box.width + at_x] : 0.0f;
+    near_weight[k] = inside ? weight[at_y * box.width + at_x] : 0.0f;
+  }
+#pragma unroll
+  for (int k = 0; k < PER_ITEM; ++k) {
+    const int i = id + k * TILE * TILE;
+    if (i >= reach * reach) continue;
+    lights[i] = near_light[k];
+    weights[i] = near_weight[k];
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   for (int i = id; there && i < TILE * reach; i += TILE * TILE) {

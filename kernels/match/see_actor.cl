@@ -18,6 +18,13 @@
 //
 #include "raster/depth.cl"
 
+// A work-item's place where work is dealt out to the groups 32 items at a time: what only some items have to do is then
+// spread over the whole device.
+static int dealt_place(void) {
+  const int id = get_local_id(0);
+  return (id / 32 * (int)get_num_groups(0) + (int)get_group_id(0)) * 32 + id % 32;
+}
+
 static MatchBox level_box(MatchBox box, int level) {
   const MatchBox at_level = {box.x, box.y, box.width >> level, box.height >> level};
   return at_level;
@@ -55,7 +62,7 @@ kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
     global float* depth, global int* ids, global int* visible, global int* contour, global float* light,
     global float* weight, global float* box_depth, global float* actor, global float* camera, global float* matches,
     global float* samples, volatile global int* state, volatile global int* next, local float4* memory) {
-  const int id = get_global_id(0), n_items = get_global_size(0), back = n_items - 1 - id;
+  const int id = dealt_place(), n_items = get_global_size(0), back = n_items - 1 - id;
   const int group = get_group_id(0), n_groups = get_num_groups(0), n = see.n_vertices;
   const MatchBox here = level_box(box, patch.level);
   const int actor_at = level_offset(box, LC_MATCH_LEVELS + 1);

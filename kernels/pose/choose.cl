@@ -1,11 +1,13 @@
 // Which contour vertices, matches and vertices of skin a solve has rows for, chosen on GPUs from what the picture's
-// kernels left there. Elsewhere the host reads all that and chooses (src/pose/row_inputs.cpp), the same to the bit. A
-// work-group for each kind; its work-items have a run of vertices each and choose by sums over those before.
+// kernels left there. Elsewhere the host reads all that and chooses (src/pose/row_inputs.cpp), the same to the bit. Of
+// each kind the vertices are dealt out to several work-groups, a slice each, and their work-items have a run of
+// neighbours each; they choose by sums over those before, for which the groups of a kind wait for each other.
 #if !LC_CPU && defined(cl_khr_fp64)
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
 #include "match/layout.h"
 #include "pose/layout.h"
 #include "pose/thinning.h"
+#include "shared/all_arrived.h"
 #include "shared/seen_weight.h"
 
 #define GROUP LC_POSE_CHOICE_GROUP
@@ -28,16 +30,6 @@ typedef struct {
   global const double* numbers;
 } Seen;
 
-// px^2 (LC_EXACT) that a limb shows by every PER_LIMB-th vertex from `first` on.
-static long px_of_limb(const Seen* s, int limb, int first) {
-  long sum = 0;
-  for (int i = first; i < s->choice.n[SKIN]; i += PER_LIMB) {
-    const float px = s->skin[LC_SKIN * i + LC_SKIN_PX];
-    if (s->skin_limbs[i] / 2 == limb && px > 0.0f) sum += LC_EXACT(px);
-  }
-  return sum;
-}
-
 // Sums over the work-items before; all: over all of them. sums: [GROUP].
 static long2 sums_before(long2 value, local long2* sums, long2* all) {
   const int id = get_local_id(0);
@@ -52,6 +44,60 @@ static long2 sums_before(long2 value, local long2* sums, long2* all) {
   barrier(CLK_LOCAL_MEM_FENCE);
   *all = sums[GROUP - 1];
   return sums[id] - value;
+}
+
+// The slices of a kind, and what they tell each other.
+typedef struct {
+  int n, own, n_waits;
+  global long2* told;  // [n]
+  global long* limbs;  // [LC_SKIN_LIMBS*n]
+  volatile global int* state;
+  local int* given_up;
+} Slices;
+
+// Returns once all slices have come here. A wait that is given up is told by the kernel for the steps.
+static void wait_for_slices(Slices* s) {
+  ++s->n_waits;
+  if (s->n > 1) all_arrived(s->state, s->n_waits * s->n, s->given_up);
+}
+
+// What the slices before have, of what each has; all: all of them.
+static long2 of_slices_before(long2 value, Slices* s, local long2* sums, long2* all) {
+  const int id = get_local_id(0);
+  if (id == 0) s->told[s->own] = value;
+  wait_for_slices(s);
+  barrier(CLK_GLOBAL_MEM_FENCE);
+  sums_before(id < s->n ? s->told[id] : (long2)(0), sums, all);
+  s->told += s->n;  // the next time elsewhere: some may still read here
+  return s->own > 0 ? sums[s->own - 1] : (long2)(0);
+}
+
+// The sum over the PER_LIMB work-items of each limb, for the first LC_SKIN_LIMBS.
+static long of_limb(long value, local long2* sums) {
+  const int id = get_local_id(0);
+  barrier(CLK_LOCAL_MEM_FENCE);
+  sums[id].x = value;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  long sum = 0;
+  for (int k = 0; id < LC_SKIN_LIMBS && k < PER_LIMB; ++k) sum += sums[PER_LIMB * id + k].x;
+  return sum;
+}
+
+// px^2 (LC_EXACT) that each limb shows in all slices, for the first LC_SKIN_LIMBS work-items. first, end: of this
+// slice.
+static long px_of_limbs(const Seen* s, Slices* slices, int first, int end, local long2* sums) {
+  const int id = get_local_id(0), limb = id / PER_LIMB;
+  long px_here = 0, px = 0;
+  for (int i = first + id % PER_LIMB; i < end; i += PER_LIMB) {
+    const float seen_px = s->skin[LC_SKIN * i + LC_SKIN_PX];
+    if (s->skin_limbs[i] / 2 == limb && seen_px > 0.0f) px_here += LC_EXACT(seen_px);
+  }
+  px_here = of_limb(px_here, sums);
+  if (id < LC_SKIN_LIMBS) slices->limbs[LC_SKIN_LIMBS * slices->own + id] = px_here;
+  wait_for_slices(slices);
+  barrier(CLK_GLOBAL_MEM_FENCE);
+  for (int k = id % PER_LIMB; k < slices->n; k += PER_LIMB) px += slices->limbs[LC_SKIN_LIMBS * k + limb];
+  return of_limb(px, sums);
 }
 
 // Of vertex i, 0 where it is not seen.
@@ -72,33 +118,22 @@ static long missed_px(global const float* match) {
   return LC_EXACT(match[LC_MATCH_SEEN_PX]) - LC_EXACT(fmax(match[LC_MATCH_WEIGHT_PX], 0.0f));
 }
 
-// Vertex i as the place-th of its kind, and the weight that it stands for, where write_chosen() looks.
-static void note_chosen(const Seen* s, PoseInputs at, int i, int place, float weight, global float* inputs) {
+// Vertex i as the place-th of its kind: what rows are made of (layout.h). weight: that it stands for.
+static void write_chosen(const Seen* s, PoseInputs at, int i, int place, float weight, global float* inputs) {
   if (s->kind == CONTOUR) {
     inputs[at.contour_vertices + place] = as_float(i);
-  } else if (s->kind == MATCHES) {
-    inputs[at.match_vertices + place] = as_float(i);
-    inputs[at.match_targets + LC_POSE_MATCH * place] = weight;
-  } else {
-    inputs[at.shaded_vertices + place] = as_float(i);
-    inputs[at.shaded_targets + LC_POSE_SHADED * place] = weight;
+    return;
   }
-}
-
-// What rows are made of (layout.h), of what was noted at a place: other work-items than those that choose, so that all
-// places are written at once.
-static void write_chosen(const Seen* s, PoseInputs at, int place, global float* inputs) {
-  if (s->kind == CONTOUR) return;
+  const float root = row_root(s->numbers[s->kind], weight);
   if (s->kind == MATCHES) {
     global float* to = inputs + at.match_targets + LC_POSE_MATCH * place;
-    global const float* match = s->matches + LC_MATCH * as_int(inputs[at.match_vertices + place]);
-    const float root = row_root(s->numbers[s->kind], *to);
+    global const float* match = s->matches + LC_MATCH * i;
+    inputs[at.match_vertices + place] = as_float(i);
     for (int k = 0; k < LC_POSE_MATCH; ++k) to[k] = k < 2 ? match[k] : root * match[k];
     return;
   }
-  const int i = as_int(inputs[at.shaded_vertices + place]), light = s->skin_limbs[i] % 2;
+  const int light = s->skin_limbs[i] % 2;
   global float* to = inputs + at.shaded_targets + LC_POSE_SHADED * place;
-  const float root = row_root(s->numbers[s->kind], *to);
   inputs[at.shaded_vertices + place] = as_float(s->skin_vertices[i]);
   for (int k = 0; k < LC_POSE_LIGHT - 1; ++k) to[k] = s->lights[LC_POSE_LIGHT * light + 1 + k];
   to[9] = in_deviations(s->skin[LC_SKIN * i + LC_SKIN_BRIGHTNESS], s->numbers[LC_POSE_CHOICE_DEVIATIONS + light]);
@@ -108,54 +143,60 @@ static void write_chosen(const Seen* s, PoseInputs at, int place, global float* 
 // A run of vertices that are neighbours; the runs of all work-items in turn are all of them.
 typedef struct {
   int begin, end;
+  float weight;  // of the first one
 } Run;
 
-// How many of a run are seen, and their weights (LC_EXACT). weights: see the kernel.
-static long2 seen_in(Run run, local const float* weights) {
+static float weight_in(const Seen* s, Run run, int i) {
+  return i == run.begin ? run.weight : weight_of(s, i);
+}
+
+// How many of a run are seen, and their weights (LC_EXACT).
+static long2 seen_in(const Seen* s, Run run) {
   long2 sum = 0;
-  for (int i = run.begin; i < run.end; ++i)
-    if (weights[i] > 0.0f) sum += (long2)(1, LC_EXACT(weights[i]));
+  for (int i = run.begin; i < run.end; ++i) {
+    const float weight = weight_in(s, run, i);
+    if (weight > 0.0f) sum += (long2)(1, LC_EXACT(weight));
+  }
   return sum;
 }
 
-// Which of the vertices of a run are chosen, a bit each. before, all: see seen_in.
-static uint chosen_in(const Seen* s, Run run, local const float* weights, long2 before, long2 all, Shares shares) {
+// The weight that a vertex stands for, 0 where it is not chosen. before: of it; all: see seen_in.
+static float weight_for(const Seen* s, float weight, long2 before, long2 all, Shares shares) {
   const int most = s->choice.most[s->kind];
-  double n_before = shares_until(before.y, shares);
-  uint chosen = 0;
-  for (int i = run.begin; i < run.end; ++i) {
-    if (!(weights[i] > 0.0f)) continue;
-    int is_chosen = 1;
-    if (all.x > most && s->kind == CONTOUR) {
-      is_chosen = is_spread(before.x, all.x, most);
-    } else if (all.x > most) {
-      const double n_until = shares_until(before.y + LC_EXACT(weights[i]), shares);
-      is_chosen = n_until - n_before >= 1.0;
-      n_before = n_until;
-    }
-    before += (long2)(1, LC_EXACT(weights[i]));
-    chosen |= (uint)is_chosen << (i - run.begin);
-  }
-  return chosen;
+  if (all.x <= most) return weight;
+  const double n_shares = shares_until(before.y + LC_EXACT(weight), shares) - shares_until(before.y, shares);
+  const int is_chosen = s->kind == CONTOUR ? is_spread(before.x, all.x, most) : n_shares >= 1.0;
+  return !is_chosen ? 0.0f : s->kind == CONTOUR ? weight : (float)(n_shares * shares.each * LC_EXACT_UNIT);
 }
 
-// The weight that a chosen vertex stands for. before: of it.
-static float weight_for(const Seen* s, float weight, long2 before, long2 all, Shares shares) {
-  if (all.x <= s->choice.most[s->kind]) return weight;
-  const double n_shares = shares_until(before.y + LC_EXACT(weight), shares) - shares_until(before.y, shares);
-  return (float)(n_shares * shares.each * LC_EXACT_UNIT);
+// How many vertices of a run are chosen; from `place` on, if that is not negative, they are written.
+static int choose_in(const Seen* s, Run run, long2 before, long2 all, Shares shares, int place, PoseInputs at,
+                     global float* inputs) {
+  int n_chosen = 0;
+  for (int i = run.begin; i < run.end; ++i) {
+    const float weight = weight_in(s, run, i);
+    if (!(weight > 0.0f)) continue;
+    const float stands_for = weight_for(s, weight, before, all, shares);
+    before += (long2)(1, LC_EXACT(weight));
+    if (!(stands_for > 0.0f)) continue;
+    if (place >= 0 && place + n_chosen < s->choice.most[s->kind])  // sums that overflow may choose more
+      write_chosen(s, at, i, place + n_chosen, stands_for, inputs);
+    ++n_chosen;
+  }
+  return n_chosen;
 }
 
 // contour [n] 1 for contour vertices, matches [LC_MATCH*n], skin [LC_SKIN*n], of as many as `choice` says;
 // skin_vertices [n]; skin_limbs [n]: twice the limb and 1 for the second light. inputs: what is chosen by, and out what
-// is chosen, see layout.h. moved, least_moved_px: see PoseStepsArg. sums: [GROUP]; limb_px: [LC_SKIN_LIMBS]; weights:
-// [LC_POSE_CHOICE_RUN].
+// is chosen, see layout.h. moved, least_moved_px: see PoseStepsArg. told: [LC_POSE_CHOICE_TOLD] for each slice; state:
+// of each kind, see all_arrived.h, 0 before. sums: [GROUP]; limb_px: [LC_SKIN_LIMBS].
 kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void pose_choose(
     PoseInputs at, PoseChoice choice, float least_moved_px, global const float* restrict moved,
     global const int* restrict contour, global const float* restrict matches, global const float* restrict skin,
     global const int* restrict skin_vertices, global const int* restrict skin_limbs, global float* inputs,
-    local long2* sums, local double* limb_px, local float* weights) {
-  const int id = get_local_id(0), kind = get_group_id(0), n = choice.n[kind];
+    global long* told, volatile global int* state, local long2* sums, local double* limb_px) {
+  const int id = get_local_id(0), n_slices = get_num_groups(0) / 3, kind = get_group_id(0) / n_slices;
+  local int given_up;
   const Seen seen = {kind,
                      choice,
                      contour,
@@ -166,58 +207,35 @@ kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void pose_choose(
                      limb_px,
                      inputs + at.lights,
                      (global const double*)(inputs + at.choice)};
+  Slices slices = {n_slices,
+                   get_group_id(0) % n_slices,
+                   0,
+                   (global long2*)(told) + 2 * n_slices * kind,
+                   told + 12 * n_slices,
+                   state + 2 * kind,
+                   &given_up};
   if (moved[0] < least_moved_px) return;
-  if (kind == SKIN) sums[id].x = px_of_limb(&seen, id / PER_LIMB, id % PER_LIMB);
-  barrier(CLK_LOCAL_MEM_FENCE);
-  if (kind == SKIN && id < LC_SKIN_LIMBS) {
-    long px = 0;
-    for (int k = 0; k < PER_LIMB; ++k) px += sums[PER_LIMB * id + k].x;
-    limb_px[id] = limb_px_of_one(px, choice.limb_area_px);
+  const int n = choice.n[kind], in_slice = (n + n_slices - 1) / n_slices, each = (in_slice + GROUP - 1) / GROUP;
+  const int first = min(in_slice * slices.own, n), end = min(first + in_slice, n);
+  if (kind == SKIN) {
+    const long px = px_of_limbs(&seen, &slices, first, end, sums);
+    if (id < LC_SKIN_LIMBS) limb_px[id] = limb_px_of_one(px, choice.limb_area_px);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
 
-  // As many at a time as `weights` holds: what is seen of all, then what is chosen.
+  Run run = {min(first + id * each, end), min(first + id * each + each, end), 0.0f};
+  if (run.begin < run.end) run.weight = weight_of(&seen, run.begin);
   long missed = 0;  // px^2
-  long2 before = 0, all = 0, chosen = 0, added;
-  Shares shares = {0, 0.0, 0.0};  // see thinning.h
-  for (int step = 0; step < 2; ++step) {
-    long2 passed = 0;
-    for (int first = 0; first < n; first += LC_POSE_CHOICE_RUN) {
-      const int n_here = min(n - first, LC_POSE_CHOICE_RUN), each = (n_here + GROUP - 1) / GROUP;
-      const Run run = {min(id * each, n_here), min(id * each + each, n_here)};
-      if (step == 0 || n > LC_POSE_CHOICE_RUN) {
-#pragma unroll
-        for (int k = 0; k < LC_POSE_CHOICE_RUN / GROUP; ++k) {
-          const int i = id + k * GROUP;
-          if (i >= n_here) continue;
-          weights[i] = weight_of(&seen, first + i);
-          if (step == 0 && kind == MATCHES) missed += missed_px(matches + LC_MATCH * (first + i));
-        }
-        barrier(CLK_LOCAL_MEM_FENCE);
-        before = passed + sums_before(seen_in(run, weights), sums, &added);
-        passed += added;
-      }
-      if (step == 0) continue;
-      const uint bits = chosen_in(&seen, run, weights, before, all, shares);
-      const long2 told = sums_before((long2)(popcount(bits), first == 0 ? missed : 0), sums, &added);
-      int place = (int)(chosen.x + told.x);
-      chosen += added;
-      long2 until = before;
-      for (int i = run.begin; i < run.end; ++i) {
-        if ((bits >> (i - run.begin) & 1) && place < choice.most[kind])  // sums that overflow may choose more
-          note_chosen(&seen, at, first + i, place++, weight_for(&seen, weights[i], until, all, shares), inputs);
-        if (weights[i] > 0.0f) until += (long2)(1, LC_EXACT(weights[i]));
-      }
-      barrier(CLK_LOCAL_MEM_FENCE);
-    }
-    if (step > 0) break;
-    all = passed;
-    shares = shares_of(all.y, choice.most[kind]);
-  }
-  barrier(CLK_GLOBAL_MEM_FENCE);
-  for (int place = id; place < min((int)chosen.x, choice.most[kind]); place += GROUP)
-    write_chosen(&seen, at, place, inputs);
-  if (id > 0) return;
+  for (int i = run.begin; kind == MATCHES && i < run.end; ++i) missed += missed_px(matches + LC_MATCH * i);
+  long2 added, all, chosen;
+  long2 before = sums_before(seen_in(&seen, run), sums, &added);
+  before += of_slices_before(added, &slices, sums, &all);
+  const Shares shares = shares_of(all.y, choice.most[kind]);
+  const int n_chosen = choose_in(&seen, run, before, all, shares, -1, at, inputs);
+  long2 place = sums_before((long2)(n_chosen, missed), sums, &added);
+  place += of_slices_before(added, &slices, sums, &chosen);
+  choose_in(&seen, run, before, all, shares, (int)place.x, at, inputs);
+  if (id > 0 || slices.own > 0) return;
   chosen.x = min(chosen.x, (long)choice.most[kind]);
   inputs[at.counts + kind] = as_float((int)chosen.x);
   if (kind == CONTOUR)

@@ -93,8 +93,8 @@ static void copy_words(int n, global const float* restrict from, local float* re
 // kind from a multiple of ROWS on. Other arguments: layout.h and the functions that are called. Out: results: layout.h;
 // moved: how far a keypoint went, px, -1 after a failure; motions [8*n_bones]: dual quaternions where it ended; J
 // [n_rows*n_columns]; kept: layout.h, of such a solve and for the next; parts [n_parts][n_tiles][8][8] and their sum
-// gram. state: see all_arrived.h; next: of the launch that follows, set to 0. rows: ROWS * n_columns floats; near:
-// LC_POSE_NEAR_SIZE; memory: LC_POSE_LOCAL.
+// gram. state: see all_arrived.h; next, chosen: of the launches that follow, set to 0.
+// rows: ROWS * n_columns floats; near: LC_POSE_NEAR_SIZE; memory: LC_POSE_LOCAL.
 kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gauss_newton(
     PoseLayout layout, float4 camera, PoseContour contour, float keypoint_huber_px, float match_huber_px,
     float shading_huber, float sqrt_anatomic, PoseInputs at, PoseStepsArg steps, global const float* restrict inputs,
@@ -104,7 +104,7 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
     global const float* restrict distance, global const float* restrict from, global real64* kept,
     global float* restrict J, global float* parts, global float* gram, global float* results,
     volatile global int* state, global float* moved, global float* motions, volatile global int* next,
-    local float4* rows, local float* near, local real64* memory) {
+    volatile global int* chosen, local float4* rows, local float* near, local real64* memory) {
   const int id = get_local_id(0), group = get_group_id(0), n_groups = get_num_groups(0);
   const int n_columns = layout.n_columns, n_point = LC_POSE_POINT_ROWS + 2 * layout.n_dofs + layout.n_soles;
   global const int* counts = (global const int*)(inputs + at.counts);
@@ -150,7 +150,8 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
     const int is_last = taken >= steps.most || (taken > 0 && moved_px < steps.settled_px);
     const int counts_rows = !is_last || steps.most < 0, n_made = is_last && !steps.tells ? 0 : n_parts;
 #else
-  (void)constants, (void)kept, (void)gram, (void)state, (void)memory, (void)moved, (void)motions, (void)next;
+  (void)constants, (void)kept, (void)gram, (void)state, (void)memory, (void)moved, (void)motions, (void)next,
+      (void)chosen;
   for (int i = id; i < LC_POSE_STEP_SIZE(layout); i += LC_POSE_GROUP) step[i] = from[i];
   barrier(CLK_LOCAL_MEM_FENCE);
   const int counts_rows = 1, n_made = n_parts;
@@ -240,8 +241,8 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
     told[LC_POSE_RESULT_ROUND(layout)] = steps.round;
     results[LC_POSE_RESULT_MOVED(layout)] = most;
     moved[0] = together && status == LC_POSE_SOLVED ? most : -1.0f;
-    if (next[1]) told[LC_POSE_RESULT_GAVE_UP(layout)] = 1;
-    next[0] = 0;
+    if (next[1] || chosen[1] || chosen[3] || chosen[5]) told[LC_POSE_RESULT_GAVE_UP(layout)] = 1;
+    next[0] = chosen[0] = chosen[2] = chosen[4] = 0;
   }
 #else
   }

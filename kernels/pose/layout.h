@@ -96,16 +96,18 @@ typedef struct {
 #define LC_POSE_COUNT_MISSED 4
 #define LC_POSE_COUNTS 5
 
-// For choose.cl: its work-items.
-#define LC_POSE_CHOICE_GROUP 512
+// For choose.cl: its work-items, and the most groups that share a kind.
+#define LC_POSE_CHOICE_GROUP 128
+#define LC_POSE_CHOICE_MOST_SLICES LC_POSE_CHOICE_GROUP
+// What the groups tell each other, 8 bytes each, for each group of a kind: two sums of two numbers of each kind, one of
+// each limb.
+#define LC_POSE_CHOICE_TOLD (12 + LC_SKIN_LIMBS)
 // Numbers: weights of the terms of the three kinds, the lights' deviations, the px^2 of a match of weight 1.
 #define LC_POSE_CHOICE_DEVIATIONS 3
 #define LC_POSE_CHOICE_MATCH_AREA 5
 #define LC_POSE_CHOICE_NUMBERS 6
-// Vertices whose weights are in local memory at a time.
-#define LC_POSE_CHOICE_RUN 5632
 // Its local memory, in bytes.
-#define LC_POSE_CHOICE_LOCAL (16 * LC_POSE_CHOICE_GROUP + 8 * LC_SKIN_LIMBS + 4 * LC_POSE_CHOICE_RUN)
+#define LC_POSE_CHOICE_LOCAL (16 * LC_POSE_CHOICE_GROUP + 8 * LC_SKIN_LIMBS)
 // A light: whether it is known (int), and itself (9) in deviations.
 #define LC_POSE_LIGHT 10
 

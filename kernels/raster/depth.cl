@@ -204,6 +204,9 @@ kernel void raster_nearest(int n_triangles, int width, int height, int cull, glo
   if (item / LC_RASTER_SHARE < n_triangles) draw_nearest(item, width, height, cull, projected, triangles, depth);
 }
 
+// Pixels of a row that a work-item compares at once.
+#define AT_ONCE 4
+
 // Second pass, item by item too: the lowest triangle that has the winning depth. -1 (all bits set) stays where there is
 // none.
 static inline void draw_ids(int item, int width, int height, int cull, global const float* restrict projected,
@@ -214,9 +217,16 @@ static inline void draw_ids(int item, int width, int height, int cull, global co
   if (!tri.covers) return;
   const RasterTriangle edges = one_triangle(&tri, 0);
   for (int y = tri.y0 + item % LC_RASTER_SHARE; y <= tri.y1; y += LC_RASTER_SHARE) {
-    for (int x = tri.x0; x <= tri.x1; ++x) {
-      const float z = raster_depth(&edges, (float)x, (float)y);
-      if (z < INFINITY && as_uint(z) == depth[y * width + x]) atomic_min(ids + y * width + x, (uint)t);
+    for (int first = tri.x0; first <= tri.x1; first += AT_ONCE) {
+      uint nearest[AT_ONCE];  // loaded all at once: none waits for another
+#pragma unroll
+      for (int k = 0; k < AT_ONCE; ++k) nearest[k] = depth[y * width + min(first + k, tri.x1)];
+#pragma unroll
+      for (int k = 0; k < AT_ONCE; ++k) {
+        const float z = raster_depth(&edges, (float)(first + k), (float)y);
+        if (first + k <= tri.x1 && z < INFINITY && as_uint(z) == nearest[k])
+          atomic_min(ids + y * width + first + k, (uint)t);
+      }
     }
   }
 }

@@ -124,8 +124,9 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
     kept_ = ocl::Buffer<double>(device, LC_POSE_KEPT(layout_));
     look_state_ = ocl::Buffer<int32_t>(device, 2);
     steps_state_ = ocl::Buffer<int32_t>(device, 2);
+    choice_state_ = ocl::Buffer<int32_t>(device, 6);
     moved_.fill(0);
-    for (ocl::Buffer<int32_t>* state : {&look_state_, &steps_state_}) state->fill(0);
+    for (ocl::Buffer<int32_t>* state : {&look_state_, &steps_state_, &choice_state_}) state->fill(0);
     const std::string option =
         format("-D LC_POSE_TAKES_STEPS=%d -D LC_POSE_SYSTEM_SIDE=%d", takes_steps_ ? 1 : 0, LC_POSE_SIDE(layout_));
     gauss_newton_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_gauss_newton", option);
@@ -133,7 +134,11 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
     chooses_ = takes_steps_ && size_t(width_) * height_ < LC_EXACT_MOST_PX &&
                device.info().max_work_group_size >= LC_POSE_CHOICE_GROUP &&
                device.info().local_memory_bytes >= LC_POSE_CHOICE_LOCAL;
-    if (chooses_) choose_kernel_ = ocl::Kernel(device, kChoiceProgram, "pose_choose");
+    if (!chooses_) return;
+    n_slices_ = std::clamp<size_t>(device.info().compute_units / 3, 1, LC_POSE_CHOICE_MOST_SLICES);
+    choice_told_ = ocl::Buffer<int64_t>(device, LC_POSE_CHOICE_TOLD * n_slices_);
+    inputs_on_device_.fill(0);  // so that no vertex is out of range where a wait is given up
+    choose_kernel_ = ocl::Kernel(device, kChoiceProgram, "pose_choose");
     return;
   }
   point_records_ = ocl::Buffer<float>(device, size_t(LC_POSE_RECORD) * n_point_rows_);
@@ -246,8 +251,8 @@ void PoseSystem::launch_rows() {
                               step_, moves_, shading_records_, shading_residuals_, J_);
 }
 
-// From the inputs uploaded.
-void PoseSystem::launch_choice(float least_moved_px) {
+// From the inputs uploaded. n_slices: work-groups of each kind, which wait for each other where there are several.
+void PoseSystem::launch_choice(size_t n_slices, float least_moved_px) {
   const PoseWeights& weights = options_.weights;
   const SeenSkin& skin = seen_->skin;
   const bool has_contour = seen_->contour && frame_ && weights.silhouette > 0;
@@ -256,18 +261,18 @@ void PoseSystem::launch_choice(float least_moved_px) {
       {has_contour ? n_vertices_ : 0, has_matches ? n_vertices_ : 0, has_skin ? int(skin.vertices->size()) : 0},
       {options_.max_contour_vertices, options_.max_matches, options_.max_shaded},
       skin.limb_area_px};
-  choose_kernel_.launch(
-      size_t(3) * LC_POSE_CHOICE_GROUP, LC_POSE_CHOICE_GROUP, inputs_.places(), choice, least_moved_px, moved_,
-      has_contour ? *seen_->contour : links_, has_matches ? *seen_->matches : rest_, has_skin ? *skin.samples : rest_,
-      has_skin ? *skin.vertices : links_, has_skin ? *skin.limbs : links_, inputs_on_device_,
-      ocl::LocalMemory{2 * sizeof(int64_t) * LC_POSE_CHOICE_GROUP}, ocl::LocalMemory{sizeof(double) * LC_SKIN_LIMBS},
-      ocl::LocalMemory{sizeof(float) * LC_POSE_CHOICE_RUN});
+  choose_kernel_.launch(3 * n_slices * LC_POSE_CHOICE_GROUP, LC_POSE_CHOICE_GROUP, inputs_.places(), choice,
+                        least_moved_px, moved_, has_contour ? *seen_->contour : links_,
+                        has_matches ? *seen_->matches : rest_, has_skin ? *skin.samples : rest_,
+                        has_skin ? *skin.vertices : links_, has_skin ? *skin.limbs : links_, inputs_on_device_,
+                        choice_told_, choice_state_, ocl::LocalMemory{2 * sizeof(int64_t) * LC_POSE_CHOICE_GROUP},
+                        ocl::LocalMemory{sizeof(double) * LC_SKIN_LIMBS});
 }
 
 void PoseSystem::read_choice() {
   if (!seen_) return;
   inputs_on_device_.write_later(inputs_.words_given());
-  launch_choice();
+  launch_choice(1);
   inputs_on_device_.read(inputs_.words_read());
   seen_.reset();
   inputs_changed_ = true;
@@ -280,7 +285,7 @@ void PoseSystem::launch_gauss_newton(size_t n_groups, const PoseStepsArg& steps,
       float(options_.match_huber_px), float(options_.shading_huber), float(std::sqrt(options_.weights.anatomic)),
       inputs_.places(), steps, inputs_on_device_, chain_, links_, moves_, limits_, rest_, rest_normals_,
       displacement_ ? *displacement_ : rest_, bones_, weights_, frame_ ? frame_->signed_distance : rest_, step_, kept_,
-      J_, parts_, gram_, results_, state, moved_, motions_, look_state_,
+      J_, parts_, gram_, results_, state, moved_, motions_, look_state_, choice_state_,
       ocl::LocalMemory{sizeof(float) * LC_POSE_GROUP_ROWS * layout_.n_columns},
       ocl::LocalMemory{sizeof(float) * LC_POSE_NEAR_SIZE(layout_)},
       ocl::LocalMemory{takes_steps_ ? sizeof(double) * LC_POSE_LOCAL(layout_) : sizeof(double)});
@@ -305,7 +310,7 @@ void PoseSystem::launch_normal_equations(bool write_rows) {
 std::optional<PoseSteps> PoseSystem::take_steps(const PoseState& start, int n_steps, double settled_px) {
   if (!takes_steps_ || !groups_.work() || n_steps > LC_POSE_MOST_STEPS) return std::nullopt;
   upload(start);
-  if (seen_) launch_choice();
+  if (seen_) launch_choice(n_slices_);
   PoseStepsArg steps = steps_arg(n_steps, settled_px);
   steps.arrived = groups_.arrived();
   launch_gauss_newton(groups_.n(), steps, groups_.state());
@@ -353,7 +358,7 @@ void PoseSystem::begin_rounds(int n_rounds, const PoseState& start, const Device
 void PoseSystem::launch_round(const Round& round, const SeenVertices& seen) {
   seen_ = seen;
   inputs_.select_round(round.round);
-  launch_choice(round.least_moved_px);
+  launch_choice(n_slices_, round.least_moved_px);
   PoseStepsArg steps = steps_arg(round.n_steps, round.settled_px);
   steps.round = round.round;
   steps.continues = round.round > 0;

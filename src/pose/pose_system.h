@@ -138,7 +138,7 @@ class PoseSystem {
   void upload(const PoseState& state);
   void launch_records();
   void launch_rows();
-  void launch_choice(float least_moved_px = -INFINITY);
+  void launch_choice(size_t n_slices, float least_moved_px = -INFINITY);
   void launch_gauss_newton(size_t n_groups, const PoseStepsArg& steps, const ocl::Buffer<int32_t>& state);
   PoseStepsArg steps_arg(int n_steps, double settled_px) const;
   PoseSteps steps_read();
@@ -201,6 +201,9 @@ class PoseSystem {
   ocl::Buffer<float> moved_, motions_;             // GPUs, see the rounds
   ocl::Buffer<double> kept_;                       // likewise
   ocl::Buffer<int32_t> look_state_, steps_state_;  // likewise
+  size_t n_slices_ = 1;                            // of choose.cl, and what they tell each other and wait with
+  ocl::Buffer<int64_t> choice_told_;
+  ocl::Buffer<int32_t> choice_state_;
   ocl::Kernel point_records_kernel_;
   ocl::Kernel contour_records_kernel_;
   ocl::Kernel match_records_kernel_;

@@ -8,6 +8,7 @@
 #include "actor/posed_vertices.h"
 #include "picture/color_scale.h"
 #include "picture/overlay.h"
+#include "picture/side_by_side.h"
 
 namespace livecap::acquire {
 
@@ -81,16 +82,6 @@ void draw_bones(const Actor& actor, const Stage& stage, ImageRgb& image) {
       line(rest.camera_from_bone[from].translation(), actor.keypoints[keypoint].rest_position_mm);
   for (int k : {kLeftEye, kRightEye, kNose, kChin})
     cv::circle(canvas, pixel(actor.keypoints[k].rest_position_mm), 2, {20, 160, 20}, cv::FILLED, cv::LINE_AA);
-}
-
-ImageRgb side_by_side(const std::vector<ImageRgb>& images) {
-  ImageRgb strip{kWidth * static_cast<int>(images.size()), kHeight, {}};
-  strip.pixels.resize(size_t(3) * strip.width * strip.height);
-  for (size_t i = 0; i < images.size(); ++i)
-    for (int y = 0; y < kHeight; ++y)
-      std::copy_n(&images[i].pixels[size_t(3) * y * kWidth], 3 * kWidth,
-                  &strip.pixels[3 * (size_t(y) * strip.width + i * kWidth)]);
-  return strip;
 }
 
 }  // namespace

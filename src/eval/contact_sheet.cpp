@@ -13,6 +13,7 @@
 #include "livecap/error.h"
 #include "picture/color_scale.h"
 #include "picture/overlay.h"
+#include "picture/side_by_side.h"
 
 namespace livecap {
 namespace {
@@ -71,22 +72,6 @@ ImageRgb cut(const ImageRgb& image, const Box& box, int height) {
     }
   }
   return out;
-}
-
-ImageRgb side_by_side(const std::vector<ImageRgb>& panels) {
-  int width = -kGapPx;
-  for (const ImageRgb& panel : panels) width += panel.width + kGapPx;
-  ImageRgb sheet{width, panels.front().height, {}};
-  sheet.pixels.assign(size_t(3) * sheet.width * sheet.height, 255);
-  int left = 0;
-  for (const ImageRgb& panel : panels) {
-    for (int y = 0; y < sheet.height; ++y) {
-      std::copy_n(&panel.pixels[size_t(3) * y * panel.width], 3 * panel.width,
-                  &sheet.pixels[3 * (size_t(y) * sheet.width + left)]);
-    }
-    left += panel.width + kGapPx;
-  }
-  return sheet;
 }
 
 ImageRgb plain(const Camera& camera) {
@@ -172,7 +157,7 @@ ContactSheet contact_sheet(const EvalOptions& options, const std::string& video,
           cut(known ? error_picture(vertices, expected.vertices_mm, capture.actor, camera, input) : plain(camera), box,
               height_px));
     }
-    sheet.pictures[index] = side_by_side(panels);
+    sheet.pictures[index] = side_by_side(panels, kGapPx);
   }
   return sheet;
 }

@@ -11,6 +11,7 @@
 #include "livecap/error.h"
 #include "picture/overlay.h"
 #include "picture/resample.h"
+#include "picture/side_by_side.h"
 #include "render/bone_lines.h"
 
 namespace livecap::render {
@@ -55,17 +56,6 @@ std::vector<float> moved(const std::vector<float>& positions, const Eigen::Isome
   std::vector<float> out(positions.size());
   for (size_t i = 0; i < positions.size(); i += 3)
     Eigen::Vector3f::Map(&out[i]) = (transform * Eigen::Vector3f::Map(&positions[i]).cast<double>()).cast<float>();
-  return out;
-}
-
-ImageRgb beside(const ImageRgb& left, const ImageRgb& right) {
-  ImageRgb out{left.width + right.width, left.height, {}};
-  for (int y = 0; y < out.height; ++y) {
-    for (const ImageRgb* half : {&left, &right}) {
-      const auto row = half->pixels.begin() + static_cast<std::ptrdiff_t>(3) * y * half->width;
-      out.pixels.insert(out.pixels.end(), row, row + static_cast<std::ptrdiff_t>(3) * half->width);
-    }
-  }
   return out;
 }
 
@@ -132,7 +122,10 @@ ScenePicture Scene::paint(const SceneFrame& frame) const {
   }
   ImageRgb picture = paint_over(backdrop_->picture(frame.video), frame, view);
   if (options_.style == "displacement") draw_scale(options_.scale_mm.value_or(kScaleMm), picture);
-  if (options_.side_by_side) picture = beside(fitted_picture(frame.video, fitted_.width, fitted_.height), picture);
+  if (options_.side_by_side) {
+    const ImageRgb halves[] = {fitted_picture(frame.video, fitted_.width, fitted_.height), std::move(picture)};
+    picture = side_by_side(halves);
+  }
   return {std::move(picture), {}};
 }
 

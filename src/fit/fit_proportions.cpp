@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/reference.h"
+#include "actor/posed_vertices.h"
 #include "pose/person_height.h"
 #include "pose/pose_options.h"
 #include "pose/targets.h"
@@ -32,21 +32,6 @@ double distance_at(const Silhouette& s, const Vector2d& p) {
   const float* d = &s.signed_distance[static_cast<size_t>(iy) * s.width + ix];
   return (1 - fy) * ((1 - fx) * d[0] + fx * d[1]) + fy * ((1 - fx) * d[s.width] + fx * d[s.width + 1]) +
          (p - Vector2d(x, y)).norm();
-}
-
-// Skinned position of a rest point with a vertex's weights: dual quaternions, as the tracker has them.
-Vector3d skinned(const std::vector<float>& quats, const SkinWeights& skin, int vertex, const Vector3d& rest) {
-  reference::DualQuat sum = reference::dual_quat_zero(), first = sum;
-  for (int k = 0; k < kMaxInfluences; ++k) {
-    const double weight = skin.weights[4 * static_cast<size_t>(vertex) + k];
-    if (weight <= 0) continue;
-    const float* q = &quats[8 * static_cast<size_t>(skin.bones[4 * static_cast<size_t>(vertex) + k])];
-    const reference::DualQuat bone{q[0], q[1], q[2], q[3], q[4], q[5], q[6], q[7]};
-    if (k == 0) first = bone;
-    sum = reference::dual_quat_add_scaled(sum, bone, reference::dual_quat_real_dot(first, bone) < 0 ? -weight : weight);
-  }
-  const reference::Vec3 p = reference::dual_quat_transform(sum, reference::vec3(rest.x(), rest.y(), rest.z()));
-  return {p.x, p.y, p.z};
 }
 
 // One frame's residuals, whitened, as a function of proportions and pose.
@@ -87,7 +72,7 @@ class FrameProblem {
     }
     const double share = std::sqrt(std::min(1.0, options_.outline_points / std::max<size_t>(outline_.size(), 1)));
     for (int vertex : outline_) {
-      const Vector3d p = skinned(quats, actor_.skin, vertex, reshaper_.vertex(shape, vertex));
+      const Vector3d p = posed_point(quats, actor_.skin, vertex, reshaper_.vertex(shape, vertex));
       r[row++] = share / silhouette_px_ * distance_at(frame_.silhouette, project_px(camera_, p));
     }
     for (int k = 0; k < n_angles; ++k) {

@@ -169,9 +169,9 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Detections
     const bool rests = weight > 0.5;
     still = still || rests;
     if (floor_) {
-      const double off = floor_->height_mm(p) / options_.outlier_mm;
-      near = near || (rests && std::abs(off) < 3);
-      weight /= 1 + off * off;
+      const double height = floor_->height_mm(p);
+      near = near || (rests && std::abs(height) < 3 * options_.outlier_mm);
+      weight /= cauchy_doubt(height * height, options_.outlier_mm);
     }
     if (!is_measured_) add(p, weight);
   }

@@ -7,8 +7,11 @@
 
 #include <condition_variable>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "capture/channel.h"
 
@@ -59,6 +62,25 @@ class UnderWay {
   int most_;
   int n_ = 0;
   bool aborted_ = false;
+};
+
+// Threads that are told to stop and waited for, also when the system refuses another one.
+class AbortedThreads {
+ public:
+  explicit AbortedThreads(std::function<void()> abort) : abort_(std::move(abort)) {}
+  ~AbortedThreads() { abort_and_join(); }
+  AbortedThreads(const AbortedThreads&) = delete;
+  AbortedThreads& operator=(const AbortedThreads&) = delete;
+  void start(std::function<void()> body) { threads_.emplace_back(std::move(body)); }
+  void abort_and_join() {
+    abort_();
+    for (std::thread& thread : threads_) thread.join();
+    threads_.clear();
+  }
+
+ private:
+  std::function<void()> abort_;
+  std::vector<std::thread> threads_;
 };
 
 // Of this thread: where processors are few, it waits for those of the pose and the surface rather than they for it. The
@@ -113,8 +135,9 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins, int most_unde
     to_surface.abort();
     to_publish.abort();
   };
-  auto guarded = [&](auto&& body) {
-    return std::thread([&, body] {
+  AbortedThreads threads(abort_all);
+  auto start = [&](auto&& body) {
+    threads.start([&, body] {
       try {
         body();
       } catch (...) {
@@ -124,7 +147,7 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins, int most_unde
     });
   };
 
-  std::thread reader = guarded([&] {
+  start([&] {
     let_solvers_go_first();
     for (;;) {
       WorkItem item;
@@ -140,7 +163,7 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins, int most_unde
   // A stage between two channels.
   auto between = [&](const std::function<void(WorkItem&)>& stage, Channel<WorkItem>& from, Channel<WorkItem>& to,
                      bool before_the_pose) {
-    return guarded([&stage, &from, &to, before_the_pose] {
+    start([&stage, &from, &to, before_the_pose] {
       if (before_the_pose) let_solvers_go_first();
       while (auto item = from.pop()) {
         stage(*item);
@@ -149,7 +172,7 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins, int most_unde
       to.close();
     });
   };
-  std::thread detector = guarded([&] {
+  start([&] {
     let_solvers_go_first();
     while (under_way.enter()) {
       std::optional<WorkItem> item = to_detect.pop();
@@ -159,9 +182,9 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins, int most_unde
     }
     to_gate.close();
   });
-  std::thread gater = between(stages.gate, to_gate, to_segment, true);
-  std::thread segmenter = between(stages.segment, to_segment, to_solve, true);
-  std::thread solver = guarded([&] {
+  between(stages.gate, to_gate, to_segment, true);
+  between(stages.segment, to_segment, to_solve, true);
+  start([&] {
     while (auto item = to_solve.pop()) {
       std::optional<WorkItem> solved = stages.solve(std::move(*item));
       if (solved && !to_surface.push(std::move(*solved))) return;
@@ -172,7 +195,7 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins, int most_unde
     }
     to_surface.close();
   });
-  std::thread surface = between(stages.surface, to_surface, to_publish, false);
+  between(stages.surface, to_surface, to_publish, false);
 
   try {
     while (auto item = to_publish.pop()) {
@@ -182,13 +205,7 @@ void run_pipelined(const PipelineStages& stages, bool newest_wins, int most_unde
   } catch (...) {
     error.capture();
   }
-  abort_all();
-  reader.join();
-  detector.join();
-  gater.join();
-  segmenter.join();
-  solver.join();
-  surface.join();
+  threads.abort_and_join();
   error.rethrow();
 }
 

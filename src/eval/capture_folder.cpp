@@ -44,10 +44,11 @@ Camera load_camera_of(const fs::path& report_path, const std::string& named, con
   const std::string file = named.empty() ? field<std::string>(options, "camera", "") : named;
   if (!file.empty()) return load_camera(file);
   const double fov_deg = field<double>(options, "fov_deg", 0);
-  if (const fs::path own = report_path.parent_path() / "camera.json"; fov_deg > 0 && fs::exists(own))
+  std::error_code ignored;
+  if (const fs::path own = report_path.parent_path() / "camera.json"; fov_deg > 0 && fs::exists(own, ignored))
     return load_camera(own);
-  if (fov_deg > 0 && fs::is_directory(masks)) {
-    for (const fs::directory_entry& entry : fs::directory_iterator(masks)) {
+  if (fov_deg > 0 && fs::is_directory(masks, ignored)) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(masks, ignored)) {
       const ImageGray mask = read_image_gray(entry.path());
       return camera_from_fov(mask.width, mask.height, fov_deg);
     }
@@ -122,8 +123,8 @@ CaptureFolder open_capture(const fs::path& folder, const std::string& actor, con
   capture.run = describe(options);
   capture.speed = speed_of(report, capture.rows);
   capture.joints = read_joints_csv(folder / "joints.csv");
-  if (fs::exists(folder / "angles.csv")) capture.angles = read_angles_csv(folder / "angles.csv");
-  if (const fs::path file = folder / "vertices.pc2"; fs::exists(file)) {
+  if (fs::exists(folder / "angles.csv", ignored)) capture.angles = read_angles_csv(folder / "angles.csv");
+  if (const fs::path file = folder / "vertices.pc2"; fs::exists(file, ignored)) {
     capture.vertices.emplace(file);
     require_points(*capture.vertices, file, actor_name, capture.actor.n_vertices());
   }

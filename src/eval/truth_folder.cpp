@@ -14,18 +14,19 @@ namespace livecap {
 namespace fs = std::filesystem;
 
 TruthFolder open_truth(const fs::path& folder, int n_vertices) {
-  if (!fs::is_directory(folder)) throw IoError(folder.string() + ": is not a folder");
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) throw IoError(folder.string() + ": is not a folder");
   TruthFolder truth;
   truth.path = folder;
-  if (const fs::path file = folder / "vertices.pc2"; fs::exists(file)) {
+  if (const fs::path file = folder / "vertices.pc2"; fs::exists(file, ignored)) {
     truth.vertices.emplace(file);
     if (n_vertices > 0 && truth.vertices->n_points() != n_vertices) {
       throw IoError(file.string() + format(": has %d points, the capture has %d; of another mesh give --truth-actor",
                                            truth.vertices->n_points(), n_vertices));
     }
   }
-  if (fs::exists(folder / "joints.json")) truth.joints = read_joints_json(folder / "joints.json");
-  if (fs::is_directory(folder / "masks")) truth.masks = folder / "masks";
+  if (fs::exists(folder / "joints.json", ignored)) truth.joints = read_joints_json(folder / "joints.json");
+  if (fs::is_directory(folder / "masks", ignored)) truth.masks = folder / "masks";
   if (!truth.vertices && truth.joints.empty() && truth.masks.empty()) {
     throw IoError(folder.string() + ": holds none of vertices.pc2, joints.json, masks/");
   }
@@ -34,7 +35,8 @@ TruthFolder open_truth(const fs::path& folder, int n_vertices) {
 
 ImageGray read_mask(const fs::path& folder, int64_t index, const Camera& camera) {
   const fs::path file = folder / format("%06lld.png", static_cast<long long>(index));
-  if (folder.empty() || !fs::exists(file)) return {};
+  std::error_code ignored;
+  if (folder.empty() || !fs::exists(file, ignored)) return {};
   ImageGray mask = read_image_gray(file);
   if (mask.width != camera.width || mask.height != camera.height) {
     throw IoError(file.string() +

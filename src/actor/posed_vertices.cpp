@@ -17,8 +17,7 @@ Eigen::Vector3d posed_point(std::span<const float> dual_quats, const SkinWeights
     const double sign = reference::dual_quat_real_dot(first, q) < 0 ? -1 : 1;
     sum = reference::dual_quat_add_scaled(sum, q, sign * skin.weights[kMaxInfluences * vertex + k]);
   }
-  const reference::Vec3 p =
-      reference::dual_quat_transform(sum, reference::vec3(rest_mm.x(), rest_mm.y(), rest_mm.z()));
+  const reference::Vec3 p = reference::dual_quat_transform(sum, reference::vec3(rest_mm.x(), rest_mm.y(), rest_mm.z()));
   return {p.x, p.y, p.z};
 }
 

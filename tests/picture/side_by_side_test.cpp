@@ -10,7 +10,8 @@ namespace livecap {
 namespace {
 
 TEST(SideBySide, RowsContinueInTheNextPictureAfterTheGap) {
-  const std::vector<ImageRgb> pictures = {{1, 2, {1, 2, 3, 4, 5, 6}}, {2, 2, {7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18}}};
+  const std::vector<ImageRgb> pictures = {{1, 2, {1, 2, 3, 4, 5, 6}},
+                                          {2, 2, {7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18}}};
   const ImageRgb joined = side_by_side(pictures);
   EXPECT_EQ(joined.width, 3);
   EXPECT_EQ(joined.height, 2);

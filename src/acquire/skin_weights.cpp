@@ -108,6 +108,15 @@ double followed_share(const BodyJoints& joints, int thigh, const Vector3d& p) {
   return swing > gap ? 1 - gap / swing : 0;
 }
 
+// What counts of a leg's contact at p: half of it at the knee, where skin and cloth slide over both bones and authors
+// let the bend reach farther than heat does.
+double knee_share(const BodyJoints& joints, int thigh, const Vector3d& p) {
+  constexpr double kReach = 0.3;  // of the thigh's length
+  const Vector3d &hip = joints[thigh], &knee = joints[thigh + 1], &ankle = joints[thigh + 2];
+  const double along = (p - knee).dot((hip - ankle).normalized()) / std::max((hip - knee).norm(), 1e-9);
+  return std::exp2(-std::exp(-0.5 * (along / kReach) * (along / kReach)));
+}
+
 // Cotangent Laplacian (positive semidefinite) and lumped vertex areas.
 Sparse cotangent_laplacian(const meshing::Surface& surface, Eigen::VectorXd& areas) {
   const int n = static_cast<int>(surface.vertices.size());
@@ -171,11 +180,12 @@ std::vector<meshing::Influences> heat_weights(const meshing::Surface& surface, c
         break;
       }
     const double distance = std::max(contact.first, 1.0);
-    const double strength = options.heat / (distance * distance) * areas[i];
-    system.coeffRef(i, i) += strength;
     const int bone = segments[contact.second].bone;
     const int thigh = bone >= kRightUpLegBone ? kRightUpLegBone : kLeftUpLegBone;
     const bool on_leg = bone == thigh || bone == thigh + 1;
+    const double knee = on_leg ? knee_share(joints, thigh, p) : 1;
+    const double strength = knee * options.heat / (distance * distance) * areas[i];
+    system.coeffRef(i, i) += strength;
     const double share = on_leg && around_both_legs(joints, volume, p.y()) ? followed_share(joints, thigh, p) : 1;
     source(i, kHipsBone) = (1 - share) * strength;
     source(i, bone) += share * strength;

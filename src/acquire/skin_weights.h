@@ -1,7 +1,7 @@
 // Skinning weights by heat diffusion from the bones (Baran & Popovic, "Automatic Rigging and Animation of 3D
 // Characters", 2007): every vertex is in contact with the nearest bone it can see through the body, and the contact
-// spreads over the surface. Cloth that hangs around both legs at a distance is in contact with the hips as well, by the
-// part of a leg's swing that the gap takes up.
+// spreads over the surface, around a knee farther than elsewhere. Cloth that hangs around both legs at a distance is in
+// contact with the hips as well, by the part of a leg's swing that the gap takes up.
 #pragma once
 
 #include <vector>

@@ -131,6 +131,36 @@ TEST(SkinWeights, TheBellyIsNotTheArms) {
   }
 }
 
+// Flesh and cloth bend over a length around a knee: how much of them the thigh moves, against the author's rig, in the
+// mean of what lies up to a third of the thigh's length from the knee along the leg.
+TEST(SkinWeights, KneesBendAsFarAsTheTrueRigs) {
+  for (const char* name : {"trousers", "skirt"}) {
+    const Actor actor = test::builtin_actor(name);
+    const SkinWeights own = own_weights(actor);
+    const BodyJoints joints = test::true_joints(actor);
+    double mean = 0;
+    int n = 0;
+    for (int i = 0; i < actor.n_vertices(); ++i) {
+      const Vector3d p = Eigen::Map<const Eigen::Vector3f>(&actor.mesh.positions[3 * i]).cast<double>();
+      const int thigh = p.x() > 0 ? acquire::kLeftUpLegBone : acquire::kRightUpLegBone;
+      const Vector3d along = joints[thigh] - joints[thigh + 1];
+      const double up = (p - joints[thigh + 1]).dot(along) / along.squaredNorm();
+      if (actor.labels[i] == 12 || std::abs(up) > 1.0 / 3 || std::abs(p.x() - joints[thigh + 1].x()) > along.norm() / 2)
+        continue;
+      const auto share = [&](const SkinWeights& skin) {
+        double sum = 0;
+        for (int k = 4 * i; k < 4 * i + 4; ++k)
+          if (actor.skeleton.bones[skin.bones[k]].name.ends_with("hip")) sum += skin.weights[k];
+        return sum;
+      };
+      mean += std::abs(share(own) - share(actor.skin)), ++n;
+    }
+    ASSERT_GT(n, 100) << name;
+    mean /= n;
+    EXPECT_LT(mean, test::kThighAtKnee) << name;
+  }
+}
+
 // The least girth left of an upper arm or forearm whose bone is twisted to its limits: 1 keeps it. A candy wrapper is
 // where a limb's vertices fall onto its axis.
 double twisted_girth(const Actor& actor, const SkinWeights& skin) {
@@ -254,18 +284,19 @@ TEST(SkinWeights, OfACapsuleFollowTheHeatEquation) {
   const meshing::Surface surface = meshing::extract_surface(field, {-90, -390, -90}, {90, 390, 90}, 13);
   BodyJoints joints;
   joints.fill(Vector3d(0, 0, 20000));  // out of reach
-  joints[acquire::kLeftUpLegBone] = {0, half, 0};
-  joints[acquire::kLeftLegBone] = {0, 6.5, 0};  // between two layers of vertices
-  joints[acquire::kLeftFootBone] = {0, -half, 0};
-  joints[acquire::kLeftToeBone] = {0, -half, 0};
-  for (int bone = acquire::kRightUpLegBone; bone <= acquire::kRightToeBone; ++bone) joints[bone] = {0, half, 0};
+  // An arm: around knees contact is weaker.
+  joints[acquire::kLeftArmBone] = {0, half, 0};
+  joints[acquire::kLeftForeArmBone] = {0, 6.5, 0};  // between two layers of vertices
+  joints[acquire::kLeftHandBone] = {0, -half, 0};
+  joints[acquire::kLeftKnuckleBone] = {0, -half, 0};
+  for (int bone = acquire::kRightArmBone; bone < acquire::kLeftUpLegBone; ++bone) joints[bone] = {0, half, 0};
   const auto weights = acquire::heat_weights(surface, joints, volume_of(surface, 10), options);
   int n_middle = 0;
   for (size_t i = 0; i < weights.size(); ++i) {
     double upper = 0, lower = 0, sum = 0;
     for (const auto& [bone, weight] : weights[i]) {
       sum += weight;
-      const bool is_lower = bone > acquire::kLeftUpLegBone && bone <= acquire::kLeftToeBone;
+      const bool is_lower = bone > acquire::kLeftArmBone && bone <= acquire::kLeftKnuckleBone;
       (is_lower ? lower : upper) += weight;
     }
     const double y = surface.vertices[i].y() - 6.5;

@@ -171,6 +171,9 @@ inline constexpr double kPosedBodyMm = 4.4;
 inline constexpr double kCollarboneShare = 0.08;
 // Share of the belly that follows arms and collarbones: 0.004 and 0.001, without the ribs at the waist 0.015 and 0.005.
 inline constexpr double kArmsOnBelly = 0.008;
+// The thighs' share around the knees, off the author's rig: 0.035 and 0.041, with the contact of elsewhere 0.065,
+// 0.046.
+inline constexpr double kThighAtKnee = 0.043;
 // What is left of a lamp that makes one side of a body 2.6 times as bright as the other, of the brightness: a
 // polynomial of second order of its logarithm leaves 0.013, with stripes or two materials 0.019, with rough normals
 // 0.013.

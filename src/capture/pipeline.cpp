@@ -9,11 +9,14 @@
 #include <exception>
 #include <functional>
 #include <mutex>
+#include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "capture/channel.h"
+#include "livecap/error.h"
 
 namespace livecap {
 namespace {
@@ -71,7 +74,15 @@ class AbortedThreads {
   ~AbortedThreads() { abort_and_join(); }
   AbortedThreads(const AbortedThreads&) = delete;
   AbortedThreads& operator=(const AbortedThreads&) = delete;
-  void start(std::function<void()> body) { threads_.emplace_back(std::move(body)); }
+  // Throws Error.
+  void start(std::function<void()> body) {
+    try {
+      threads_.emplace_back(std::move(body));
+    } catch (const std::system_error& error) {
+      throw Error(std::string("capture: the system allows no further thread (") + error.what() +
+                  "); allow more processes (ulimit -u), or capture in one thread (--sequential)");
+    }
+  }
   void abort_and_join() {
     abort_();
     for (std::thread& thread : threads_) thread.join();

@@ -80,10 +80,11 @@ class AbortedThreads {
       threads_.emplace_back(std::move(body));
     } catch (const std::system_error& error) {
       throw Error(std::string("capture: the system allows no further thread (") + error.what() +
-                  "); allow more processes (ulimit -u), or capture in one thread (--sequential)");
+                  "); let this user have more processes (ulimit -u)");
     }
   }
   void abort_and_join() {
+    if (threads_.empty()) return;
     abort_();
     for (std::thread& thread : threads_) thread.join();
     threads_.clear();

@@ -52,10 +52,11 @@ void judge_limits(const CaptureFolder& capture, EvalReport& report) {
 // The actor whose mesh the true vertices are of; nothing when none is given or lies beside the truth. Throws IoError
 // when the given one has another number of vertices than they.
 std::optional<Actor> true_actor(const EvalOptions& options) {
-  const std::filesystem::path points = options.truth / "vertices.pc2",
-                              beside = std::filesystem::weakly_canonical(options.truth / "..") / "actor.glb";
-  if (!std::filesystem::exists(points)) return {};
-  if (options.truth_actor.empty() && !std::filesystem::exists(beside)) return {};
+  std::error_code ignored;
+  const std::filesystem::path points = options.truth / "vertices.pc2";
+  if (!std::filesystem::exists(points, ignored)) return {};
+  const std::filesystem::path beside = std::filesystem::weakly_canonical(options.truth / "..") / "actor.glb";
+  if (options.truth_actor.empty() && !std::filesystem::exists(beside, ignored)) return {};
   const std::string name = options.truth_actor.empty() ? beside.string() : options.truth_actor;
   Actor actor = load_actor_named(name, 0);
   if (const int n = Pc2Reader(points).n_points(); actor.n_vertices() != n) {

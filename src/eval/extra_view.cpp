@@ -20,7 +20,8 @@ ExtraView open_view(const std::filesystem::path& camera, const std::filesystem::
   view.name = camera.filename().string();
   view.camera = load_camera(camera);
   view.masks = masks;
-  if (!std::filesystem::is_directory(masks)) throw IoError(masks.string() + ": is not a folder");
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(masks, ignored)) throw IoError(masks.string() + ": is not a folder");
 
   const nlohmann::json json = nlohmann::json::parse(read_file(camera), nullptr, false);
   const auto rows = json.find(kField);

@@ -61,8 +61,10 @@ std::string with_fields(const std::string& report_json,
 void require_writable(const std::string& file) {
   if (file.empty()) return;
   const fs::path folder = fs::path(file).parent_path();
-  if (fs::is_directory(file)) throw IoError(file + ": is a folder, expected a file to write");
-  if (!folder.empty() && !fs::is_directory(folder)) throw IoError(file + ": there is no folder " + folder.string());
+  std::error_code ignored;
+  if (fs::is_directory(file, ignored)) throw IoError(file + ": is a folder, expected a file to write");
+  if (!folder.empty() && !fs::is_directory(folder, ignored))
+    throw IoError(file + ": there is no folder " + folder.string());
 }
 
 int finish(const Options& options, const EvalOptions& pictured, const EvalReport& report, const EvalReport* pose_only,

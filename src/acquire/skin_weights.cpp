@@ -22,7 +22,8 @@ struct Segment {
 };
 
 // The line of flesh each bone moves. The chest is a cage, not a line: without the ribs out to the sides the collarbones
-// and upper arms own up to half of it (the nearest lines), and a twist of the trunk is taken for one of theirs.
+// and upper arms own up to half of it (the nearest lines), and a twist of the trunk is taken for one of theirs. Below
+// the joint of the spine it is the hips'.
 std::vector<Segment> bone_segments(const BodyJoints& j) {
   // Below the neck, of neck to hips: under the collarbones, at the armpits, above the waist.
   constexpr double kRibsDown[] = {0.15, 0.3, 0.5};
@@ -38,10 +39,11 @@ std::vector<Segment> bone_segments(const BodyJoints& j) {
                                    {kNeckBone, j[kNeckBone] + kFree * (j[kHeadBone] - j[kNeckBone]), j[kHeadBone]},
                                    {kHeadBone, j[kHeadBone], crown},
                                    {kHeadBone, j[kHeadBone], j[kHeadBone] + kJaw * head * Vector3d::UnitZ()}};
+  const double waist = (j[kNeckBone] - j[kSpineBone]).norm() / (j[kNeckBone] - j[kHipsBone]).norm();
   for (double down : kRibsDown) {
     const Vector3d middle = j[kNeckBone] + down * (j[kHipsBone] - j[kNeckBone]);
     const Vector3d half = 0.5 * kRibsWide * (j[kLeftArmBone] - j[kRightArmBone]);
-    segments.push_back({kSpineBone, middle - half, middle + half});
+    segments.push_back({down < waist ? kSpineBone : kHipsBone, middle - half, middle + half});
   }
   for (int first : {kLeftClavicleBone, kRightClavicleBone}) {
     segments.push_back({first, j[first] + kFree * (j[first + 1] - j[first]), j[first + 1]});

@@ -6,13 +6,13 @@
 namespace livecap {
 
 const std::array<std::string_view, kRigJointCount> kRigJointNames = {
-    "root",           "neck",        "left_clavicle", "left_shoulder", "left_elbow", "right_clavicle",
-    "right_shoulder", "right_elbow", "left_hip",      "left_knee",     "left_ankle", "right_hip",
-    "right_knee",     "right_ankle", "left_wrist",    "right_wrist",   "left_toe",   "right_toe",
-    "head",           "left_hand",   "right_hand",    "head_top"};
+    "root",           "chest",          "neck",        "left_clavicle", "left_shoulder", "left_elbow",
+    "right_clavicle", "right_shoulder", "right_elbow", "left_hip",      "left_knee",     "left_ankle",
+    "right_hip",      "right_knee",     "right_ankle", "left_wrist",    "right_wrist",   "left_toe",
+    "right_toe",      "head",           "left_hand",   "right_hand",    "head_top"};
 
 bool rig_joint_required(int joint) {
-  return joint <= kRigRightWrist && joint != kRigLeftClavicle && joint != kRigRightClavicle;
+  return joint <= kRigRightWrist && joint != kRigChest && joint != kRigLeftClavicle && joint != kRigRightClavicle;
 }
 
 namespace {
@@ -20,21 +20,46 @@ namespace {
 struct Table {
   const char* name;
   std::array<const char*, kRigJointCount> bones;  // normalised
+  std::array<const char*, 2> other_chests;        // where the trunk bends in rigs of fewer bones
 };
 
 constexpr Table kTables[] = {
     {"Mixamo",
-     {"hips",         "neck",      "leftshoulder", "leftarm",      "leftforearm", "rightshoulder",   "rightarm",
-      "rightforearm", "leftupleg", "leftleg",      "leftfoot",     "rightupleg",  "rightleg",        "rightfoot",
-      "lefthand",     "righthand", "lefttoebase",  "righttoebase", "head",        "lefthandmiddle1", "righthandmiddle1",
-      "headtopend"}},
-    {"UE/MakeHuman", {"pelvis", "neck01", "claviclel", "upperarml", "lowerarml", "clavicler", "upperarmr", "lowerarmr",
-                      "thighl", "calfl",  "footl",     "thighr",    "calfr",     "footr",     "handl",     "handr",
-                      "balll",  "ballr",  "head",      "middle01l", "middle01r", "headend"}},
-    {"LiveCap", {"root",          "neck",       "leftclavicle", "leftshoulder", "leftelbow", "rightclavicle",
-                 "rightshoulder", "rightelbow", "lefthip",      "leftknee",     "leftankle", "righthip",
-                 "rightknee",     "rightankle", "leftwrist",    "rightwrist",   "lefttoe",   "righttoe",
-                 "head",          "lefthand",   "righthand",    "headtop"}},
+     {"hips",
+      "spine2",
+      "neck",
+      "leftshoulder",
+      "leftarm",
+      "leftforearm",
+      "rightshoulder",
+      "rightarm",
+      "rightforearm",
+      "leftupleg",
+      "leftleg",
+      "leftfoot",
+      "rightupleg",
+      "rightleg",
+      "rightfoot",
+      "lefthand",
+      "righthand",
+      "lefttoebase",
+      "righttoebase",
+      "head",
+      "lefthandmiddle1",
+      "righthandmiddle1",
+      "headtopend"},
+     {"spine1", "spine"}},
+    {"UE/MakeHuman",
+     {"pelvis",    "spine03", "neck01", "claviclel", "upperarml", "lowerarml", "clavicler", "upperarmr",
+      "lowerarmr", "thighl",  "calfl",  "footl",     "thighr",    "calfr",     "footr",     "handl",
+      "handr",     "balll",   "ballr",  "head",      "middle01l", "middle01r", "headend"},
+     {"spine02", "spine01"}},
+    {"LiveCap",
+     {"root",          "chest",         "neck",       "leftclavicle", "leftshoulder", "leftelbow",
+      "rightclavicle", "rightshoulder", "rightelbow", "lefthip",      "leftknee",     "leftankle",
+      "righthip",      "rightknee",     "rightankle", "leftwrist",    "rightwrist",   "lefttoe",
+      "righttoe",      "head",          "lefthand",   "righthand",    "headtop"},
+     {}},
 };
 
 // "mixamorig1:LeftUpLeg" -> "leftupleg", "upperarm_l" -> "upperarml".
@@ -65,9 +90,16 @@ RigMatch match_rig(const std::vector<std::string>& names, const std::map<std::st
     RigMatch match;
     match.table = table.name;
     int score = 0;
+    const auto index_of = [&](const char* bone) {
+      const auto found = std::find(plain.begin(), plain.end(), bone);
+      return found == plain.end() ? -1 : static_cast<int>(found - plain.begin());
+    };
     for (int j = 0; j < kRigJointCount; ++j) {
-      const auto found = std::find(plain.begin(), plain.end(), table.bones[j]);
-      match.index[j] = found == plain.end() ? -1 : static_cast<int>(found - plain.begin());
+      match.index[j] = index_of(table.bones[j]);
+      if (j == kRigChest) {
+        for (const char* other : table.other_chests)
+          if (other && match.index[j] < 0) match.index[j] = index_of(other);
+      }
       if (match.index[j] >= 0) score += rig_joint_required(j) ? 100 : 1;
     }
     if (score > best_score) {

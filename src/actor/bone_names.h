@@ -1,4 +1,4 @@
-// Which node of a rigged file is which LiveCap-27 joint, by the names rigs use (docs/formats.md).
+// Which node of a rigged file is which LiveCap-30 joint, by the names rigs use (docs/formats.md).
 #pragma once
 
 #include <array>
@@ -12,6 +12,7 @@ namespace livecap {
 // Joints looked for in a file. The first kRigBoneCount become bones of the skeleton; the others are end points.
 enum RigJoint : int {
   kRigRoot,
+  kRigChest,
   kRigNeck,
   kRigLeftClavicle,
   kRigLeftShoulder,

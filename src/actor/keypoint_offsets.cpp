@@ -35,8 +35,13 @@ void use_mediapipe_anchors(Actor& actor) {
     anchors[k].bone = std::max(0, actor.skeleton.bones[anchors[k].bone].parent);
     move(k, 0, 20, 0);
   }
-  // The adapter's neck is the midpoint of the shoulders, its pelvis that of the hips; both belong to the torso.
-  if (known(kLeftShoulder) && known(kRightShoulder)) anchors[kNeck] = {0, between(kLeftShoulder, kRightShoulder, 0.5)};
+  // The adapter's neck is the midpoint of the shoulders, its pelvis that of the hips: of the trunk, not of neck or
+  // legs.
+  if (known(kLeftShoulder) && known(kRightShoulder)) {
+    const int neck = anchors[kNeck].bone;
+    const int chest = neck > 0 ? actor.skeleton.bones[neck].parent : 0;
+    anchors[kNeck] = {chest, between(kLeftShoulder, kRightShoulder, 0.5)};
+  }
   if (known(kLeftHip) && known(kRightHip)) anchors[kPelvis] = {0, between(kLeftHip, kRightHip, 0.5)};
   // The adapter's hand is the mean of wrist and finger landmarks, halfway to the knuckles.
   for (const auto& [hand, wrist] : {std::pair{kLeftHand, kLeftWrist}, std::pair{kRightHand, kRightWrist}}) {

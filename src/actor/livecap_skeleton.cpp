@@ -12,9 +12,9 @@ namespace {
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 constexpr int kParents[kRigBoneCount] = {
-    -1,           kRigRoot,          kRigRoot,          kRigLeftClavicle, kRigLeftShoulder,
-    kRigRoot,     kRigRightClavicle, kRigRightShoulder, kRigRoot,         kRigLeftHip,
-    kRigLeftKnee, kRigRoot,          kRigRightHip,      kRigRightKnee};
+    -1,        kRigRoot,          kRigChest,         kRigChest, kRigLeftClavicle, kRigLeftShoulder,
+    kRigChest, kRigRightClavicle, kRigRightShoulder, kRigRoot,  kRigLeftHip,      kRigLeftKnee,
+    kRigRoot,  kRigRightHip,      kRigRightKnee};
 
 struct DofRow {
   int bone;
@@ -23,12 +23,16 @@ struct DofRow {
   double rest_share = 0;
 };
 
-// The network does not see collarbones turn and the trunk has no other joint: without a rest they turn with what the
-// pictures of the chest tell of a twisted spine, and of weights that are not a person's. Raised arms lift them.
+// The network does not see collarbones turn: without a rest they turn with what the pictures of the chest tell of a
+// twisted spine, and of weights that are not a person's. Raised arms lift them. A chest without a rest bends where hips
+// and legs are wrong in depth.
 constexpr double kShrug = 1.0 / 3;
 
 // docs/formats.md, in its order.
 constexpr DofRow kDofs[] = {
+    {kRigChest, 'x', -40, 70, 1},
+    {kRigChest, 'y', -45, 45, 1},
+    {kRigChest, 'z', -35, 35, 1},
     {kRigNeck, 'x', -60, 50},
     {kRigNeck, 'y', -75, 75},
     {kRigNeck, 'z', -40, 40},
@@ -69,7 +73,7 @@ Eigen::Vector3d direction(const RigPositions& p, int from, int to) {
 
 }  // namespace
 
-Skeleton build_livecap_skeleton(const RigPositions& p,
+Skeleton build_livecap_skeleton(const RigPositions& p, bool bends,
                                 const std::map<std::string, std::pair<double, double>>& limits_deg,
                                 std::vector<std::string>& notes) {
   Skeleton skeleton;
@@ -77,6 +81,7 @@ Skeleton build_livecap_skeleton(const RigPositions& p,
   for (int b = 0; b < kRigBoneCount; ++b)
     skeleton.bones.push_back({std::string(kRigJointNames[b]), kParents[b], {0, 0, 0}});
   for (const DofRow& row : kDofs) {
+    if (row.bone == kRigChest && !bends) continue;
     Dof dof;
     dof.name = std::string(kRigJointNames[row.bone]) + "_" + row.axis;
     dof.bone = row.bone;

@@ -1,4 +1,4 @@
-// The LiveCap-27 chain (docs/formats.md) fitted to the joint positions of one actor.
+// The LiveCap-30 chain (docs/formats.md) fitted to the joint positions of one actor.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,11 +17,12 @@ namespace livecap {
 // bones and the wrists are used; every one of them must be set.
 using RigPositions = std::array<Eigen::Vector3d, kRigJointCount>;
 
-// Builds 14 bones (names and indices as RigJoint) and 27 joint angles with the rest angles the positions imply, so that
-// forward kinematics at rest reproduces the positions. Limits come from the table there, replaced by `limits_deg`
-// (joint angle name -> min, max in degrees). A ball joint's rest angle outside its limits widens them, with a note;
-// a hinge keeps its limits and leaves the rest to the bone's offset.
-Skeleton build_livecap_skeleton(const RigPositions& joints_mm,
+// Builds 15 bones (names and indices as RigJoint) and 30 joint angles with the rest angles the positions imply, so that
+// forward kinematics at rest reproduces the positions. bends: whether the chest turns against the pelvis; else its
+// three angles are left out, which skin that follows the pelvis alone needs. Limits come from the table there, replaced
+// by `limits_deg` (joint angle name -> min, max in degrees). A ball joint's rest angle outside its limits widens them,
+// with a note; a hinge keeps its limits and leaves the rest to the bone's offset.
+Skeleton build_livecap_skeleton(const RigPositions& joints_mm, bool bends,
                                 const std::map<std::string, std::pair<double, double>>& limits_deg,
                                 std::vector<std::string>& notes);
 

@@ -164,6 +164,10 @@ class ActorBuilder {
       found_[j] = node_of_joint_[j] >= 0;
       joints_[j] = found_[j] ? raw_.joint_world[node_of_joint_[j]] : Eigen::Vector3d::Zero().eval();
     }
+    if (!found_[kRigChest]) {
+      joints_[kRigChest] = 0.4 * joints_[kRigRoot] + 0.6 * joints_[kRigNeck];
+      note("chest: no bone between pelvis and neck; the trunk does not bend");
+    }
     for (int side = 0; side < 2; ++side) {
       const int clavicle = side == 0 ? kRigLeftClavicle : kRigRightClavicle;
       if (found_[clavicle]) continue;
@@ -172,7 +176,7 @@ class ActorBuilder {
       note(std::string(kRigJointNames[clavicle]) + ": no bone; placed between neck and shoulder");
     }
     for (const auto& [name, limits] : extras_.limits_deg) used_limits_.emplace(name, limits);
-    actor_.skeleton = build_livecap_skeleton(joints_, used_limits_, actor_.notes);
+    actor_.skeleton = build_livecap_skeleton(joints_, found_[kRigChest], used_limits_, actor_.notes);
     for (const auto& [name, limits] : used_limits_) {
       const bool known = std::any_of(actor_.skeleton.dofs.begin(), actor_.skeleton.dofs.end(),
                                      [&](const Dof& d) { return d.name == name; });
@@ -249,7 +253,7 @@ class ActorBuilder {
 
   void label() {
     // LIP class of what usually covers a bone.
-    constexpr uint8_t kDefault[kRigBoneCount] = {5, 13, 5, 5, 14, 5, 5, 15, 9, 9, 18, 9, 9, 19};
+    constexpr uint8_t kDefault[kRigBoneCount] = {5, 5, 13, 5, 5, 14, 5, 5, 15, 9, 9, 18, 9, 9, 19};
     int n_defaulted = 0;
     for (int v = 0; v < actor_.n_vertices(); ++v) {
       int label = raw_.labels[first_raw_[v]];

@@ -22,6 +22,7 @@ struct Stretch {
 Stretch stretch_of(int bone) {
   switch (bone) {
     case kRigRoot:
+    case kRigChest:
       return {kTrunkLength, kTrunkGirth};
     case kRigNeck:
       return {kHeadSize, kHeadSize};
@@ -54,14 +55,14 @@ Eigen::Vector3d rest_point(const Actor& actor, int vertex) {
 
 Reshaper::Reshaper(const Actor& actor) : actor_(actor) {
   const Skeleton& skeleton = actor.skeleton;
-  if (skeleton.n_bones() != kRigBoneCount) throw LogicError("reshaper: the actor has no LiveCap-27 skeleton");
+  if (skeleton.n_bones() != kRigBoneCount) throw LogicError("reshaper: the actor has no LiveCap-30 skeleton");
   const PosedSkeleton rest = forward_kinematics(skeleton, rest_pose(skeleton));
   for (const auto& bone : rest.camera_from_bone) {
     joints_.push_back(bone.translation());
     rest_from_bone_.push_back(bone.linear());
   }
   axes_.assign(kRigBoneCount, Eigen::Vector3d::Zero());
-  axes_[kRigRoot] = Eigen::Vector3d::UnitY();
+  axes_[kRigRoot] = axes_[kRigChest] = Eigen::Vector3d::UnitY();
   for (const auto& [from, to] :
        {std::pair{kRigLeftShoulder, kRigLeftElbow}, std::pair{kRigRightShoulder, kRigRightElbow},
         std::pair{kRigLeftHip, kRigLeftKnee}, std::pair{kRigRightHip, kRigRightKnee},

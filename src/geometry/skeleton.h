@@ -1,4 +1,4 @@
-// The kinematic chain: rigid bones joined by single-axis joints (LiveCap-27, or whatever a Skeletool file holds).
+// The kinematic chain: rigid bones joined by single-axis joints (LiveCap-30, or whatever a Skeletool file holds).
 //
 // Rest frame: mm, +X the subject's left, +Y up, +Z the subject's front. At zero angles (T-pose) every bone frame is
 // parallel to the rest frame. The template mesh is bound at `rest_rad`, which is not zero for an A-pose template.

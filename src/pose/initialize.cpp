@@ -61,7 +61,7 @@ double best_angle(double c, double s, double now, double min, double max) {
   return best;
 }
 
-// The 3D keypoints' squared distances to their targets, summed per limb (see limb_of_bones).
+// The 3D keypoints' squared distances to their targets, summed per limb (see Limbs).
 std::vector<double> limb_errors(const Actor& actor, const Keypoints3d& targets, const std::vector<int>& limbs,
                                 const Pose& pose) {
   const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
@@ -74,22 +74,35 @@ std::vector<double> limb_errors(const Actor& actor, const Keypoints3d& targets, 
   return errors;
 }
 
-// The child of the root that each bone hangs on; 0 for the root. Limbs do not influence each other.
-std::vector<int> limb_of_bones(const Skeleton& skeleton) {
-  std::vector<int> limbs(skeleton.n_bones(), 0);
-  for (int b = 1; b < skeleton.n_bones(); ++b)
-    limbs[b] = skeleton.bones[b].parent == 0 ? b : limbs[skeleton.bones[b].parent];
+// What each bone is part of. The trunk is the root and what carries the neck; it is turned as a whole (align_torso), its
+// bend is left to the steps that follow. A limb is what hangs on it, named by its first bone: limbs do not influence
+// each other.
+struct Limbs {
+  std::vector<int> of_bone;
+  std::vector<char> is_trunk;
+};
+
+Limbs limbs_of(const Skeleton& skeleton) {
+  Limbs limbs{std::vector<int>(skeleton.n_bones(), 0), std::vector<char>(skeleton.n_bones(), 0)};
+  limbs.is_trunk[0] = 1;
+  for (int b = skeleton.bone_index("neck"); b > 0; b = skeleton.bones[b].parent)
+    limbs.is_trunk[skeleton.bones[b].parent] = 1;
+  for (int b = 1; b < skeleton.n_bones(); ++b) {
+    const int parent = skeleton.bones[b].parent;
+    limbs.of_bone[b] = limbs.is_trunk[b] || limbs.is_trunk[parent] ? b : limbs.of_bone[parent];
+  }
   return limbs;
 }
 
 // Cyclic coordinate descent: turns one joint after the other to the angle at which the keypoints it moves are nearest
 // to their targets.
-void descend_angles(const Actor& actor, const Keypoints3d& targets, int n_sweeps, Pose& pose) {
+void descend_angles(const Actor& actor, const Keypoints3d& targets, const Limbs& limbs, int n_sweeps, Pose& pose) {
   const Skeleton& skeleton = actor.skeleton;
   const std::vector<uint64_t> masks = dofs_moving_bones(skeleton);
   for (int sweep = 0; sweep < n_sweeps; ++sweep) {
     double largest_turn = 0;
     for (int k = 0; k < skeleton.n_dofs(); ++k) {
+      if (limbs.is_trunk[skeleton.dofs[k].bone]) continue;
       const PosedSkeleton posed = forward_kinematics(skeleton, pose);
       const auto positions = keypoint_positions(actor, posed);
       // Pelvis on pelvis: the detections are relative to it.
@@ -119,28 +132,29 @@ void descend_angles(const Actor& actor, const Keypoints3d& targets, int n_sweeps
 // each limb keeps its best: the rest pose, then points spread evenly over the joint ranges.
 void find_angles(const Actor& actor, const Keypoints3d& targets, Pose& pose) {
   const Skeleton& skeleton = actor.skeleton;
-  const std::vector<int> limbs = limb_of_bones(skeleton);
+  const Limbs limbs = limbs_of(skeleton);
   Pose best = pose;
   std::vector<double> best_errors;
   for (int start = 0; start < kDescentStarts; ++start) {
     Pose candidate = pose;
     for (int k = 0; k < skeleton.n_dofs() && start > 0; ++k) {
+      if (limbs.is_trunk[skeleton.dofs[k].bone]) continue;
       // Additive recurrence by the golden ratio's powers: evenly spread without a random generator.
       const double share = 0.15 + 0.7 * std::fmod(0.5 + start * std::pow(1 / 1.2207440846, 1 + k % 4), 1.0);
       candidate.angles_rad[k] =
           skeleton.dofs[k].min_rad + share * (skeleton.dofs[k].max_rad - skeleton.dofs[k].min_rad);
     }
-    descend_angles(actor, targets, kScoutSweeps, candidate);
-    const std::vector<double> errors = limb_errors(actor, targets, limbs, candidate);
+    descend_angles(actor, targets, limbs, kScoutSweeps, candidate);
+    const std::vector<double> errors = limb_errors(actor, targets, limbs.of_bone, candidate);
     if (best_errors.empty()) best_errors.assign(errors.size(), std::numeric_limits<double>::infinity());
     for (int k = 0; k < skeleton.n_dofs(); ++k) {
-      const int limb = limbs[skeleton.dofs[k].bone];
+      const int limb = limbs.of_bone[skeleton.dofs[k].bone];
       if (errors[limb] < best_errors[limb]) best.angles_rad[k] = candidate.angles_rad[k];
     }
     for (size_t limb = 0; limb < errors.size(); ++limb) best_errors[limb] = std::min(best_errors[limb], errors[limb]);
   }
   pose = best;
-  descend_angles(actor, targets, kFinalSweeps, pose);
+  descend_angles(actor, targets, limbs, kFinalSweeps, pose);
 }
 
 // Translation that best projects root-relative points onto the 2D detections: u (z + t_z) = f_x (x + t_x) + c_x (z +

@@ -24,7 +24,7 @@ bool has_any(const std::string& name, std::initializer_list<const char*> words) 
 int part_of_name(std::string name, int parents_part) {
   std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
   if (has_any(name, {"neck", "head"})) return kHead;
-  if (has_any(name, {"root", "pelvis", "spine", "clavicle"})) return kTorso;
+  if (has_any(name, {"root", "pelvis", "spine", "chest", "clavicle"})) return kTorso;
   const bool left = has_any(name, {"left"});
   const bool right = has_any(name, {"right"});
   if (left || right) {

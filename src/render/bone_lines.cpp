@@ -29,7 +29,9 @@ std::vector<std::pair<int, int>> bone_lines(const Skeleton& skeleton, const std:
     if (a >= 0 && b >= 0) lines.emplace_back(a, b);
   };
   for (const Bone& bone : skeleton.bones) {
-    if (bone.parent >= 0) add(skeleton.bones[bone.parent].name, bone.name);
+    int parent = bone.parent;  // nearest one with a joint
+    while (parent >= 0 && index_of(names, skeleton.bones[parent].name) < 0) parent = skeleton.bones[parent].parent;
+    if (parent >= 0) add(skeleton.bones[parent].name, bone.name);
   }
   add("neck", "head_top");
   for (const std::string side : {"left_", "right_"}) {

@@ -15,6 +15,7 @@ RigPositions random_rig(std::mt19937& rng) {
   RigPositions p;
   p.fill(Eigen::Vector3d::Zero());
   p[kRigRoot] = {0, 980, 0};
+  p[kRigChest] = {0, 1280, -20};
   p[kRigNeck] = {0, 1480, 0};
   for (int side : {1, -1}) {
     const bool left = side > 0;
@@ -30,12 +31,12 @@ RigPositions random_rig(std::mt19937& rng) {
   return p;
 }
 
-TEST(LivecapSkeleton, OnlyCollarbonesAreDrawnToRest) {
+TEST(LivecapSkeleton, OnlyChestAndCollarbonesAreDrawnToRest) {
   std::mt19937 rng(2);
   std::vector<std::string> notes;
-  for (const Dof& dof : build_livecap_skeleton(random_rig(rng), {}, notes).dofs) {
+  for (const Dof& dof : build_livecap_skeleton(random_rig(rng), true, {}, notes).dofs) {
     const bool collarbone = dof.name.find("clavicle") != std::string::npos;
-    EXPECT_EQ(dof.rest_share > 0, collarbone) << dof.name;
+    EXPECT_EQ(dof.rest_share > 0, collarbone || dof.name.starts_with("chest")) << dof.name;
     EXPECT_LE(dof.rest_share, 1) << dof.name;
     // Raised arms lift them; nothing says where they turn forward.
     if (collarbone) EXPECT_EQ(dof.rest_share < 1, dof.name.ends_with("_z")) << dof.name;
@@ -47,9 +48,9 @@ TEST(LivecapSkeleton, RestReproducesAnyJointPositions) {
   for (int trial = 0; trial < 50; ++trial) {
     const RigPositions p = random_rig(rng);
     std::vector<std::string> notes;
-    const Skeleton s = build_livecap_skeleton(p, {}, notes);
-    ASSERT_EQ(s.n_bones(), 14);
-    ASSERT_EQ(s.n_dofs(), 27);
+    const Skeleton s = build_livecap_skeleton(p, true, {}, notes);
+    ASSERT_EQ(s.n_bones(), 15);
+    ASSERT_EQ(s.n_dofs(), 30);
     const PosedSkeleton rest = forward_kinematics(s, rest_pose(s));
     for (int b = 0; b < kRigBoneCount; ++b)
       EXPECT_LT((rest.camera_from_bone[b].translation() - p[b]).norm(), test::kDoubleExact);
@@ -57,27 +58,55 @@ TEST(LivecapSkeleton, RestReproducesAnyJointPositions) {
   }
 }
 
+TEST(LivecapSkeleton, AStiffTrunkHasNoAnglesOfTheChest) {
+  std::mt19937 rng(3);
+  std::vector<std::string> notes;
+  const RigPositions p = random_rig(rng);
+  const Skeleton stiff = build_livecap_skeleton(p, false, {}, notes),
+                 bends = build_livecap_skeleton(p, true, {}, notes);
+  ASSERT_EQ(stiff.n_bones(), 15);
+  ASSERT_EQ(stiff.n_dofs(), 27);
+  for (int k = 0; k < 27; ++k) EXPECT_EQ(stiff.dofs[k].name, bends.dofs[k + 3].name);
+}
+
+// Arms, collarbones and head turn with the chest, legs do not; leaning forward is positive.
+TEST(LivecapSkeleton, TheChestCarriesArmsAndHead) {
+  std::mt19937 rng(4);
+  std::vector<std::string> notes;
+  const Skeleton s = build_livecap_skeleton(random_rig(rng), true, {}, notes);
+  const PosedSkeleton rest = forward_kinematics(s, rest_pose(s));
+  Pose pose = rest_pose(s);
+  pose.angles_rad[0] += 0.4;
+  const PosedSkeleton bent = forward_kinematics(s, pose);
+  for (int b = 0; b < kRigBoneCount; ++b) {
+    const double turned = (bent.camera_from_bone[b].linear() - rest.camera_from_bone[b].linear()).norm();
+    const bool carried = b >= kRigChest && b < kRigLeftHip;
+    EXPECT_NEAR(turned, carried ? std::sqrt(2.0) * 2 * std::sin(0.2) : 0, test::kDoubleExact) << kRigJointNames[b];
+  }
+  EXPECT_GT(bent.camera_from_bone[kRigNeck].translation().z(), rest.camera_from_bone[kRigNeck].translation().z());
+}
+
 // docs/formats.md, spot checks by name, order and mirrored limits.
 TEST(LivecapSkeleton, FollowsTheTable) {
   std::mt19937 rng(1);
   std::vector<std::string> notes;
-  const Skeleton s = build_livecap_skeleton(random_rig(rng), {}, notes);
-  const char* const names[] = {"neck_x",           "neck_y",           "neck_z",           "left_clavicle_y",
-                               "left_clavicle_z",  "right_clavicle_y", "right_clavicle_z", "left_shoulder_z",
-                               "left_shoulder_y",  "left_shoulder_x",  "left_elbow_y",     "right_shoulder_z",
-                               "right_shoulder_y", "right_shoulder_x", "right_elbow_y",    "left_hip_x",
-                               "left_hip_y",       "left_hip_z",       "right_hip_x",      "right_hip_y",
-                               "right_hip_z",      "left_knee_x",      "right_knee_x",     "left_ankle_x",
-                               "left_ankle_y",     "right_ankle_x",    "right_ankle_y"};
+  const Skeleton s = build_livecap_skeleton(random_rig(rng), true, {}, notes);
+  const char* const names[] = {
+      "chest_x",          "chest_y",          "chest_z",         "neck_x",           "neck_y",
+      "neck_z",           "left_clavicle_y",  "left_clavicle_z", "right_clavicle_y", "right_clavicle_z",
+      "left_shoulder_z",  "left_shoulder_y",  "left_shoulder_x", "left_elbow_y",     "right_shoulder_z",
+      "right_shoulder_y", "right_shoulder_x", "right_elbow_y",   "left_hip_x",       "left_hip_y",
+      "left_hip_z",       "right_hip_x",      "right_hip_y",     "right_hip_z",      "left_knee_x",
+      "right_knee_x",     "left_ankle_x",     "left_ankle_y",    "right_ankle_x",    "right_ankle_y"};
   constexpr double kDeg = std::numbers::pi / 180;
-  for (int k = 0; k < 27; ++k) EXPECT_EQ(s.dofs[k].name, names[k]);
-  EXPECT_NEAR(s.dofs[10].min_rad, -150 * kDeg, test::kDoubleExact);
-  EXPECT_NEAR(s.dofs[14].max_rad, 150 * kDeg, test::kDoubleExact);
-  EXPECT_NEAR(s.dofs[17].max_rad, 70 * kDeg, test::kDoubleExact);
-  EXPECT_NEAR(s.dofs[20].min_rad, -70 * kDeg, test::kDoubleExact);
+  for (int k = 0; k < 30; ++k) EXPECT_EQ(s.dofs[k].name, names[k]);
+  EXPECT_NEAR(s.dofs[13].min_rad, -150 * kDeg, test::kDoubleExact);
+  EXPECT_NEAR(s.dofs[17].max_rad, 150 * kDeg, test::kDoubleExact);
+  EXPECT_NEAR(s.dofs[20].max_rad, 70 * kDeg, test::kDoubleExact);
+  EXPECT_NEAR(s.dofs[23].min_rad, -70 * kDeg, test::kDoubleExact);
   // A positive knee angle takes the foot back, an elbow angle within limits takes the hand to the front.
   Pose pose = rest_pose(s);
-  pose.angles_rad[21] += 0.5;
+  pose.angles_rad[24] += 0.5;
   EXPECT_LT(forward_kinematics(s, pose).camera_from_bone[kRigLeftAnkle].translation().z(),
             forward_kinematics(s, rest_pose(s)).camera_from_bone[kRigLeftAnkle].translation().z());
 }

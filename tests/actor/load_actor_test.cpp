@@ -7,6 +7,7 @@
 #include <random>
 
 #include "actor/actor.h"
+#include "actor/bone_names.h"
 #include "actor/glb_fixture.h"
 #include "actor/inspect.h"
 #include "base/text.h"
@@ -66,7 +67,7 @@ TEST(LoadActor, WeldsSeamsInOrderOfFirstOccurrence) {
 
 TEST(LoadActor, RestPoseReproducesTheBindJointsExactly) {
   const Actor actor = load_actor_bytes(make_fixture().bytes, "fixture");
-  ASSERT_EQ(actor.skeleton.n_dofs(), 27);
+  ASSERT_EQ(actor.skeleton.n_dofs(), 30);
   const std::pair<const char*, Eigen::Vector3d> expected[] = {
       {"root", {0, 980, 10}},           {"neck", {0, 1500, 0}},
       {"left_clavicle", {50, 1450, 0}}, {"left_shoulder", {180, 1440, -10}},
@@ -146,12 +147,43 @@ TEST(LoadActor, FoldsUnmappedBonesIntoTheirAncestors) {
     }
     return sum;
   };
-  EXPECT_FLOAT_EQ(weight(patch(1), "root"), 1.f);         // spine, hips
+  EXPECT_FLOAT_EQ(weight(patch(1), "chest"), .75f);  // spine 0.75, hips 0.25
+  EXPECT_FLOAT_EQ(weight(patch(1), "root"), .25f);
   EXPECT_FLOAT_EQ(weight(patch(3), "neck"), 1.f);         // head, neck
   EXPECT_FLOAT_EQ(weight(patch(8), "left_elbow"), 1.f);   // knuckle, hand
   EXPECT_FLOAT_EQ(weight(patch(6), "left_elbow"), .75f);  // forearm 0.75, arm 0.25
   EXPECT_FLOAT_EQ(weight(patch(6), "left_shoulder"), .25f);
   EXPECT_FLOAT_EQ(weight(patch(16), "left_ankle"), 1.f);  // toe, foot
+}
+
+// Else the arms would turn and the skin of the chest stay behind.
+TEST(LoadActor, ATrunkOfOneBoneDoesNotBend) {
+  FixtureOptions options;
+  for (auto& joint : options.joints) {
+    if (std::string(joint.name) == "mixamorig:Spine") joint.name = "Wirbel";
+    if (joint.parent && std::string(joint.parent) == "mixamorig:Spine") joint.parent = "Wirbel";
+  }
+  const Actor actor = load_actor_bytes(make_fixture(options).bytes, "fixture");
+  EXPECT_EQ(actor.skeleton.n_dofs(), 27);
+  EXPECT_TRUE(has_note(actor, "chest: no bone"));
+  for (const int bone : actor.skin.bones) EXPECT_NE(bone, actor.skeleton.bone_index("chest"));
+  options.livecap = {{"bones", {{"chest", "Wirbel"}}}};
+  EXPECT_EQ(load_actor_bytes(make_fixture(options).bytes, "fixture").skeleton.n_dofs(), 30);
+}
+
+TEST(BoneNames, TheHighestBoneOfTheSpineIsTheChest) {
+  std::vector<std::string> notes;
+  const auto chest = [&](const std::vector<std::string>& names) {
+    const int found = match_rig(names, {}, notes).index[kRigChest];
+    return found < 0 ? "" : names[found];
+  };
+  EXPECT_EQ(chest({"Hips", "Spine", "Spine1", "Spine2", "Neck"}), "Spine2");
+  EXPECT_EQ(chest({"Hips", "Spine", "Spine1", "Neck"}), "Spine1");
+  EXPECT_EQ(chest({"Hips", "Spine", "Neck"}), "Spine");
+  EXPECT_EQ(chest({"pelvis", "spine_01", "spine_02", "spine_03", "neck_01"}), "spine_03");
+  EXPECT_EQ(chest({"pelvis", "spine_01", "neck_01"}), "spine_01");
+  EXPECT_EQ(chest({"root", "chest", "neck"}), "chest");
+  EXPECT_EQ(chest({"Hips", "Neck"}), "");
 }
 
 TEST(LoadActor, ReadsUnrealNamesAndFillsAbsentClavicles) {

@@ -91,8 +91,19 @@ Heard hear(const std::vector<uint8_t>& packet) {
   return heard;
 }
 
-LiveActor trunk_and_arm() {
+// Its chest is a bone of its own or one with the hips.
+LiveActor trunk_and_arm(bool chest) {
   LiveActor actor;
+  if (chest) {
+    actor.bones = {{"root", -1, {}},
+                   {"chest", 0, {0, 0.3f, -0.01f}},
+                   {"neck", 1, {0.01f, 0.2f, -0.02f}},
+                   {"left_clavicle", 1, {0.02f, 0.1f, 0.02f}},
+                   {"left_shoulder", 3, {0.13f, 0.02f, -0.01f}},
+                   {"left_elbow", 4, {0.27f, 0, 0}},
+                   {"tail", 0, {0, -0.1f, -0.1f}}};
+    return actor;
+  }
   actor.bones = {{"root", -1, {}},
                  {"neck", 0, {0.01f, 0.5f, -0.03f}},
                  {"left_clavicle", 0, {0.02f, 0.4f, 0.01f}},
@@ -122,9 +133,14 @@ LiveResult somebody(const LiveActor& actor, unsigned seed, std::array<float, 3> 
   return result;
 }
 
+class AvatarOf : public testing::TestWithParam<bool> {};  // whether the chest is a bone of its own
+
 // Unity's world: every vector with x mirrored. Chained as Unity chains its transforms.
-TEST(Vmc, TheAvatarStandsAsThePersonDoes) {
-  const LiveActor actor = trunk_and_arm();
+TEST_P(AvatarOf, StandsAsThePersonDoes) {
+  const LiveActor actor = trunk_and_arm(GetParam());
+  const auto index_of = [&](std::string_view name) {
+    return static_cast<int>(std::ranges::find(actor.bones, name, &LiveBone::name) - actor.bones.begin());
+  };
   VmcEncoder encoder(actor, std::nullopt);
   const std::array<float, 3> first = {0.3f, -0.2f, -3};
   for (unsigned seed = 1; seed < 6; ++seed) {
@@ -154,15 +170,16 @@ TEST(Vmc, TheAvatarStandsAsThePersonDoes) {
       expect_at(world, 0);
       world = from(from(world, "Spine"), "Chest");
       if (upper_chest) world = from(world, "UpperChest");
-      expect_at(from(world, "Neck"), 1);
-      int index = 2;
+      expect_at(from(world, "Neck"), index_of("neck"));
+      int index = index_of("left_clavicle");
       for (const char* name : {"LeftShoulder", "LeftUpperArm", "LeftLowerArm"})
         expect_at(world = from(world, name), index++);
     }
     // A direction of the forearm's own, both ways.
     Eigen::Quaternionf chain = Eigen::Quaternionf::Identity();
-    for (const int i : {0, 2, 3, 4}) {
-      const auto& q = person.bones[i].rotation;
+    for (const char* name : {"root", "chest", "left_clavicle", "left_shoulder", "left_elbow"}) {
+      if (index_of(name) == static_cast<int>(actor.bones.size())) continue;
+      const auto& q = person.bones[index_of(name)].rotation;
       chain = chain * Eigen::Quaternionf(q[3], q[0], q[1], q[2]);
     }
     const Eigen::Vector3f direction(0.3f, -0.5f, 0.8f);
@@ -172,9 +189,12 @@ TEST(Vmc, TheAvatarStandsAsThePersonDoes) {
   }
 }
 
+INSTANTIATE_TEST_SUITE_P(Vmc, AvatarOf, testing::Bool(),
+                         [](const auto& info) { return info.param ? "OwnChest" : "ChestOfTheHips"; });
+
 // A camera that looks down by 20 degrees from 1.5 m: who stands upright on the floor does so in the avatar's world.
 TEST(Vmc, AKnownFloorIsLevel) {
-  const LiveActor actor = trunk_and_arm();
+  const LiveActor actor = trunk_and_arm(false);
   const double pitch = 20 * M_PI / 180;
   FloorPlane floor;
   floor.normal = {0, -std::cos(pitch), -std::sin(pitch)};  // x right, y down, z forward
@@ -195,7 +215,7 @@ TEST(Vmc, AKnownFloorIsLevel) {
 }
 
 TEST(Vmc, NobodyIsToldOfWithoutAPose) {
-  const LiveActor actor = trunk_and_arm();
+  const LiveActor actor = trunk_and_arm(false);
   VmcEncoder encoder(actor, std::nullopt);
   LiveResult nobody;
   nobody.report.status = TrackStatus::kNobody;
@@ -206,15 +226,15 @@ TEST(Vmc, NobodyIsToldOfWithoutAPose) {
   EXPECT_TRUE(heard.bones.empty());
 }
 
-// Every bone of LiveCap-27 has its name.
+// Every bone of LiveCap-30 has its name.
 TEST(Vmc, NamesOfBones) {
   const std::map<std::string, std::string> limbs = {{"clavicle", "Shoulder"}, {"shoulder", "UpperArm"},
                                                     {"elbow", "LowerArm"},    {"hip", "UpperLeg"},
                                                     {"knee", "LowerLeg"},     {"ankle", "Foot"}};
   const Skeleton skeleton = test::small_actor().skeleton;
-  EXPECT_EQ(skeleton.n_bones(), 14);
+  EXPECT_EQ(skeleton.n_bones(), 15);
   for (const Bone& bone : skeleton.bones) {
-    std::string expected = bone.name == "root" ? "Hips" : "Neck";
+    std::string expected = bone.name == "root" ? "Hips" : bone.name == "chest" ? "Chest" : "Neck";
     if (const size_t side = bone.name.find('_'); side != std::string::npos)
       expected = (bone.name.substr(0, side) == "left" ? "Left" : "Right") + limbs.at(bone.name.substr(side + 1));
     EXPECT_EQ(vmc_bone_name(bone.name), expected);

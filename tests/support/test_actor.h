@@ -1,5 +1,5 @@
-// A capsule man with the LiveCap-27 skeleton: a small procedural actor for tests that need skinning, keypoints and
-// contours but no file. 1.76 m, about 700 vertices, blended near the joints.
+// A capsule man with a skeleton like LiveCap-30 whose trunk is one bone: a small procedural actor for tests that need
+// skinning, keypoints and contours but no file. 1.76 m, about 700 vertices, blended near the joints.
 #pragma once
 
 #include <cmath>

@@ -125,7 +125,7 @@ TEST_F(BuildActor, FromPicturesMeetsTheBars) {
   EXPECT_GT(agree, test::kColorCorrelation) << "correlation of blue minus red";
   const std::string html = acquire::actor_report_html(built, {"t", {"a < b"}, result.notes});
   EXPECT_NE(html.find("a &lt; b"), std::string::npos);
-  EXPECT_EQ(html.find("http"), std::string::npos) << "the report must stand alone";
+  EXPECT_EQ(html.find("://"), std::string::npos) << "the report must stand alone";
 }
 
 TEST_F(BuildActor, WithoutMasksOrLabelsInCentimetres) {

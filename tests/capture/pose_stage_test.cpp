@@ -136,7 +136,7 @@ std::vector<PoseResult> track(ocl::DeviceContext& device, int n_frames, int n_ah
 
 // Of a GPU that launches a round's kernels one by one.
 ocl::DeviceInfo without_sight(ocl::DeviceInfo info) {
-  info.local_memory_bytes = sizeof(float) * LC_SEE_LOCAL;
+  info.has_long_atomics = false;
   return info;
 }
 

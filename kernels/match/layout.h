@@ -19,9 +19,10 @@ typedef struct {
 // Rows in which a work-item of a CPU carries a column's sums on, and rows and columns of a work-group of a GPU.
 #define LC_MATCH_BAND 64
 #define LC_MATCH_TILE 16
-// Local memory of a tile that is normalised, in floats: with what its windows reach, light, weight and sums of rows.
-#define LC_MATCH_WITH_SIDES (LC_MATCH_TILE + 2 * LC_MATCH_RADIUS)
-#define LC_MATCH_TILE_LOCAL (LC_MATCH_WITH_SIDES * (2 * LC_MATCH_WITH_SIDES + 3 * LC_MATCH_TILE))
+// Local memory of a tile so wide that is normalised, in floats: with what its windows reach, light, weight and sums of
+// rows.
+#define LC_MATCH_TILE_LOCAL(width) \
+  (((width) + 2 * LC_MATCH_RADIUS) * (2 * (LC_MATCH_TILE + 2 * LC_MATCH_RADIUS) + 3 * LC_MATCH_TILE))
 // Half-resolution levels below the full picture.
 #define LC_MATCH_LEVELS 2
 
@@ -53,9 +54,11 @@ typedef struct {
   float depth_range_mm;   // pixels of a patch further from the vertex than that belong to something else
 } PatchOptions;
 
-// For see_actor.cl: its work-items, which are those of two tiles; and its local memory, in floats.
-#define LC_SEE_GROUP (2 * LC_MATCH_TILE * LC_MATCH_TILE)
-#define LC_SEE_LOCAL (2 * LC_MATCH_TILE_LOCAL)
+// For see_actor.cl: how wide its tiles are, twice the others since windows of wide ones share more; its work-items,
+// which are a tile's; and its local memory, in floats.
+#define LC_SEE_TILE_WIDTH (2 * LC_MATCH_TILE)
+#define LC_SEE_GROUP (LC_SEE_TILE_WIDTH * LC_MATCH_TILE)
+#define LC_SEE_LOCAL LC_MATCH_TILE_LOCAL(LC_SEE_TILE_WIDTH)
 
 typedef struct {
   float least_moved_px;  // nothing is done where `moved` holds less

@@ -16,10 +16,15 @@ typedef float16 window_t;
 typedef float window_t;
 #define LOAD_PIXELS(p) (*(p))
 #define SUMS_SPACE local
-// A work-group has TILE x TILE pixels and, at their sides, what their windows reach.
+// A work-group has TILE_WIDTH x TILE pixels and, at their sides, what their windows reach.
 #define TILE LC_MATCH_TILE
-// Pixels of these that a work-item loads at most.
-#define PER_ITEM ((LC_MATCH_WITH_SIDES * LC_MATCH_WITH_SIDES + TILE * TILE - 1) / (TILE * TILE))
+#ifndef TILE_WIDTH
+#define TILE_WIDTH TILE
+#endif
+#define TILE_ITEMS (TILE_WIDTH * TILE)
+// Pixels with sides, and how many of them a work-item loads at most.
+#define WITH_SIDES ((TILE_WIDTH + 2 * LC_MATCH_RADIUS) * (TILE + 2 * LC_MATCH_RADIUS))
+#define PER_ITEM ((WITH_SIDES + TILE_ITEMS - 1) / TILE_ITEMS)
 #endif
 
 // Sums over a window: pixels that count, their light, its square.
@@ -120,34 +125,34 @@ kernel void normalise(MatchBox box, int level, int at, float variance_floor, glo
 
 #else
 
-// A tile, by TILE * TILE work-items: `id` of them; `there`: whether there is such a tile.
-// near: [LC_MATCH_TILE_LOCAL].
-static inline void normalise_tile(int there, int tile_x, int tile_y, int id, MatchBox box, int level,
-                                  float variance_floor, global const float* restrict light,
-                                  global const float* restrict weight, local float* near,
-                                  global float* restrict normal) {
+// A tile, by TILE_ITEMS work-items: `id` of them.
+// near: [LC_MATCH_TILE_LOCAL(TILE_WIDTH)].
+static inline void normalise_tile(int tile_x, int tile_y, int id, MatchBox box, int level, float variance_floor,
+                                  global const float* restrict light, global const float* restrict weight,
+                                  local float* near, global float* restrict normal) {
   local float* lights = near;
-  local float* weights = lights + LC_MATCH_WITH_SIDES * LC_MATCH_WITH_SIDES;
-  local float* sums = weights + LC_MATCH_WITH_SIDES * LC_MATCH_WITH_SIDES;  // over the rows around each of TILE
-  const int radius = LC_MATCH_RADIUS >> level, margin = LC_MATCH_MARGIN >> level, reach = TILE + 2 * radius;
-  const int x0 = tile_x * TILE - radius, y0 = tile_y * TILE - radius;
+  local float* weights = lights + WITH_SIDES;
+  local float* sums = weights + WITH_SIDES;  // over the rows around each of TILE
+  const int radius = LC_MATCH_RADIUS >> level, margin = LC_MATCH_MARGIN >> level;
+  const int reach = TILE_WIDTH + 2 * radius, n_near = reach * (TILE + 2 * radius);
+  const int x0 = tile_x * TILE_WIDTH - radius, y0 = tile_y * TILE - radius;
   float near_light[PER_ITEM], near_weight[PER_ITEM];  // loaded all at once: none waits for another
 #pragma unroll
   for (int k = 0; k < PER_ITEM; ++k) {
-    const int i = id + k * TILE * TILE, at_x = x0 + i % reach, at_y = y0 + i / reach;
-    const bool inside = there && i < reach * reach && at_x >= 0 && at_x < box.width && at_y >= 0 && at_y < box.height;
+    const int i = id + k * TILE_ITEMS, at_x = x0 + i % reach, at_y = y0 + i / reach;
+    const bool inside = i < n_near && at_x >= 0 && at_x < box.width && at_y >= 0 && at_y < box.height;
     near_light[k] = inside ? light[at_y * box.width + at_x] : 0.0f;
     near_weight[k] = inside ? weight[at_y * box.width + at_x] : 0.0f;
   }
 #pragma unroll
   for (int k = 0; k < PER_ITEM; ++k) {
-    const int i = id + k * TILE * TILE;
-    if (i >= reach * reach) continue;
+    const int i = id + k * TILE_ITEMS;
+    if (i >= n_near) continue;
     lights[i] = near_light[k];
     weights[i] = near_weight[k];
   }
   barrier(CLK_LOCAL_MEM_FENCE);
-  for (int i = id; there && i < TILE * reach; i += TILE * TILE) {
+  for (int i = id; i < TILE * reach; i += TILE_ITEMS) {
     Sums column = {0.0f, 0.0f, 0.0f};
 #pragma unroll 5
     for (int k = 0; k <= 2 * radius; ++k) add_row(&column, lights[i + k * reach], weights[i + k * reach]);
@@ -156,9 +161,9 @@ static inline void normalise_tile(int there, int tile_x, int tile_y, int id, Mat
     sums[2 * TILE * reach + i] = column.ss;
   }
   barrier(CLK_LOCAL_MEM_FENCE);
-  const int x = tile_x * TILE + id % TILE, y = tile_y * TILE + id / TILE;
-  if (there && x < box.width && y < box.height) {
-    const int here = id / TILE * reach + id % TILE + radius;
+  const int x = tile_x * TILE_WIDTH + id % TILE_WIDTH, y = tile_y * TILE + id / TILE_WIDTH;
+  if (x < box.width && y < box.height) {
+    const int here = id / TILE_WIDTH * reach + id % TILE_WIDTH + radius;
     const int middle = here + radius * reach;
     const int counts = x >= margin && x < box.width - margin && weights[middle] > 0.0f;
     normal[y * box.width + x] =
@@ -172,9 +177,9 @@ kernel __attribute__((reqd_work_group_size(TILE, TILE, 1))) void normalise(Match
                                                                            global const float* restrict light,
                                                                            global const float* restrict weight,
                                                                            global float* restrict normal) {
-  local float near[LC_MATCH_TILE_LOCAL];
-  normalise_tile(1, get_group_id(0), get_group_id(1), get_local_id(1) * TILE + get_local_id(0), box, level,
-                 variance_floor, light + at, weight + at, near, normal + at);
+  local float near[LC_MATCH_TILE_LOCAL(TILE_WIDTH)];
+  normalise_tile(get_group_id(0), get_group_id(1), get_local_id(1) * TILE + get_local_id(0), box, level, variance_floor,
+                 light + at, weight + at, near, normal + at);
 }
 
 #endif

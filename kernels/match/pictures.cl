@@ -1,6 +1,7 @@
 // The two pictures that are matched: the actor as its texture would look, and the camera's; both as luminance in [0,1]
 // with a weight of 1 where the person is, 0 elsewhere.
 #include "match/layout.h"
+#include "raster/layout.h"
 #include "shared/bits.h"
 #include "shared/gather.h"
 #include "shared/luminance.h"
@@ -207,7 +208,7 @@ static inline void draw_texture(int bx, int by, MatchBox box, int level, int wid
   const int at = by * box.width + bx;
   const int left = box.x + (bx << level), top = box.y + (by << level);
   const int x = left + drawn_at(level), y = top + drawn_at(level);
-  const int t = x < 0 || y < 0 || x >= width || y >= height ? -1 : ids[y * width + x];
+  const int t = x < 0 || y < 0 || x >= width || y >= height ? -1 : ids[LC_RASTER_APART * (y * width + x)];
   if (t < 0) {
     light[at] = 0.0f;
     weight[at] = 0.0f;
@@ -219,7 +220,7 @@ static inline void draw_texture(int bx, int by, MatchBox box, int level, int wid
   texture_coordinates(&tri, (float)left + middle(level), (float)top + middle(level), &u, &v);
   light[at] = sample_wrapped(texture + texels, tw, th, u, v);
   weight[at] = 1.0f;
-  box_depth[at] = depth[y * width + x];
+  box_depth[at] = depth[LC_RASTER_APART * (y * width + x)];
 }
 
 // Over (box.width, box.height).

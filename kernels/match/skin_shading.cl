@@ -1,6 +1,7 @@
 // How bright the picture shows bare skin, by its albedo.
 #include "match/facing.h"
 #include "match/layout.h"
+#include "raster/layout.h"
 #include "shared/luminance.h"
 
 #define RADIUS LC_SKIN_RADIUS
@@ -45,8 +46,8 @@ static inline float4 look_at(int k, SkinPlace s, int width, float depth_range_mm
                              global const int* restrict triangles, global const float* restrict distance,
                              global const uchar* restrict rgb) {
   const int at = (s.y + k / SIDE - RADIUS) * width + s.x + k % SIDE - RADIUS;
-  const int id = ids[at];
-  int counts = id >= 0 && fabs(depth[at] - s.z) < depth_range_mm && distance[at] < -1.0f;
+  const int id = ids[LC_RASTER_APART * at];
+  int counts = id >= 0 && fabs(depth[LC_RASTER_APART * at] - s.z) < depth_range_mm && distance[at] < -1.0f;
   const int3 corners = vload3(max(id, 0), triangles);
   counts &= is_skin[corners.x] & is_skin[corners.y] & is_skin[corners.z];
   return (float4)(linear_light(rgb, at), counts ? 1.0f : 0.0f);

@@ -17,4 +17,10 @@
 // Pixels that a work-item clears on a GPU.
 #define LC_RASTER_CLEAR 4
 
+// How far apart depths of neighbouring pixels lie, and their triangles' ids: 2 where either is half of a word
+// (raster/depth_and_id.h).
+#ifndef LC_RASTER_APART
+#define LC_RASTER_APART 1
+#endif
+
 #endif

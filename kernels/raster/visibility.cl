@@ -1,5 +1,6 @@
 // Which vertices the camera sees, and which of them make the outer silhouette (paper, "Dense Silhouette Alignment").
 // Over the vertices, LANES each.
+#include "raster/layout.h"
 #include "shared/lanes.h"
 #include "shared/plain_math.h"
 
@@ -39,7 +40,7 @@ static inline LaneInt visible_lanes(int first, int n, int width, int height, flo
       for (int du = -1; du <= 1; ++du) {
         const LaneInt u = clamp(q.x + du, (LaneInt)0, (LaneInt)(width - 1));
         const LaneInt v = clamp(q.y + dv, (LaneInt)0, (LaneInt)(height - 1));
-        const REAL d = gather(depth, v * width + u);
+        const REAL d = gather(depth, LC_RASTER_APART * (v * width + u));
         farthest = farthest > d ? farthest : d;
       }
     }
@@ -99,7 +100,7 @@ static inline int is_at_outline(int x, int y, float z, int width, int height, in
 #pragma unroll 5
     for (int du = -radius_px; du <= radius_px; ++du) {  // loaded whether it counts or not: no look waits for another
       const int u = clamp(x + du, 0, width - 1);
-      const float d = depth[v * width + u];
+      const float d = depth[LC_RASTER_APART * (v * width + u)];
       const int counts = u == x + du && v == y + dv && du * du + dv * dv <= radius_px * radius_px;
       const int drawn = d < INFINITY;
       outside |= counts && !drawn;

@@ -352,6 +352,12 @@ PoseResult PoseStage::find(const PoseStageInput& input) {
   return found.pose;
 }
 
+bool PoseStage::believable(const PoseResult& result, const Detections& detections) const {
+  if (result.status != SolveStatus::kOk) return false;
+  const double height = keypoints_height_px(detections);
+  return height > 0 && result.keypoint_error_px < options_.lost_error_fraction * height;
+}
+
 PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& predicted, const Pose& previous) {
   const std::vector<KeypointDetections> alternatives =
       exchanged_legs(actor_, camera_, predicted, input.detections.keypoints);
@@ -368,6 +374,11 @@ PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& pre
   try_mirrored_forearms(input, previous, best);
   try_mirrored_arms(input, previous, best);
   if (best.exchanged && exchanged_frames_ >= options_.max_exchanged_frames) try_anew(input, best);
+  const bool doubted = input.detected && !believable(best.pose, input.detections);
+  if (std::exchange(doubted_, doubted) && doubted && matches(input)) {
+    make_comparable(input, previous, best);
+    try_anew(input, best);
+  }
   if (best.exchanged) ++exchanged_frames_;
   finish(input, previous, best);
   last_skin_ = std::move(best.skin);
@@ -390,8 +401,9 @@ void PoseStage::finish(const PoseStageInput& input, const Pose& previous, Soluti
 }
 
 // A network that insists on the other legs may be right: silhouette and matches hold a leg where the other should be.
-// Or legs cross under a skirt and it needs longer: where there is a picture, that decides. E_temporal is the old pose's
-// alone.
+// Or legs cross under a skirt and it needs longer: where there is a picture, that decides. So it does where two poses
+// on end are not believable: legs seen from the side may have been taken for each other, and hold themselves there; one
+// may be the network's mistake. E_temporal is the old pose's alone.
 void PoseStage::try_anew(const PoseStageInput& input, Solution& best) {
   exchanged_frames_ = 0;
   Solution anew = solve_anew(input);

@@ -26,6 +26,7 @@ struct PoseStageInput {
   const Detections& detections;
   const Silhouette& silhouette;
   const DeviceFrame& frame;  // of the picture; not looked at while the silhouette is empty
+  bool detected = true;      // false: nobody was, the detections are where the motion leads
 };
 
 class PoseStage {
@@ -49,11 +50,17 @@ class PoseStage {
   // before, nullptr after another one.
   void learn(const Pose* previous, const Pose& pose, const Detections& detections);
 
+  // Whether the keypoints of a pose that was solved are near enough to the detections.
+  bool believable(const PoseResult& result, const Detections& detections) const;
+
   // Whether all rounds of a tracked frame are launched at once.
   bool looks_ahead(const PoseStageInput& input) const;
 
   // Forgets what it knew of the last frames, but for light and floor.
-  void lose_person() { exchanged_frames_ = 0; }
+  void lose_person() {
+    exchanged_frames_ = 0;
+    doubted_ = false;
+  }
   // Those too.
   void reset();
 
@@ -131,6 +138,7 @@ class PoseStage {
   ocl::Buffer<int32_t> refining_candidates_;  // the same for contour vertices of the last rounds
   std::vector<SkinSample> last_skin_;
   int exchanged_frames_ = 0;  // since the detections last agreed with the prediction, or were tried as named
+  bool doubted_ = false;      // the last frame's pose was not believable
 };
 
 }  // namespace livecap

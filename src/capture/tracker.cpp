@@ -7,7 +7,6 @@
 #include "base/timer.h"
 #include "capture/expected_detections.h"
 #include "livecap/error.h"
-#include "pose/person_height.h"
 
 namespace livecap {
 namespace {
@@ -43,12 +42,6 @@ void Tracker::lose_person() {
   missed_frames_ = 0;
 }
 
-bool Tracker::believable(const PoseResult& result, const Detections& detections) const {
-  if (result.status != SolveStatus::kOk) return false;
-  const double height = keypoints_height_px(detections);
-  return height > 0 && result.keypoint_error_px < options_.lost_error_fraction * height;
-}
-
 // The last pose moved on as it moved before. After a gap not further than that: a speed that is multiplied leads away
 // more often than near.
 Pose Tracker::predict() const {
@@ -66,7 +59,7 @@ Tracker::Solved Tracker::solve_seen(const PoseStageInput& input) {
   }
   if (last_pose_) {
     solved.pose = pose_stage_.solve_tracked(input, predict(), *last_pose_);
-    const bool believed = believable(solved.pose, input.detections);
+    const bool believed = pose_stage_.believable(solved.pose, input.detections);
     if (missed_frames_ > 0) {
       solved.accepted = believed;
       return solved;
@@ -78,7 +71,7 @@ Tracker::Solved Tracker::solve_seen(const PoseStageInput& input) {
   }
   solved.initialized = true;
   solved.pose = pose_stage_.find(input);
-  solved.accepted = believable(solved.pose, input.detections);
+  solved.accepted = pose_stage_.believable(solved.pose, input.detections);
   return solved;
 }
 
@@ -88,7 +81,7 @@ Tracker::Solved Tracker::solve_missed(const PoseStageInput& input) {
   if (!last_pose_ || input.silhouette.empty()) return solved;
   const Pose predicted = predict();
   const Detections expected = expected_detections(actor_, camera_, predicted, kExpectedConfidence);
-  solved.pose = pose_stage_.solve_tracked({expected, input.silhouette, input.frame}, predicted, *last_pose_);
+  solved.pose = pose_stage_.solve_tracked({expected, input.silhouette, input.frame, false}, predicted, *last_pose_);
   if (solved.pose.status != SolveStatus::kOk) return solved;
   pose_stage_.render(solved.pose.pose);
   solved.accepted = rasterizer_.intersection_over_union(input.frame.mask) >= options_.least_missed_iou;

@@ -72,7 +72,6 @@ class Tracker {
   Solved solve_seen(const PoseStageInput& input);
   Solved solve_missed(const PoseStageInput& input);
   Pose predict() const;
-  bool believable(const PoseResult& result, const Detections& detections) const;
   const DeviceFrame& frame_of(const TrackInput& given) const;
 
   const Actor& actor_;

@@ -1,6 +1,6 @@
 // All that a round of stage I sees of the actor, in one launch (kernels/match/see_actor.cl): what Skinner,
 // DepthRasterizer, SurfaceVisibility, TextureMatcher and SkinShading launch one after the other, left where they leave
-// it. On GPUs whose work-groups can wait for each other.
+// it. On GPUs whose work-groups can wait for each other and that have atomics of 64 bits.
 #pragma once
 
 #include "actor/skinner.h"
@@ -50,6 +50,7 @@ class ActorSight {
   TextureMatcher& matcher_;
   SkinShading& shading_;
   PinholeArg pinhole_;
+  ocl::Buffer<uint64_t> both_;  // [w*h] depth and triangle of each pixel, see raster/depth_and_id.h
   size_t n_groups_ = 1;
   bool usable_ = false;
   ocl::Kernel kernel_;

@@ -66,6 +66,8 @@ DeviceInfo describe(cl_platform_id platform, cl_device_id device) {
   info.local_memory_bytes = device_value<cl_ulong>(device, CL_DEVICE_LOCAL_MEM_SIZE);
   info.max_work_group_size = device_value<size_t>(device, CL_DEVICE_MAX_WORK_GROUP_SIZE);
   info.has_double = device_value<cl_device_fp_config>(device, CL_DEVICE_DOUBLE_FP_CONFIG) != 0;
+  info.has_long_atomics =
+      device_text(device, CL_DEVICE_EXTENSIONS).find("cl_khr_int64_extended_atomics") != std::string::npos;
   return info;
 }
 

@@ -24,7 +24,8 @@ struct DeviceInfo {
   uint64_t max_allocation_bytes = 0;
   uint64_t local_memory_bytes = 0;
   size_t max_work_group_size = 0;
-  bool has_double = false;  // cl_khr_fp64
+  bool has_double = false;        // cl_khr_fp64
+  bool has_long_atomics = false;  // cl_khr_int64_extended_atomics
   // Of a CPU: floats in a vector, 16 where they are one of 32 registers (AVX-512), else 8. Kernels see it as LC_VECTOR.
   int cpu_lanes = 8;
 

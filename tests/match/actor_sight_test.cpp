@@ -42,7 +42,7 @@ PosedSkeleton motions() {
 }
 
 struct Scene {
-  Camera camera{.width = 320, .height = 280, .fx = 800, .fy = 805, .cx = 159.5, .cy = 139.5};
+  Camera camera{.width = 321, .height = 281, .fx = 800, .fy = 805, .cx = 159.5, .cy = 139.5};
   PosedSkeleton posed = motions();
   Actor actor;
   std::vector<Eigen::Vector3d> points;  // camera frame

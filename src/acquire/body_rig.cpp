@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "actor/livecap_skeleton.h"
 #include "base/text.h"
 #include "livecap/error.h"
 
@@ -153,7 +154,7 @@ BodyJoints place_joints(const SpaceKeypoints& keypoints, double height_mm, const
   const Vector3d up = (shoulders - hips).normalized();
   joints[kHipsBone] = hips + s * 38 * up;
   joints[kNeckBone] = shoulders + s * (75 * up - Vector3d(0, 0, 8));
-  joints[kSpineBone] = 0.4 * joints[kHipsBone] + 0.6 * joints[kNeckBone];
+  joints[kSpineBone] = (1 - kChestHeight) * joints[kHipsBone] + kChestHeight * joints[kNeckBone];
   const bool eyes = keypoints[kLeftEye].found && keypoints[kRightEye].found;
   const double eye_level = eyes ? (at(kLeftEye).y() + at(kRightEye).y()) / 2 : joints[kNeckBone].y() + s * 170;
   joints[kHeadBone] =

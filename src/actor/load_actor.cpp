@@ -165,7 +165,7 @@ class ActorBuilder {
       joints_[j] = found_[j] ? raw_.joint_world[node_of_joint_[j]] : Eigen::Vector3d::Zero().eval();
     }
     if (!found_[kRigChest]) {
-      joints_[kRigChest] = 0.4 * joints_[kRigRoot] + 0.6 * joints_[kRigNeck];
+      joints_[kRigChest] = (1 - kChestHeight) * joints_[kRigRoot] + kChestHeight * joints_[kRigNeck];
       note("chest: no bone between pelvis and neck; the trunk does not bend");
     }
     for (int side = 0; side < 2; ++side) {

@@ -133,7 +133,7 @@ ActorComparison compare_actors(const Actor& built, const Actor& truth, int n_pos
     const Vector3d off =
         motion * built_rest.camera_from_bone[bone].translation() - true_rest.camera_from_bone[other].translation();
     result.joints_mm.emplace_back(name, off);
-    if (name == "root" || name.find("clavicle") != std::string::npos) continue;
+    if (name == "root" || name == "chest" || name.find("clavicle") != std::string::npos) continue;
     sum += off.norm();
     ++count;
   }

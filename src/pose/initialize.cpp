@@ -74,9 +74,9 @@ std::vector<double> limb_errors(const Actor& actor, const Keypoints3d& targets, 
   return errors;
 }
 
-// What each bone is part of. The trunk is the root and what carries the neck; it is turned as a whole (align_torso), its
-// bend is left to the steps that follow. A limb is what hangs on it, named by its first bone: limbs do not influence
-// each other.
+// What each bone is part of. The trunk is the root and what carries the neck; it is turned as a whole (align_torso),
+// its bend is left to the steps that follow. A limb is what hangs on it, named by its first bone: limbs do not
+// influence each other.
 struct Limbs {
   std::vector<int> of_bone;
   std::vector<char> is_trunk;

@@ -5,6 +5,7 @@
 
 #include "acquire/body_rig.h"
 #include "actor/actor.h"
+#include "actor/livecap_skeleton.h"
 #include "geometry/skeleton.h"
 #include "meshing/isosurface.h"
 #include "meshing/surface_parts.h"
@@ -28,7 +29,8 @@ inline acquire::BodyJoints true_joints(const Actor& actor) {
       if (name == kKeypointNames[k] && actor.skeleton.bone_index(name) < 0)
         joints[bone] = actor.keypoints[k].rest_position_mm;
   }
-  joints[acquire::kSpineBone] = 0.4 * joints[acquire::kHipsBone] + 0.6 * joints[acquire::kNeckBone];
+  joints[acquire::kSpineBone] =
+      (1 - kChestHeight) * joints[acquire::kHipsBone] + kChestHeight * joints[acquire::kNeckBone];
   const Eigen::Vector3d top = actor.keypoints[kHeadTop].rest_position_mm;
   joints[acquire::kHeadBone] = 0.7 * joints[acquire::kNeckBone] + 0.3 * top;
   return joints;

@@ -3,8 +3,8 @@
 #define LC_MATCH_LAYOUT_H
 
 // Work images are boxes of the picture. Pixel (0, 0) lies at (x, y) of the picture; a box may reach beyond it. At level
-// l a pixel stands for 2^l x 2^l of the picture, and width (a multiple of 16, so of whole tiles) and height are those
-// of the level.
+// l a pixel stands for 2^l x 2^l of the picture, and width (a multiple of 16, so of whole tiles but for see_actor's)
+// and height are those of the level.
 typedef struct {
   int x, y;
   int width, height;

@@ -30,8 +30,8 @@ class ActorBuilder {
     raw_ = read_skinned_mesh(file_, skins, node_of_joint_[kRigRoot], actor_.notes);
     orient();
     weld();
-    place_joints();
     fold_skin();
+    place_joints();
     color();
     label();
     scale_and_finish();
@@ -164,10 +164,12 @@ class ActorBuilder {
       found_[j] = node_of_joint_[j] >= 0;
       joints_[j] = found_[j] ? raw_.joint_world[node_of_joint_[j]] : Eigen::Vector3d::Zero().eval();
     }
-    if (!found_[kRigChest]) {
+    if (!found_[kRigChest])
       joints_[kRigChest] = (1 - kChestHeight) * joints_[kRigRoot] + kChestHeight * joints_[kRigNeck];
-      note("chest: no bone between pelvis and neck; the trunk does not bend");
-    }
+    bool bends = false;  // else the arms would turn and the skin of the chest stay behind
+    for (size_t k = 0; k < actor_.skin.bones.size(); ++k)
+      bends = bends || (actor_.skin.bones[k] == kRigChest && actor_.skin.weights[k] > 0);
+    if (!bends) note("chest: no bone with skin between pelvis and neck; the trunk does not bend");
     for (int side = 0; side < 2; ++side) {
       const int clavicle = side == 0 ? kRigLeftClavicle : kRigRightClavicle;
       if (found_[clavicle]) continue;
@@ -176,7 +178,7 @@ class ActorBuilder {
       note(std::string(kRigJointNames[clavicle]) + ": no bone; placed between neck and shoulder");
     }
     for (const auto& [name, limits] : extras_.limits_deg) used_limits_.emplace(name, limits);
-    actor_.skeleton = build_livecap_skeleton(joints_, found_[kRigChest], used_limits_, actor_.notes);
+    actor_.skeleton = build_livecap_skeleton(joints_, bends, used_limits_, actor_.notes);
     for (const auto& [name, limits] : used_limits_) {
       const bool known = std::any_of(actor_.skeleton.dofs.begin(), actor_.skeleton.dofs.end(),
                                      [&](const Dof& d) { return d.name == name; });

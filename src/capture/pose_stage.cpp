@@ -373,9 +373,10 @@ PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& pre
   try_arms_within_limits(input, previous, best);
   try_mirrored_forearms(input, previous, best);
   try_mirrored_arms(input, previous, best);
-  if (best.exchanged && exchanged_frames_ >= options_.max_exchanged_frames) try_anew(input, best);
+  const bool insists = best.exchanged && exchanged_frames_ >= options_.max_exchanged_frames;
+  if (insists) try_anew(input, best);
   const bool doubted = input.detected && !believable(best.pose, input.detections);
-  if (std::exchange(doubted_, doubted) && doubted && matches(input)) {
+  if (std::exchange(doubted_, doubted) && doubted && !insists && matches(input)) {
     make_comparable(input, previous, best);
     try_anew(input, best);
   }

@@ -56,6 +56,9 @@ class PoseStage {
   // Whether all rounds of a tracked frame are launched at once.
   bool looks_ahead(const PoseStageInput& input) const;
 
+  // Of a frame that is not solved, with nobody in it and no silhouette.
+  void miss_frame() { doubted_ = false; }
+
   // Forgets what it knew of the last frames, but for light and floor.
   void lose_person() {
     exchanged_frames_ = 0;

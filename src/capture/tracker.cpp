@@ -78,7 +78,10 @@ Tracker::Solved Tracker::solve_seen(const PoseStageInput& input) {
 // A frame in which the network sees nobody: the silhouette, near where the motion would have led.
 Tracker::Solved Tracker::solve_missed(const PoseStageInput& input) {
   Solved solved;
-  if (!last_pose_ || input.silhouette.empty()) return solved;
+  if (!last_pose_ || input.silhouette.empty()) {
+    pose_stage_.miss_frame();
+    return solved;
+  }
   const Pose predicted = predict();
   const Detections expected = expected_detections(actor_, camera_, predicted, kExpectedConfidence);
   solved.pose = pose_stage_.solve_tracked({expected, input.silhouette, input.frame, false}, predicted, *last_pose_);

@@ -99,7 +99,8 @@ struct TrackerOptions {
   // frame is solved again from the detections alone, and lost when that does not help.
   double lost_error_fraction = 0.08;
   // ... unless it was believed until a moment ago: networks have single frames in which they see somebody else's limbs,
-  // and stage I does not follow these (PoseOptions::keypoint_2d_huber_px). For so many frames on end its pose is kept.
+  // and stage I does not follow these (PoseOptions::keypoint_2d_huber_px). For so many frames on end its pose is kept,
+  // from the second on only if the picture does not agree better with one that is found anew.
   int max_doubtful_frames = 3;
   // After a frame in which the network saw nobody, the person is taken up again where the motion would have led for so
   // many frames on end. What is not believed then is nobody: networks go on seeing something where a person just was.

@@ -14,9 +14,9 @@ struct ActorComparison {
   Summary built_to_truth_mm;         // every vertex of the built actor to the true surface, after rigid alignment
   std::vector<double> distances_mm;  // [n_vertices of the built actor] of that
   Summary truth_to_built_mm;         // the other way; includes what no camera can see, such as the inside of a skirt
-  std::vector<std::pair<std::string, Eigen::Vector3d>> joints_mm;   // built minus true: 14 bones and the wrists
+  std::vector<std::pair<std::string, Eigen::Vector3d>> joints_mm;   // built minus true: 15 bones and the wrists
   std::vector<std::pair<std::string, double>> surface_by_label_mm;  // mean of built_to_truth_mm per material
-  double joints_mean_mm = 0;  // over the joints that turn: shoulders to ankles, neck
+  double joints_mean_mm = 0;  // without root, chest and collarbones, which no picture tells
   Summary posed_mm;           // in test poses: a built vertex to the point of the true actor it lies on at rest
   double rest_mm = 0;         // the same at rest, mean: what of it is shape
   double labels = 0;          // share of the built vertices with the label of the nearest true vertex

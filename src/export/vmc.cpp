@@ -73,9 +73,9 @@ OscBytes transform(std::string_view address, std::string_view name, const Eigen:
   return osc;
 }
 
-// Unity's spine begins so far up from the pelvis to the chest, and the chest of an actor that has none so far up to the
-// neck. The upper chest begins with the chest: an avatar may have none.
-constexpr float kSpine = 0.4f, kChest = 0.6f;
+// Unity's spine begins so far up from the pelvis to the chest. The upper chest begins with the chest: an avatar may
+// have none.
+constexpr float kSpine = 0.4f;
 
 Eigen::Quaternionf quaternion(const std::array<float, 4>& xyzw) {
   return {xyzw[3], xyzw[0], xyzw[1], xyzw[2]};
@@ -90,30 +90,17 @@ std::string_view vmc_bone_name(std::string_view bone) {
 }
 
 VmcEncoder::VmcEncoder(const LiveActor& actor, const std::optional<FloorPlane>& floor) {
-  using Eigen::Vector3f;
-  const auto index_of = [&](std::string_view name) {
-    const auto found = std::find_if(actor.bones.begin(), actor.bones.end(),
-                                    [&](const LiveBone& bone) { return vmc_bone_name(bone.name) == name; });
-    return found == actor.bones.end() ? -1 : static_cast<int>(found - actor.bones.begin());
-  };
-  const auto offset_of = [&](int bone) {
-    return bone < 0 ? Vector3f::Zero().eval() : Vector3f::Map(actor.bones[bone].offset_m.data()).eval();
-  };
-  const auto add = [&](std::string_view name, int index, const Vector3f& offset) {
+  const auto add = [&](std::string_view name, int index, const Eigen::Vector3f& offset) {
     bones_.push_back({std::string(name), index, {offset.x(), offset.y(), offset.z()}});
   };
-  const int own_chest = index_of("Chest");
-  const Vector3f chest = own_chest < 0 ? Vector3f(kChest * offset_of(index_of("Neck"))) : offset_of(own_chest);
-  for (int b = 0; b < static_cast<int>(actor.bones.size()); ++b) {
-    const LiveBone& bone = actor.bones[b];
-    const std::string_view name = vmc_bone_name(bone.name);
-    if (name.empty() || b == own_chest) continue;
-    const bool on_made_chest = own_chest < 0 && (name == "Neck" || name == "LeftShoulder" || name == "RightShoulder");
-    add(name, b, offset_of(b) - (on_made_chest ? chest : Vector3f::Zero()));
-    if (bone.parent >= 0) continue;
-    add("Spine", -1, kSpine * chest);
-    add("Chest", own_chest, (1 - kSpine) * chest);
-    add("UpperChest", -1, Vector3f::Zero());
+  for (size_t b = 0; b < actor.bones.size(); ++b) {
+    const Eigen::Vector3f offset = Eigen::Vector3f::Map(actor.bones[b].offset_m.data());
+    const std::string_view name = vmc_bone_name(actor.bones[b].name);
+    if (name.empty()) continue;
+    const bool is_chest = name == "Chest";
+    if (is_chest) add("Spine", -1, kSpine * offset);
+    add(name, static_cast<int>(b), is_chest ? (1 - kSpine) * offset : offset);
+    if (is_chest) add("UpperChest", -1, Eigen::Vector3f::Zero());
   }
   if (!floor) return;
   const Eigen::Vector3d up = gltf_axes_from_camera() * Eigen::Vector3d::Map(floor->normal.data());

@@ -44,6 +44,10 @@ std::optional<Eigen::Matrix3d> align_torso(const std::array<Eigen::Vector3d, kKe
   return svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
 }
 
+std::array<Eigen::Vector3d, kKeypointCount> rested_keypoints(const Actor& actor) {
+  return keypoint_positions(actor, forward_kinematics(actor.skeleton, rest_pose(actor.skeleton)));
+}
+
 // The angle in [min, max] that maximises c cos(x - now) + s sin(x - now).
 double best_angle(double c, double s, double now, double min, double max) {
   const double turn = std::atan2(s, c);
@@ -212,10 +216,15 @@ Pose predict_pose(const Skeleton& skeleton, const Pose* before_previous, const P
 std::optional<Eigen::Matrix3d> torso_rotation(const Actor& actor, const Detections& detections,
                                               const PoseOptions& options) {
   if (!detections.person) return std::nullopt;
-  Pose rest = rest_pose(actor.skeleton);
-  rest.root_translation_mm.setZero();
-  return align_torso(keypoint_positions(actor, forward_kinematics(actor.skeleton, rest)),
-                     detected_points(actor, detections, options));
+  return align_torso(rested_keypoints(actor), detected_points(actor, detections, options));
+}
+
+Eigen::Matrix3d torso_rotation(const Actor& actor, const Pose& pose) {
+  const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
+  Keypoints3d points;
+  for (int k : kTorso)
+    if (actor.keypoints[k].bone >= 0) points[k] = {positions[k], 1};
+  return align_torso(rested_keypoints(actor), points).value_or(pose.root_rotation);
 }
 
 std::optional<Pose> initialize_pose(const Actor& actor, const Camera& camera, const Detections& detections,

@@ -17,7 +17,7 @@ namespace {
 using acquire::BodyJoints;
 using Eigen::Vector3d;
 
-// The actor's mesh and joints with weights of our own, folded onto the 14 bones as a loader does.
+// The actor's mesh and joints with weights of our own, folded onto the 15 bones as a loader does.
 SkinWeights own_weights(const Actor& actor) {
   meshing::ActorFile file;
   file.surface = test::surface_of(actor);

@@ -165,7 +165,7 @@ TEST(LoadActor, ATrunkOfOneBoneDoesNotBend) {
   }
   const Actor actor = load_actor_bytes(make_fixture(options).bytes, "fixture");
   EXPECT_EQ(actor.skeleton.n_dofs(), 27);
-  EXPECT_TRUE(has_note(actor, "chest: no bone"));
+  EXPECT_TRUE(has_note(actor, "chest: no bone with skin"));
   for (const int bone : actor.skin.bones) EXPECT_NE(bone, actor.skeleton.bone_index("chest"));
   options.livecap = {{"bones", {{"chest", "Wirbel"}}}};
   EXPECT_EQ(load_actor_bytes(make_fixture(options).bytes, "fixture").skeleton.n_dofs(), 30);

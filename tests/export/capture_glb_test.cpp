@@ -289,6 +289,17 @@ TEST(CaptureGlb, IsTheActorAtRestAndLoadsAsOne) {
               2 * test::kMillimetreFloat);
 }
 
+// The chest of an actor whose trunk does not bend is a bone of the file that no skin follows.
+TEST(CaptureGlb, AStiffTrunkComesBackStiff) {
+  Actor actor = test::small_actor();
+  const int chest = actor.skeleton.bone_index("chest");
+  for (int& bone : actor.skin.bones) bone = bone == chest ? 0 : bone;
+  std::erase_if(actor.skeleton.dofs, [&](const Dof& dof) { return dof.bone == chest; });
+  const auto path = scratch("stiff.glb");
+  write_capture_glb(path, actor, std::vector<CapturedFrame>(3), FrameVertices{});
+  EXPECT_EQ(load_actor(path).skeleton.n_dofs(), actor.skeleton.n_dofs());
+}
+
 TEST(CaptureGlb, AnEmptyCaptureIsStillAFile) {
   const Actor actor = test::small_actor();
   const auto path = scratch("empty.glb");

@@ -5,6 +5,7 @@
 #include <limits>
 #include <random>
 
+#include "support/builtin_actor.h"
 #include "support/pose_scene.h"
 #include "support/tolerances.h"
 
@@ -21,6 +22,30 @@ TEST(Initialize, FindsAStandingPersonFromAnySide) {
     ASSERT_TRUE(pose.has_value());
     EXPECT_LT((pose->root_rotation - truth.root_rotation).norm(), test::kTermResidual) << facing;
     EXPECT_LT(test::keypoint_distance_mm(actor, *pose, truth), test::kRecoveredMm) << facing;
+  }
+}
+
+// The trunk is turned as a whole; arms and head are found all the same.
+TEST(Initialize, LeavesTheChestAtRest) {
+  const Actor& actor = test::builtin_actor("trousers");
+  const Camera camera = test::portrait_camera();
+  PoseOptions options;
+  options.rebone = false;
+  Pose truth = test::standing_pose(actor, 0.3);
+  const auto turn = [&](const char* name, double rad) {
+    for (int k = 0; k < actor.skeleton.n_dofs(); ++k)
+      if (actor.skeleton.dofs[k].name == name) truth.angles_rad[k] += rad;
+  };
+  turn("chest_y", 0.2);
+  turn("left_shoulder_z", 0.9);
+  turn("right_elbow_y", 0.8);
+  turn("neck_y", -0.3);
+  const auto pose = initialize_pose(actor, camera, test::exact_detections(actor, camera, truth), options);
+  ASSERT_TRUE(pose.has_value());
+  EXPECT_LT(test::keypoint_distance_mm(actor, *pose, truth), test::kInitializedMm);
+  for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
+    const Dof& dof = actor.skeleton.dofs[k];
+    if (dof.name.starts_with("chest")) EXPECT_EQ(pose->angles_rad[k], dof.rest_rad) << dof.name;
   }
 }
 

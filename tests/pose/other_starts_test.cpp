@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "livecap/error.h"
+#include "support/builtin_actor.h"
 #include "support/pose_scene.h"
 #include "support/tolerances.h"
 
@@ -36,6 +37,21 @@ TEST(OtherStarts, ATrunkIsTurnedToWhereTheDetectionsFace) {
     EXPECT_EQ(turned->root_translation_mm, strayed.root_translation_mm);
     EXPECT_FALSE(turned_trunk(actor, strayed, detections, as_detected(), 0.5).has_value()) << facing;
   }
+}
+
+// A twist between hips and shoulders is no trunk that faces elsewhere.
+TEST(OtherStarts, ATwistedTrunkIsLeftAlone) {
+  const Actor& actor = test::builtin_actor("trousers");
+  Pose twisted = test::standing_pose(actor, 0.3);
+  for (int k = 0; k < actor.skeleton.n_dofs(); ++k)
+    if (actor.skeleton.dofs[k].name == "chest_y") twisted.angles_rad[k] = 0.7;
+  const Detections detections = test::exact_detections(actor, test::portrait_camera(), twisted);
+  EXPECT_FALSE(turned_trunk(actor, twisted, detections, as_detected(), 0.1).has_value());
+  Pose strayed = twisted;
+  strayed.root_rotation = rotation_from_vector(Eigen::Vector3d(0, 0.3, 0)) * twisted.root_rotation;
+  const auto turned = turned_trunk(actor, strayed, detections, as_detected(), 0.21);
+  ASSERT_TRUE(turned.has_value());
+  EXPECT_LT(facing_rad(*turned, twisted), test::kTurnedTrunkRad);
 }
 
 // Network depth leans whole bodies; that is not what this is about.

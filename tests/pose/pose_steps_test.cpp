@@ -113,7 +113,7 @@ TEST(PoseSteps, AreTheHosts) {
   });
 }
 
-// Of 36 unknowns two are eliminated at a time, in 48 rows: an odd number, and such as need the next 16.
+// Of this actor's 36 unknowns two are eliminated at a time, in 48 rows: an odd number, and such as need the next 16.
 TEST(PoseSteps, AreTheHostsForAnyNumberOfJoints) {
   test::on_every_gpu_body([](ocl::DeviceContext& device) {
     for (int n_more : {-1, 10, 11}) {

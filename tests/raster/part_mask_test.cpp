@@ -61,8 +61,9 @@ TEST(PartMask, BonesAndVerticesHaveParts) {
   add("left_elbow", 3);
   add("right_hip", 0);
   add("thing", 5);
+  add("chest", 3);
   EXPECT_EQ(body_parts_of_bones(skeleton),
-            (std::vector<int32_t>{kTorso, kHead, kTorso, kLeftArm, kLeftArm, kRightLeg, kRightLeg}));
+            (std::vector<int32_t>{kTorso, kHead, kTorso, kLeftArm, kLeftArm, kRightLeg, kRightLeg, kTorso}));
   SkinWeights skin{{0, 4, 0, 0, 6, 1, 0, 0}, {0.4f, 0.6f, 0, 0, 0.9f, 0.1f, 0, 0}};
   EXPECT_EQ(body_parts_of_vertices(skeleton, skin), (std::vector<int32_t>{kLeftArm, kRightLeg}));
 }

@@ -18,6 +18,12 @@ TEST(BoneLines, FromParentToChildAndOnToTheKeypointsThatThereAre) {
   EXPECT_EQ(bone_lines(arm(), names), (std::vector<std::pair<int, int>>{{0, 2}, {0, 1}, {2, 3}}));
 }
 
+TEST(BoneLines, WithoutAJointTheBoneAboveIsTheParent) {
+  Skeleton skeleton;
+  skeleton.bones = {{"root", -1, {}}, {"chest", 0, {}}, {"neck", 1, {}}};
+  EXPECT_EQ(bone_lines(skeleton, {"neck", "root"}), (std::vector<std::pair<int, int>>{{1, 0}}));
+}
+
 TEST(BoneLines, LeftIsOrangeRightIsBlueAndWhatIsBehindIsLeftOut) {
   const std::vector<std::string> names = {"root", "left_elbow", "right_elbow"};
   const auto lines = bone_lines(arm(), names);

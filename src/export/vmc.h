@@ -24,9 +24,8 @@ class VmcEncoder {
   VmcEncoder(const LiveActor& actor, const std::optional<FloorPlane>& floor);
 
   // One OSC bundle, a UDP packet: whether somebody is tracked, the time, and then, metres, Unity's axes (left-handed, y
-  // up), every bone's place and rotation in its parent's frame. Spine and UpperChest, which
-  // have no bone here, do not turn; neck and shoulders hang on the latter. Where the first tracked person stood is the
-  // middle.
+  // up), every bone's place and rotation in its parent's frame. Spine and UpperChest, which have no bone here, do not
+  // turn; neck and shoulders hang on the latter. Where the first tracked person stood is the middle.
   std::vector<uint8_t> packet(const LiveResult& result);
 
  private:

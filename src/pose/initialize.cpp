@@ -219,12 +219,12 @@ std::optional<Eigen::Matrix3d> torso_rotation(const Actor& actor, const Detectio
   return align_torso(rested_keypoints(actor), detected_points(actor, detections, options));
 }
 
-Eigen::Matrix3d torso_rotation(const Actor& actor, const Pose& pose) {
-  const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
+std::optional<Eigen::Matrix3d> torso_rotation(const Actor& actor,
+                                              const std::array<Eigen::Vector3d, kKeypointCount>& positions) {
   Keypoints3d points;
   for (int k : kTorso)
     if (actor.keypoints[k].bone >= 0) points[k] = {positions[k], 1};
-  return align_torso(rested_keypoints(actor), points).value_or(pose.root_rotation);
+  return align_torso(rested_keypoints(actor), points);
 }
 
 std::optional<Pose> initialize_pose(const Actor& actor, const Camera& camera, const Detections& detections,

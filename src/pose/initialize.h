@@ -3,6 +3,7 @@
 // last two frames in joint angle space based on an explicit Euler step"; "no careful initialization").
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "actor/actor.h"
@@ -22,8 +23,9 @@ Pose predict_pose(const Skeleton& skeleton, const Pose* before_previous, const P
 std::optional<Eigen::Matrix3d> torso_rotation(const Actor& actor, const Detections& detections,
                                               const PoseOptions& options);
 
-// The same of a pose's own torso: the root's rotation where chest and collarbones are at rest.
-Eigen::Matrix3d torso_rotation(const Actor& actor, const Pose& pose);
+// The same of a pose's own keypoints: the root's rotation where chest and collarbones are at rest.
+std::optional<Eigen::Matrix3d> torso_rotation(const Actor& actor,
+                                              const std::array<Eigen::Vector3d, kKeypointCount>& positions);
 
 // Root rotation by rigid alignment of the torso to the 3D detections, joint angles by cyclic coordinate descent on the
 // re-boned 3D keypoints, root translation by linear least squares on the 2D detections.

@@ -36,11 +36,12 @@ std::optional<Pose> turned_trunk(const Actor& actor, const Pose& pose, const Det
   for (int k : {kLeftHip, kRightHip, kLeftShoulder, kRightShoulder})
     if (!(detections.keypoints[k].confidence >= kTrustedDetection)) return std::nullopt;
   const std::optional<Eigen::Matrix3d> detected = torso_rotation(actor, detections, options);
-  if (!detected) return std::nullopt;
   const auto posed = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
+  const std::optional<Eigen::Matrix3d> own = torso_rotation(actor, posed);
+  if (!detected || !own) return std::nullopt;
   const Eigen::Vector3d axis = (posed[kNeck] - posed[kPelvis]).normalized();
   // The twist of the difference about the axis.
-  const Eigen::Quaterniond difference(*detected * torso_rotation(actor, pose).transpose());
+  const Eigen::Quaterniond difference(*detected * own->transpose());
   const double turn = std::remainder(2 * std::atan2(difference.vec().dot(axis), difference.w()), 2 * std::numbers::pi);
   if (!(std::abs(turn) >= least_turn_rad)) return std::nullopt;
   Pose turned = pose;

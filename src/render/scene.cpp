@@ -73,6 +73,17 @@ ScenePicture separated(const ImageRgb& over_black, const ImageRgb& over_white) {
   return picture;
 }
 
+// Displacement is measured from the captured pose, which is every angle of the actor's skeleton.
+void require_angles(const CaptureFolder& capture) {
+  const std::string file = (capture.path / "angles.csv").string();
+  if (capture.angles.empty()) throw IoError(file + ": is missing; --style displacement needs it");
+  const std::vector<std::string>& names = capture.angles.names;
+  for (const Dof& dof : capture.actor.skeleton.dofs)
+    if (std::find(names.begin(), names.end(), dof.name) == names.end())
+      throw IoError(file + ": has no column \"" + dof.name +
+                    "\"; --style displacement needs every angle of the actor's skeleton: capture it again");
+}
+
 }  // namespace
 
 Scene::Scene(const Clip& clip, const RenderOptions& options)
@@ -88,8 +99,7 @@ Scene::Scene(const Clip& clip, const RenderOptions& options)
                              options.samples, fitted_.width, fitted_.height, kMaxDrawnSide / options.samples));
   backdrop_.emplace(options, fitted_.width, fitted_.height);
   if (options.skeleton) bones_ = bone_lines(clip.capture.actor.skeleton, clip.capture.joints.names);
-  if (options.style == "displacement" && clip.capture.angles.empty())
-    throw IoError((clip.capture.path / "angles.csv").string() + ": is missing; --style displacement needs it");
+  if (options.style == "displacement") require_angles(clip.capture);
   if (!options.is_about_person()) return;
   if (options.floor && !backdrop_->is_transparent()) floor_.emplace(clip.floor, clip.place_mm);
   if (options.distance_m) {

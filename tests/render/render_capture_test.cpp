@@ -450,6 +450,16 @@ TEST_F(RenderCapture, RefusesWhatIsNoCapture) {
     write_file_atomically(capture() / name, whole);
   }
 
+  // As captures have it that were made before a joint could turn.
+  const std::string angles = read_file(capture() / "angles.csv");
+  std::string without = angles;
+  without.replace(without.find("neck_x"), 6, "nack_x");
+  write_file_atomically(capture() / "angles.csv", without);
+  asked = options("bad.mp4");
+  asked.style = "displacement";
+  expect_refused<IoError>(asked, {"angles.csv", "no column \"neck_x\"", "capture it again"});
+  write_file_atomically(capture() / "angles.csv", angles);
+
   asked = options("bad.png");
   asked.sheet_columns = 100;
   asked.sheet_rows = 1;

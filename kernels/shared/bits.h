@@ -3,7 +3,26 @@
 #ifndef LC_SHARED_BITS_H
 #define LC_SHARED_BITS_H
 
-#if LC_CPU && defined(__AVX__)
+#if LC_CPU && defined(__AVX512DQ__) && defined(__AVX512VL__)
+
+// A comparison's result is such bits there, and vectors are only made of them.
+static inline uint bits_of_8(int8 condition) {
+  return (uchar)__builtin_ia32_cvtd2mask256(condition);
+}
+
+static inline uint bits_of_16(int16 condition) {
+  return (ushort)__builtin_ia32_cvtd2mask512(condition);
+}
+
+static inline int any_of_8(int8 condition) {
+  return bits_of_8(condition) != 0;
+}
+
+static inline int any_of_16(int16 condition) {
+  return bits_of_16(condition) != 0;
+}
+
+#elif LC_CPU && defined(__AVX__)
 
 static inline uint bits_of_8(int8 condition) {
   return (uint)__builtin_ia32_movmskps256(as_float8(condition));

@@ -1,14 +1,17 @@
 // Exact signed Euclidean distance to the border of a mask, in two passes (after Meijster, Roerdink and Hesselink, "A
 // general algorithm for computing distance transforms in linear time", 2000): along columns, then the least over each
-// row: on a CPU the lower envelope of parabolas, on a GPU each pixel looks at the columns beside it, the nearest first.
+// row: on a CPU sixteen pixels at a time look at the columns between the nearest one of the first and of the last, on a
+// GPU each pixel at the columns beside it, the nearest first.
 #include "shared/bits.h"
 #include "shared/lanes.h"
+#include "shared/plain_math.h"
 
 #ifdef LC_DEVICE
 
 #define LC_LANES 16
 #define LC_BLOCK 32
 #define LC_NONE 32000  // CPU: no pixel of the other kind in this column
+#define LC_NOWHERE (LC_NONE * LC_NONE)
 #define LC_INSIDE ((ushort)0x8000)
 #define LC_STEPS ((ushort)0x7fff)
 
@@ -64,33 +67,6 @@ kernel void column_steps(DistanceArg a, int n_strip, global const uchar* restric
   }
 }
 
-static inline int parabola(int x, int column, int height) {
-  return (x - column) * (x - column) + height;
-}
-
-// The columns whose nearest pixel of the other kind is the nearest of all somewhere in a run of one kind: the lower
-// envelope of the parabolas (x - column)^2 + height. sites: column, height and first pixel of each. Adds a column right
-// of the others; `end`: where the run ends at the latest.
-static inline int add_site(global int* sites, int n, int column, int height, int begin, int end) {
-  while (n > 0) {
-    const int from = sites[3 * n - 1];
-    if (parabola(from, sites[3 * n - 3], sites[3 * n - 2]) <= parabola(from, column, height)) break;
-    --n;
-  }
-  int from = begin;
-  if (n > 0) {
-    const int top = sites[3 * n - 3], top_height = sites[3 * n - 2];
-    // Not lower at the end: nowhere in the run.
-    if (parabola(end - 1, top, top_height) <= parabola(end - 1, column, height)) return n;
-    // Right of this the new one is lower; not negative, since it is not lower where the top one begins.
-    from = (column * column - top * top + height - top_height) / (2 * (column - top)) + 1;
-  }
-  sites[3 * n] = column;
-  sites[3 * n + 1] = height;
-  sites[3 * n + 2] = from;
-  return n + 1;
-}
-
 // First pixel from `from` on that is not of the kind, or `width`.
 static inline int end_of_run(global const ushort* row, int from, int width, ushort kind) {
   for (int x = from & ~(LC_LANES - 1); x < width; x += LC_LANES) {
@@ -101,69 +77,97 @@ static inline int end_of_run(global const ushort* row, int from, int width, usho
   return width;
 }
 
-// The columns of 16 pixels from x on that may be the nearest somewhere in the run [begin, end). A column must be lower
-// than the run's ends, which are at height 0: their parabolas meet in the middle, and what is not lower there is not
-// lower anywhere. A run that goes on beyond the first or last column has no end there.
-static inline uint near_columns(global const ushort* row, int x, int begin, int end, int width, int16* squares) {
-  const int16 column = x + (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-  const int16 far = convert_int16(vload16(0, row + x) & LC_STEPS);
-  const int16 height = far * far;
-  const int before = begin - 1;
-  int16 near = far < LC_NONE && column >= begin && column < end;
-  if (begin > 0 && end < width) {
-    near &= height < (column - before) * (end - column);
-  } else if (end < width) {
-    near &= height < (end - column) * (end + column - 2 * begin);
-  } else if (begin > 0) {
-    near &= height < (column - before) * (2 * (end - 1) - before - column);
+// The column of lo..hi whose nearest pixel of the other kind is the nearest of all to pixel x of the row. heights:
+// squares of the distances along the columns. Columns behind hi may be looked at and are further.
+static inline int nearest_column(global const int* heights, int x, int lo, int hi) {
+  const int16 lane = (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  int16 away = lo - x + lane, least = away * away + vload16(0, heights + lo), at = lo + lane;
+  for (int first = lo + LC_LANES; first <= hi; first += LC_LANES) {
+    away += LC_LANES;
+    const int16 square = away * away + vload16(0, heights + first);
+    const int16 nearer = square < least;
+    least = nearer ? square : least;
+    at = nearer ? first + lane : at;
   }
-  *squares = height;
-  return bits_of_16(near);
+  const int8 eight = LC_LESSER(least.lo, least.hi);
+  const int4 four = LC_LESSER(eight.lo, eight.hi);
+  const int2 two = LC_LESSER(four.lo, four.hi);
+  int columns[LC_LANES];
+  vstore16(at, 0, columns);
+  return columns[lowest_bit(bits_of_16(least == (int16)LC_LESSER(two.x, two.y)))];
 }
 
-// One work-item per n_band rows. sites: [3 * (n_columns + 2)] ints of scratch per work-item. distance: [w*h] px, half a
-// pixel taken off so that the contour lies between the pixels; positive outside, negative inside.
-kernel void row_distances(DistanceArg a, int n_band, global const ushort* restrict steps, global int* sites,
+// Squared distances of sixteen pixels from x on, whose nearest columns are among lo..hi; as above.
+static inline int16 squares_of(global const int* heights, int x, int lo, int hi) {
+  const int16 away = x - lo + (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  int16 square = away * away, step = 2 * away - 1, least = square + heights[lo];
+  for (int first = lo; first < hi; first += 4) {  // fewer branches
+#pragma unroll
+    for (int k = 1; k <= 4; ++k) {
+      square -= step;
+      step -= 2;
+      const int16 other = square + heights[first + k];
+      least = LC_LESSER(least, other);
+    }
+  }
+  return least;
+}
+
+// One run [begin, end) of one kind in a row. The nearest column moves to the right with the pixel, never back. It is
+// looked for at the last pixel of each sixteen, those in the middle first, which bound the others; between two of them
+// it is one of those between theirs. nearest: [1 + (end - begin + 15) / 16] scratch; n_inside: pixels of the picture
+// from the row's first on.
+static inline void run_distances(int begin, int end, int width, int n_inside, float sign, global const int* heights,
+                                 global int* nearest, global float* restrict to) {
+  const int n = (end - begin + LC_LANES - 1) / LC_LANES, last = min(end, width - 1);
+  nearest[0] = max(begin - 1, 0);
+  for (int step = 1 << (31 - clz(n)); step > 0; step >>= 1) {
+    for (int k = step; k <= n; k += 2 * step)
+      nearest[k] = nearest_column(heights, min(begin + LC_LANES * k, end) - 1, nearest[k - step],
+                                  k + step <= n ? nearest[k + step] : last);
+  }
+  for (int k = 0; k < n; ++k) {
+    const int x = begin + LC_LANES * k;
+    const int16 squares = squares_of(heights, x, nearest[k], nearest[k + 1]);
+    const float16 away = sign * (sqrt(convert_float16(squares)) - 0.5f);
+    if (x + LC_LANES <= n_inside) {
+      store16(away, to + x);  // what is too much is the next run's, or beyond the exact part
+    } else {
+      float lanes[LC_LANES];
+      vstore16(away, 0, lanes);
+      for (int i = 0; x + i < end; ++i) to[x + i] = lanes[i];
+    }
+  }
+}
+
+// Words of scratch of a work-item: heights of all columns and of sixteen more, nearest columns.
+#define LC_ROW_SCRATCH(n_columns) ((n_columns) + LC_LANES + (n_columns) / LC_LANES + 2)
+
+// One work-item per n_band rows. scratch: [LC_ROW_SCRATCH(n_columns)] per work-item. distance: [w*h] px, half a pixel
+// taken off so that the contour lies between the pixels; positive outside, negative inside.
+kernel void row_distances(DistanceArg a, int n_band, global const ushort* restrict steps, global int* scratch,
                           global float* restrict distance) {
   const int band = get_global_id(0);
   const int width = min(a.n_columns, a.width - a.x0);
-  sites += band * 3 * (a.n_columns + 2);
+  global int* heights = scratch + band * LC_ROW_SCRATCH(a.n_columns);
+  global int* nearest = heights + a.n_columns + LC_LANES;
+  store_int16((int16)LC_NOWHERE, heights + a.n_columns);
   for (int y = band * n_band; y < min((band + 1) * n_band, a.n_rows); ++y) {
     global const ushort* row = steps + y * a.stride;
     global float* to = distance + (a.y0 + y) * a.width + a.x0;
+    for (int x = 0; x < a.n_columns; x += LC_LANES) {
+      const int16 far = convert_int16(vload16(0, row + x) & LC_STEPS);
+      store_int16(far * far, heights + x);
+    }
     for (int begin = 0, end; begin < width; begin = end) {
       const ushort kind = row[begin] & LC_INSIDE;
       end = end_of_run(row, begin + 1, width, kind);
-      int n = 0;
-      if (begin > 0) n = add_site(sites, n, begin - 1, 0, begin, end);
-      for (int x = begin & ~(LC_LANES - 1); x < end; x += LC_LANES) {
-        int16 squares;
-        uint left = near_columns(row, x, begin, end, width, &squares);
-        if (!left) continue;
-        int heights[LC_LANES];
-        vstore16(squares, 0, heights);
-        for (; left; left &= left - 1)
-          n = add_site(sites, n, x + lowest_bit(left), heights[lowest_bit(left)], begin, end);
-      }
-      if (end < width) n = add_site(sites, n, end, 0, begin, end);
-      for (int i = 0; i < n; ++i) {
-        const int column = sites[3 * i], height = sites[3 * i + 1];
-        const int stop = i + 1 < n ? sites[3 * i + 5] : end;
-        for (int x = sites[3 * i + 2]; x < stop; ++x) to[x] = (float)parabola(x, column, height);
-      }
-    }
-    for (int x = 0; x < width; x += LC_LANES) {
-      const short16 inside = as_short16(vload16(0, row + x)) >> (short)15;
-      const int n = min(LC_LANES, width - x);
-      if (n == LC_LANES) {
-        const float16 away = sqrt(vload16(0, to + x)) - 0.5f;
-        store16(select(away, -away, convert_int16(inside)), to + x);
-      } else {
-        for (int k = x; k < width; ++k) {
-          const float away = sqrt(to[k]) - 0.5f;
-          to[k] = row[k] & LC_INSIDE ? -away : away;
-        }
-      }
+      // The run's neighbours are of the other kind. A run that goes on beyond the first or last column has none there.
+      if (begin > 0) heights[begin - 1] = 0;
+      const int height = heights[end];
+      if (end < width) heights[end] = 0;
+      run_distances(begin, end, width, a.width - a.x0, kind ? -1.0f : 1.0f, heights, nearest, to);
+      heights[end] = height;
     }
   }
 }

@@ -34,7 +34,7 @@ DeviceDistanceField::DeviceDistanceField(ocl::DeviceContext& device, int width, 
   const size_t n = size_t(stride_) * height;
   if (is_cpu_) {
     steps_ = ocl::Buffer<uint16_t>(device, n);
-    sites_ = ocl::Buffer<int32_t>(device, size_t(3) * (stride_ + 2) * ((height + kBand - 1) / kBand));
+    row_scratch_ = ocl::Buffer<int32_t>(device, size_t(2) * stride_ * ((height + kBand - 1) / kBand));
   } else {
     far_to_inside_ = ocl::Buffer<int32_t>(device, n);
     far_to_outside_ = ocl::Buffer<int32_t>(device, n);
@@ -63,7 +63,7 @@ void DeviceDistanceField::compute(const ocl::Buffer<uint8_t>& mask, const PixelB
   const auto rounded = [](int items) { return (static_cast<size_t>(items) + kLocal - 1) / kLocal * kLocal; };
   if (is_cpu_) {
     columns_.launch((arg.n_columns + kStrip - 1) / kStrip, 1, arg, kStrip, mask, steps_);
-    rows_.launch((rows + kBand - 1) / kBand, 1, arg, kBand, steps_, sites_, distance);
+    rows_.launch((rows + kBand - 1) / kBand, 1, arg, kBand, steps_, row_scratch_, distance);
   } else {
     bits_kernel_.launch(ocl::Range{rounded(arg.n_columns), (rows + kBlock - 1) / kBlock, kLocal, 1}, arg, mask, bits_);
     columns_.launch(ocl::Range{rounded(arg.n_columns + 2), rows, kLocal, 1}, arg, bits_, far_to_inside_,

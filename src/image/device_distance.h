@@ -23,7 +23,7 @@ class DeviceDistanceField {
   bool is_cpu_;
   // Planes and rows of blocks, see the kernels. CPU:
   ocl::Buffer<uint16_t> steps_;
-  ocl::Buffer<int32_t> sites_;
+  ocl::Buffer<int32_t> row_scratch_;
   // GPU:
   ocl::Buffer<uint32_t> bits_;
   ocl::Buffer<int32_t> far_to_inside_, far_to_outside_;

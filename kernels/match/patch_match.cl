@@ -1,6 +1,6 @@
 // Where the camera's picture shows each visible vertex: 8 x 8 patches of the textured actor are moved, coarse to fine,
-// until they lie on the camera's picture (inverse compositional alignment; Baker and Matthews 2004). On a CPU two
-// patches at a time, a row of each in one vector; on a GPU a patch by eight work-items, a column each.
+// until they lie on the camera's picture (inverse compositional alignment; Baker and Matthews 2004). On a CPU several
+// patches at a time, a row of two in one vector; on a GPU a patch by eight work-items, a column each.
 #include "match/facing.h"
 #include "match/layout.h"
 #include "shared/plain_math.h"
@@ -54,8 +54,14 @@ static inline float seen_px_of(int i, float focal_px, global const float* restri
 }
 
 #if LC_CPU
+// Patches at a time. Two vectors hide each other's latency; with 16 registers of eight floats one is enough.
+#if LC_VECTOR == 16
+#define TOGETHER 4
+typedef float4 each_t;  // a value of each patch
+#else
 #define TOGETHER 2
-typedef float2 each_t;  // a value of each patch
+typedef float2 each_t;
+#endif
 #else
 typedef float each_t;
 #endif
@@ -65,7 +71,7 @@ static inline each_t at_most_2(each_t step) {
   return LC_LESSER(limited, most);
 }
 
-// Of two patches a and b, from their sums over n pixels.
+// Of patches a and b, from their sums over n pixels.
 static inline each_t correlation_of(each_t n, each_t a, each_t b, each_t aa, each_t bb, each_t ab) {
   const each_t ma = a / n, mb = b / n;
   const each_t va = aa / n - ma * ma, vb = bb / n - mb * mb;
@@ -73,35 +79,7 @@ static inline each_t correlation_of(each_t n, each_t a, each_t b, each_t aa, eac
 }
 
 #if LC_CPU
-typedef float16 row_t;  // of each patch
-typedef int2 each_int_t;
-#define ANY_OF(condition) any(condition)
-#define EACH_INT convert_int2
-#define EACH_REAL convert_float2
-
-typedef struct {
-  int at[TOGETHER];
-} Places;
-
-static inline Places places_of(each_int_t at) {
-  const Places p = {{at.x, at.y}};
-  return p;
-}
-
-// Eight pixels of each patch, `by` pixels from its place.
-static inline row_t rows_at(global const float* restrict image, Places p, int by) {
-  return (float16)(vload8(0, image + p.at[0] + by), vload8(0, image + p.at[1] + by));
-}
-
-static inline row_t along_rows(each_t value) {
-  return (float16)((float8)value.x, (float8)value.y);
-}
-
-static inline each_t sum_of_rows(row_t v) {
-  const float8 a = (float8)(v.lo.lo, v.hi.lo) + (float8)(v.lo.hi, v.hi.hi);
-  const float4 b = (float4)(a.lo.lo, a.hi.lo) + (float4)(a.lo.hi, a.hi.hi);
-  return b.even + b.odd;
-}
+#include "match/patch_rows.h"
 
 typedef struct {
   each_t xx, xy, yy;  // sums of gradient products
@@ -112,10 +90,6 @@ typedef struct {
 static inline row_t moved_rows(global const float* restrict camera, Places p, int by, row_t fx) {
   const row_t left = rows_at(camera, p, by);
   return left + fx * (rows_at(camera, p, by + 1) - left);
-}
-
-static inline row_t larger(row_t a, row_t b) {
-  return a > b ? a : b;
 }
 
 // Moves (dx, dy), px of this level, of the patches around the pixels (x, y), which it has. Returns their structure;
@@ -130,17 +104,24 @@ static Structure align(const Level* level, each_int_t x, each_int_t y, each_t de
   *dx = *dy = *correlation = zero;
   row_t actor[PATCH], gx[PATCH], gy[PATCH], inside[PATCH];
   row_t sxx = 0.0f, sxy = 0.0f, syy = 0.0f, sn = 0.0f;
+  global const float* a = level->actor;
+  global const float* d = level->depth;
+  // Of the rows above and here; each is loaded once.
+  row_t a_above = rows_at(a, at, -width), a_here = rows_at(a, at, 0);
+  row_t far_above = far_from(rows_at(d, at, -width), z), far_here = far_from(rows_at(d, at, 0), z);
   for (int r = 0; r < PATCH; ++r) {
     const int row = r * width;
-    global const float* a = level->actor;
-    global const float* d = level->depth;
-    const row_t beside = larger(fabs(rows_at(d, at, row - 1) - z), fabs(rows_at(d, at, row + 1) - z));
-    const row_t above = larger(fabs(rows_at(d, at, row - width) - z), fabs(rows_at(d, at, row + width) - z));
-    const row_t far = larger(fabs(rows_at(d, at, row) - z), larger(beside, above));
+    const row_t a_below = rows_at(a, at, row + width), far_below = far_from(rows_at(d, at, row + width), z);
+    const row_t beside = larger(far_from(rows_at(d, at, row - 1), z), far_from(rows_at(d, at, row + 1), z));
+    const row_t far = larger(far_here, larger(beside, larger(far_above, far_below)));
     inside[r] = far < options.depth_range_mm ? (row_t)1.0f : (row_t)0.0f;
-    actor[r] = rows_at(a, at, row);
+    actor[r] = a_here;
     gx[r] = 0.5f * inside[r] * (rows_at(a, at, row + 1) - rows_at(a, at, row - 1));
-    gy[r] = 0.5f * inside[r] * (rows_at(a, at, row + width) - rows_at(a, at, row - width));
+    gy[r] = 0.5f * inside[r] * (a_below - a_above);
+    a_above = a_here;
+    a_here = a_below;
+    far_above = far_here;
+    far_here = far_below;
     sxx += gx[r] * gx[r];
     sxy += gx[r] * gy[r];
     syy += gy[r] * gy[r];
@@ -156,7 +137,7 @@ static Structure align(const Level* level, each_int_t x, each_int_t y, each_t de
     const each_t fx0 = LC_FLOOR(px), fy0 = LC_FLOOR(py);
     sees = sees && fx0 >= 0.0f && fy0 >= 0.0f && fx0 + (PATCH + 1) < (float)width &&
            fy0 + (PATCH + 1) < (float)level->height;
-    if (!ANY_OF(sees)) break;
+    if (!any(sees)) break;
     const each_int_t none = 0;
     const Places c = places_of(sees ? EACH_INT(fy0) * width + EACH_INT(fx0) : none);
     const row_t fx = along_rows(px - fx0), fy = along_rows(py - fy0);
@@ -227,15 +208,19 @@ kernel void match_patches(int n, MatchBox box, PatchOptions options, int at, flo
     ++n_patches;
   }
   for (int k = 0; k < n_patches; k += TOGETHER) {
-    each_t dx, dy, correlation;
-    const int a = k, b = min(k + 1, n_patches - 1);
-    const float2 z = (float2)(projected[4 * vertices[a] + 3], projected[4 * vertices[b] + 3]);
-    const Structure s = align(&level, (int2)(xs[a], xs[b]), (int2)(ys[a], ys[b]), z, options, &dx, &dy, &correlation);
-    const Aligned two[2] = {{s.xx.x, s.xy.x, s.yy.x, s.n.x, dx.x, dy.x, correlation.x},
-                            {s.xx.y, s.xy.y, s.yy.y, s.n.y, dx.y, dy.y, correlation.y}};
+    each_t dx, dy, correlation, z;
+    each_int_t x, y;
+    for (int j = 0; j < TOGETHER; ++j) {
+      const int patch = min(k + j, n_patches - 1);
+      x[j] = xs[patch];
+      y[j] = ys[patch];
+      z[j] = projected[4 * vertices[patch] + 3];
+    }
+    const Structure s = align(&level, x, y, z, options, &dx, &dy, &correlation);
     for (int j = 0; j < min(TOGETHER, n_patches - k); ++j) {
       const int i = vertices[k + j];
-      write_match(two[j], options, projected[4 * i], projected[4 * i + 1], matches + LC_MATCH * i);
+      const Aligned one = {s.xx[j], s.xy[j], s.yy[j], s.n[j], dx[j], dy[j], correlation[j]};
+      write_match(one, options, projected[4 * i], projected[4 * i + 1], matches + LC_MATCH * i);
     }
   }
 }

@@ -9,6 +9,18 @@
 #define NN_6_PIXELS(M) M(0) M(1) M(2) M(3) M(4) M(5)
 #define NN_8_PIXELS(M) NN_6_PIXELS(M) M(6) M(7)
 
+// Weights are read once a frame, from the last level of the cache or from memory, page by page: asked for so many
+// input channels ahead.
+#define NN_AHEAD 32
+#if LC_CPU && defined(__has_builtin)
+#if __has_builtin(__builtin_prefetch)
+#define NN_SOON(p) __builtin_prefetch((const void*)(size_t)(p));
+#endif
+#endif
+#ifndef NN_SOON
+#define NN_SOON(p)
+#endif
+
 #define NN_HALF_BIAS const float8 bias = vload8(0, biases);
 #define NN_HALF_CLEAR(p) float8 a##p = bias;
 #define NN_HALF_WEIGHTS const float8 wa = vload8(0, w + k * NN_PANEL);
@@ -25,7 +37,9 @@
 
 #define NN_TWO_BIAS const float16 bias = vload16(0, biases), bias_b = vload16(1, biases);
 #define NN_TWO_CLEAR(p) float16 a##p = bias, b##p = bias_b;
-#define NN_TWO_WEIGHTS const float16 wa = vload16(k, w), wb = vload16(k, w + panel_size);
+#define NN_TWO_WEIGHTS                                               \
+  const float16 wa = vload16(k, w), wb = vload16(k, w + panel_size); \
+  NN_SOON(w + (k + NN_AHEAD) * NN_PANEL) NN_SOON(w + panel_size + (k + NN_AHEAD) * NN_PANEL)
 #define NN_TWO_ADD(p)          \
   {                            \
     const float16 x = x##p[k]; \
@@ -38,23 +52,36 @@
     nn_store_panel(op, arena, at + p * op.out_channels + NN_PANEL, b##p, n - NN_PANEL); \
   }
 
-// Output channels from c on of pixels first..end-1, by a kernel of 1x1.
-#define NN_POINT(p) global const float* x##p = x + min(p, n_pixels - 1) * op.in_channels;
-#define NN_POINTWISE_TILES(NAME, KIND, COUNT)                                                                    \
-  static inline void NAME(NnOp op, int first, int end, int c, global const float* restrict weights,              \
-                          global float* arena) {                                                                 \
-    const int n = op.out_channels - c, panel_size = op.in_channels * NN_PANEL;                                   \
-    global const float* restrict w = weights + op.weight_offset + c / NN_PANEL * panel_size;                     \
-    global const float* restrict biases = weights + op.bias_offset + c;                                          \
-    KIND##_BIAS for (; first < end; first += COUNT) {                                                            \
-      const int n_pixels = end - first;                                                                          \
-      global const float* x = arena + op.in_offset + first * op.in_channels;                                     \
-      NN_##COUNT##_PIXELS(NN_POINT) NN_##COUNT##_PIXELS(KIND##_CLEAR) for (int k = 0; k < op.in_channels; ++k) { \
-        KIND##_WEIGHTS NN_##COUNT##_PIXELS(KIND##_ADD)                                                           \
-      }                                                                                                          \
-      const int at = first * op.out_channels + c;                                                                \
-      NN_##COUNT##_PIXELS(KIND##_STORE)                                                                          \
-    }                                                                                                            \
+// Output channels from c on of pixels first..end-1, by a kernel of 1x1. Where the picture has as many pixels as a tile
+// the last tile lies at the end, over pixels that are made already: to ask for every pixel whether there is one takes
+// as long as few input channels do.
+#define NN_POINT(p) global const float* x##p = x + p * op.in_channels;
+#define NN_POINT_OF_FEW(p) global const float* x##p = x + min(p, n_pixels - 1) * op.in_channels;
+#define NN_POINTWISE_TILE(KIND, COUNT, POINT)                                                               \
+  {                                                                                                         \
+    global const float* x = arena + op.in_offset + first * op.in_channels;                                  \
+    NN_##COUNT##_PIXELS(POINT) NN_##COUNT##_PIXELS(KIND##_CLEAR) for (int k = 0; k < op.in_channels; ++k) { \
+      KIND##_WEIGHTS NN_##COUNT##_PIXELS(KIND##_ADD)                                                        \
+    }                                                                                                       \
+    const int at = first * op.out_channels + c;                                                             \
+    NN_##COUNT##_PIXELS(KIND##_STORE)                                                                       \
+  }
+#define NN_POINTWISE_TILES(NAME, KIND, COUNT)                                                       \
+  static inline void NAME(NnOp op, int first, int end, int c, global const float* restrict weights, \
+                          global float* arena) {                                                    \
+    const int n = op.out_channels - c, panel_size = op.in_channels * NN_PANEL;                      \
+    global const float* restrict w = weights + op.weight_offset + c / NN_PANEL * panel_size;        \
+    global const float* restrict biases = weights + op.bias_offset + c;                             \
+    KIND##_BIAS if (end < COUNT) {                                                                  \
+      const int n_pixels = end - first;                                                             \
+      NN_POINTWISE_TILE(KIND, COUNT, NN_POINT_OF_FEW)                                               \
+      return;                                                                                       \
+    }                                                                                               \
+    for (int next = first; next < end; next += COUNT) {                                             \
+      const int n_pixels = COUNT;                                                                   \
+      first = min(next, end - COUNT);                                                               \
+      NN_POINTWISE_TILE(KIND, COUNT, NN_POINT)                                                      \
+    }                                                                                               \
   }
 
 // Likewise of columns first..end-1 of row y, by any kernel. Inside the image the kernel's columns are contiguous in

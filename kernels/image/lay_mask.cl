@@ -32,6 +32,17 @@ static inline int16 pairs_at(global const uchar* restrict p, int16 i) {
   return convert_int16(vload16(0, pairs));
 }
 
+// What sixteen pixels show that are near each other in the crop, when it is the same there all around them: mostly it
+// is. -1: it is not, or they may lie outside. from, to: of the first and the last.
+static inline int same_around(WarpPoint from, WarpPoint to, int size, global const uchar* restrict crop) {
+  const int x = min(from.x, to.x), y = min(from.y, to.y), end_x = max(from.x, to.x) + 2, end_y = max(from.y, to.y) + 2;
+  if (x < 0 || y < 0 || x + 8 > size || end_x - x > 8 || end_y > size || end_y - y > 8) return -1;
+  const ulong row = as_ulong(vload8(0, crop + y * size + x));
+  ulong other = row ^ (row & 255) * 0x0101010101010101UL;
+  for (int v = y + 1; v < end_y; ++v) other |= row ^ as_ulong(vload8(0, crop + v * size + x));
+  return other ? -1 : (int)(row & 255);
+}
+
 // Over (width / 16, height), sixteen pixels each. steps: of the box.
 kernel void lay_mask(MaskArg arg, global const uchar* restrict crop, global const int* restrict steps,
                      global uchar* restrict mask) {
@@ -41,6 +52,13 @@ kernel void lay_mask(MaskArg arg, global const uchar* restrict crop, global cons
   if (x >= arg.x0 && x + 16 <= arg.x1 && y >= arg.y0 && y < arg.y1) {
     global const int* restrict columns = steps + 2 * (x - arg.x0);
     global const int* restrict row = steps + 2 * (arg.x1 - arg.x0 + y - arg.y0);
+    const int n_columns = arg.x1 - arg.x0;
+    const int same = same_around(warp_point(steps, n_columns, x - arg.x0, y - arg.y0),
+                                 warp_point(steps, n_columns, x - arg.x0 + 15, y - arg.y0), arg.size, crop);
+    if (same >= 0) {
+      store_uchar16((uchar16)(uchar)same, to);
+      return;
+    }
     const int16 a = vload16(0, columns), b = vload16(1, columns);
     const int16 at_x = ((int16)(a.even, b.even) + row[0]) >> 5, at_y = ((int16)(a.odd, b.odd) + row[1]) >> 5;
     const int16 px = at_x >> 5, py = at_y >> 5, last = arg.size - 2;

@@ -244,7 +244,8 @@ TEST(Foreground, AgreesWithPlainCpp) {
   });
 }
 
-// A crop's mask that the device lays over the picture is the one that OpenCV lays there.
+// A crop's mask that the device lays over the picture is the one that OpenCV lays there: one with no two pixels alike,
+// and one that is the same nearly everywhere.
 TEST(Foreground, ACropsMaskIsLaidOverThePicture) {
   const PersonMask vague = vague_mask();
   CropMask crop{{64, 64, {}}, {0.31, 0.07, -9.3, -0.07, 0.31, 4.6}, {5, 11, kWidth - 3, kHeight}};
@@ -252,25 +253,32 @@ TEST(Foreground, ACropsMaskIsLaidOverThePicture) {
     for (int x = 0; x < 64; ++x)
       crop.probability.pixels.push_back(vague.probability[size_t(y) * kHeight / 64 * kWidth + x * kWidth / 64]);
   }
-  ImageGray laid{kWidth, kHeight, std::vector<uint8_t>(size_t(kWidth) * kHeight, 0)};
-  warp_affine(crop.probability, crop.mask_from_image, crop.box.x0, crop.box.y0, crop.box.x1, crop.box.y1, laid);
-  ASSERT_GT(std::count_if(laid.pixels.begin(), laid.pixels.end(), [](uint8_t p) { return p > 127; }), 1000);
-  const PersonMask network{kWidth, kHeight, laid.pixels};
+  CropMask flat = crop;
+  for (uint8_t& pixel : flat.probability.pixels) pixel = pixel > 127 ? 255 : 0;
+  for (size_t p = 5; p < flat.probability.pixels.size(); p += 237) flat.probability.pixels[p] ^= 1;
   BackgroundModel background;
   background.train(scene(false, 1, 10));
-  test::on_every_device_and_body([&](ocl::DeviceContext& device) {
-    ForegroundSegmenter segmenter(device, background, kWidth, kHeight);
-    DeviceFrame frame(device, kWidth, kHeight);
-    const ImageRgb image = scene(true, 1.07f, 77);
-    ImageGray expected, mask;
-    segmenter.segment(image, network, frame, expected);
-    segmenter.segment(image, crop, frame, mask);
-    EXPECT_EQ(mask.pixels, expected.pixels);
-    EXPECT_GT(std::count(mask.pixels.begin(), mask.pixels.end(), 255), 1000);
-    crop.box.x1 = kWidth + 1;
-    EXPECT_THROW(segmenter.segment(image, crop, frame, mask), LogicError);
-    crop.box.x1 = kWidth - 3;
-  });
+  for (CropMask* laid_crop : {&crop, &flat}) {
+    const PixelBox& box = laid_crop->box;
+    ImageGray laid{kWidth, kHeight, std::vector<uint8_t>(size_t(kWidth) * kHeight, 0)};
+    warp_affine(laid_crop->probability, laid_crop->mask_from_image, box.x0, box.y0, box.x1, box.y1, laid);
+    ASSERT_GT(std::count_if(laid.pixels.begin(), laid.pixels.end(), [](uint8_t p) { return p > 127; }), 1000);
+    const PersonMask network{kWidth, kHeight, laid.pixels};
+    test::on_every_device_and_body([&](ocl::DeviceContext& device) {
+      ForegroundSegmenter segmenter(device, background, kWidth, kHeight);
+      DeviceFrame frame(device, kWidth, kHeight);
+      const ImageRgb image = scene(true, 1.07f, 77);
+      ImageGray expected, mask;
+      segmenter.segment(image, network, frame, expected);
+      segmenter.segment(image, *laid_crop, frame, mask);
+      EXPECT_EQ(frame.network_mask.read_all(), laid.pixels);
+      EXPECT_EQ(mask.pixels, expected.pixels);
+      EXPECT_GT(std::count(mask.pixels.begin(), mask.pixels.end(), 255), 1000);
+      laid_crop->box.x1 = kWidth + 1;
+      EXPECT_THROW(segmenter.segment(image, *laid_crop, frame, mask), LogicError);
+      laid_crop->box.x1 = kWidth - 3;
+    });
+  }
 }
 
 // What was written for the network before is not written again.

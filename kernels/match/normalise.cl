@@ -126,10 +126,10 @@ kernel void normalise(MatchBox box, int level, int at, float variance_floor, glo
 #else
 
 // A tile, by TILE_ITEMS work-items: `id` of them.
-// near: [LC_MATCH_TILE_LOCAL(TILE_WIDTH)].
+// near: [LC_MATCH_TILE_LOCAL(TILE_WIDTH)]. somebody: 0 before; whether a pixel of the tile counts.
 static inline void normalise_tile(int tile_x, int tile_y, int id, MatchBox box, int level, float variance_floor,
                                   global const float* restrict light, global const float* restrict weight,
-                                  local float* near, global float* restrict normal) {
+                                  local float* near, local int* somebody, global float* restrict normal) {
   local float* lights = near;
   local float* weights = lights + WITH_SIDES;
   local float* sums = weights + WITH_SIDES;  // over the rows around each of TILE
@@ -150,9 +150,12 @@ static inline void normalise_tile(int tile_x, int tile_y, int id, MatchBox box, 
     if (i >= n_near) continue;
     lights[i] = near_light[k];
     weights[i] = near_weight[k];
+    const int own_x = i % reach - radius, own_y = i / reach - radius;
+    if (near_weight[k] > 0.0f && own_x >= 0 && own_x < TILE_WIDTH && own_y >= 0 && own_y < TILE) *somebody = 1;
   }
   barrier(CLK_LOCAL_MEM_FENCE);
-  for (int i = id; i < TILE * reach; i += TILE_ITEMS) {
+  const int counts_any = *somebody;  // otherwise nobody asks for sums
+  for (int i = id; counts_any && i < TILE * reach; i += TILE_ITEMS) {
     Sums column = {0.0f, 0.0f, 0.0f};
 #pragma unroll 5
     for (int k = 0; k <= 2 * radius; ++k) add_row(&column, lights[i + k * reach], weights[i + k * reach]);
@@ -178,8 +181,11 @@ kernel __attribute__((reqd_work_group_size(TILE, TILE, 1))) void normalise(Match
                                                                            global const float* restrict weight,
                                                                            global float* restrict normal) {
   local float near[LC_MATCH_TILE_LOCAL(TILE_WIDTH)];
+  local int somebody;
+  if (get_local_id(0) == 0 && get_local_id(1) == 0) somebody = 0;
+  barrier(CLK_LOCAL_MEM_FENCE);
   normalise_tile(get_group_id(0), get_group_id(1), get_local_id(1) * TILE + get_local_id(0), box, level, variance_floor,
-                 light + at, weight + at, near, normal + at);
+                 light + at, weight + at, near, &somebody, normal + at);
 }
 
 #endif

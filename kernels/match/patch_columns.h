@@ -2,12 +2,17 @@
 #ifndef LC_MATCH_PATCH_COLUMNS_H
 #define LC_MATCH_PATCH_COLUMNS_H
 
+// The work-items of a patch: what each wrote to local memory is seen by all after.
+#ifndef LC_MEET
+#define LC_MEET() barrier(CLK_LOCAL_MEM_FENCE)
+#endif
+
 // Sums over the eight work-items of a patch, in the order of a CPU's. sums: one for each of the group. With barriers.
 static inline float4 sum_of_columns(float4 value, local float4* sums) {
   const int id = get_local_id(0);
-  barrier(CLK_LOCAL_MEM_FENCE);
+  LC_MEET();
   sums[id] = value;
-  barrier(CLK_LOCAL_MEM_FENCE);
+  LC_MEET();
   local const float4* s = sums + id / PATCH * PATCH;
   return ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
 }

@@ -5,6 +5,12 @@
 #include "match/layout.h"
 #define LC_RASTER_APART 2
 #define TILE_WIDTH LC_SEE_TILE_WIDTH
+// Those that share a patch are of one warp: LC_SEE_GROUP is a multiple of 32.
+#ifdef __NV_CL_C_VERSION
+#define LC_MEET() asm volatile("bar.warp.sync 0xffffffff;" ::: "memory")
+#else
+#define LC_MEET() barrier(CLK_LOCAL_MEM_FENCE)
+#endif
 #include "raster/layout.h"
 #include "shared/all_arrived.h"
 // Those that contract products first: raster/triangle.h ends that.
@@ -54,7 +60,7 @@ static int n_tiles(MatchBox box) {
 // raster/visibility.cl; share to camera, light to box_depth: match/patch_match.cl and match/pictures.cl (light, weight:
 // the camera's pyramid, then the actor's box); skin_vertices to off_tint: match/skin_shading.cl. Out: those not const;
 // both [width*height]: raster/depth_and_id.h.
-// state: see all_arrived.h; next: of the launch that follows, set to 0. memory: LC_SEE_LOCAL floats.
+// state: see all_arrived.h. memory: LC_SEE_LOCAL floats.
 kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
     SeeOptions see, float4 pinhole, MatchBox box, PatchOptions patch, float4 tints, float2 off_tint,
     global const float* moved, global const float* rest, global const float* displacement, global const int* bones,
@@ -64,19 +70,18 @@ kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
     global const float* share, global const int* skin_vertices, global const int* limbs, global const float* albedo,
     global const float* skin_areas, global const uchar* is_skin, global const uchar* rgb,
     global const float* signed_distance, global float* skinned, global float* normals, global float* projected,
-    global ulong* both, global float* depth, global int* ids, global int* visible, global int* contour,
-    global float* light, global float* weight, global float* box_depth, global float* actor, global float* camera,
-    global float* matches, global float* samples, volatile global int* state, volatile global int* next,
-    local float4* memory) {
+    global ulong* both, global int* visible, global int* contour, global float* light, global float* weight,
+    global float* box_depth, global float* actor, global float* camera, global float* matches, global float* samples,
+    volatile global int* state, local float4* memory) {
   const int id = dealt_place(), n_items = get_global_size(0), back = n_items - 1 - id;
   const int group = get_group_id(0), n_groups = get_num_groups(0), n = see.n_vertices;
   const MatchBox here = level_box(box, patch.level);
   const int actor_at = level_offset(box, LC_MATCH_LEVELS + 1);
   global const int* drawn_ids = (global const int*)both;
   global const float* drawn_depth = (global const float*)both + 1;
-  local int given_up;
+  local int given_up, somebody[2];  // of a tile and the next one
+  if (get_local_id(0) == 0) somebody[0] = 0;
   if (moved[0] < see.least_moved_px) return;
-  if (id == 0) next[0] = 0;
 
   for (int i = id; i < n; i += n_items) {
     skin_lanes(i, n, rest, displacement, bones, weights, dual_quats, skinned);
@@ -88,8 +93,9 @@ kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
     camera_block(i, box, see.width, see.height, rgb, signed_distance, light, weight);
   int together = all_arrived(state, n_groups, &given_up);  // otherwise nothing more is done
 
-  for (int i = id; together && i < see.n_triangles * LC_RASTER_SHARE; i += n_items)
-    draw_both(i, see.width, see.height, see.cull, projected, triangles, both);
+  const int per_triangle = clamp(n_items / max(see.n_triangles, 1), 1, LC_RASTER_SHARE);  // nobody has two then
+  for (int i = id; together && i < see.n_triangles * per_triangle; i += n_items)
+    draw_both(i, per_triangle, see.width, see.height, see.cull, projected, triangles, both);
   for (int i = back; together && i < n; i += n_items)
     normal_of_vertex(i, n, skinned, fan_offsets, fan_corners, normals);
   together &= all_arrived(state, 2 * n_groups, &given_up);
@@ -109,7 +115,7 @@ kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
   // The actor's tiles, then those of the camera's levels.
   int n_all = n_tiles(here);
   for (int level = 0; see.new_picture && level <= LC_MATCH_LEVELS; ++level) n_all += n_tiles(level_box(box, level));
-  for (int first = group; together && first < n_all; first += n_groups) {
+  for (int first = group, turn = 0; together && first < n_all; first += n_groups, turn ^= 1) {
     int tile = first, level = patch.level, of = -1;
     for (int left = n_tiles(here); tile >= left; left = n_tiles(level_box(box, level))) {
       tile -= left;
@@ -118,7 +124,8 @@ kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
     const MatchBox at_level = level_box(box, level);
     const int columns = tile_columns(at_level), at = of < 0 ? actor_at : level_offset(box, level);
     normalise_tile(tile % columns, tile / columns, get_local_id(0), at_level, level, see.variance_floor, light + at,
-                   weight + at, (local float*)memory, of < 0 ? actor : camera + at);
+                   weight + at, (local float*)memory, somebody + turn, of < 0 ? actor : camera + at);
+    if (get_local_id(0) == 0) somebody[turn ^ 1] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
   }
   together &= all_arrived(state, 4 * n_groups, &given_up);
@@ -133,6 +140,5 @@ kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
                 see.min_facing, see.skin_range_mm, tints, off_tint, skin_vertices, limbs, albedo, skin_areas, is_skin,
                 skinned, normals, visible, projected, drawn_ids, drawn_depth, triangles, signed_distance, rgb, samples,
                 memory);
-  for (int i = back; together && i < n_clears; i += n_items) take_apart(i, n_pixels, both, depth, ids);
 }
 #endif

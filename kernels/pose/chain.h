@@ -50,9 +50,8 @@ typedef struct {
   local double* moved_px;   // [LC_POSE_MOVED] since the pose before
 } Chain;
 
-// constants, links: copied; for use after a barrier.
-static Chain chain_in(PoseLayout layout, global const double* restrict constants, global const int* restrict links,
-                      local double* memory) {
+// Without constants and links. For use after a barrier.
+static Chain chain_in(PoseLayout layout, local double* memory) {
   Chain c;
   c.constants = memory;
   c.turn = c.constants + LC_POSE_CHAIN_SIZE(layout);
@@ -64,8 +63,6 @@ static Chain chain_in(PoseLayout layout, global const double* restrict constants
   c.start = c.keypoints + 3 * LC_POSE_KEYPOINTS;
   c.moved_px = c.start + 3 * LC_POSE_KEYPOINTS;
   c.links = (local int*)(c.moved_px + LC_POSE_MOVED);
-  for (int i = get_local_id(0); i < LC_POSE_CHAIN_SIZE(layout); i += LC_POSE_GROUP) c.constants[i] = constants[i];
-  for (int i = get_local_id(0); i < LC_POSE_LINKS_SIZE(layout); i += LC_POSE_GROUP) c.links[i] = links[i];
   for (int i = LC_POSE_KEYPOINTS + (int)get_local_id(0); i < LC_POSE_MOVED; i += LC_POSE_GROUP) c.moved_px[i] = 0.0;
   return c;
 }

@@ -12,7 +12,9 @@ typedef int16 column_ids_t;
 #else
 typedef float8 columns_t;
 typedef int8 column_ids_t;
-#define LOAD_COLUMNS vload8
+// All columns lie at multiples of 16 bytes, which vload8 does not know.
+#define LOAD_COLUMNS(i, from) \
+  (float8)(((LC_POSE_SPACE const float4*)(from))[2 * (i)], ((LC_POSE_SPACE const float4*)(from))[2 * (i) + 1])
 #define FIRST_IDS (int8)(0, 1, 2, 3, 4, 5, 6, 7)
 #endif
 #define FILL_COLUMNS LC_POSE_FILL_COLUMNS(LC_CPU)

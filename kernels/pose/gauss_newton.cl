@@ -20,72 +20,48 @@
 #include "pose/point_records.cl"
 #include "pose/round_start.h"
 #include "pose/shading_records.cl"
-#include "shared/all_arrived.h"
+#include "shared/tagged.h"
 //
 #include "pose/fill_rows.cl"
-#include "pose/gram.cl"
+#include "pose/gram_parts.h"
 
 #define ROWS LC_POSE_GROUP_ROWS
+#define TAG ((uint)(steps.tag + taken))
 #if LC_POSE_TAKES_STEPS
 typedef double real64;
+typedef double2 real64_pair;
 #else
 typedef long real64;  // of arguments that are not used
+typedef long2 real64_pair;
 #endif
 
-// The part of the normal equations of ROWS rows of J, [n_tiles][8][8]: a quarter of a tile at a time. rows: n_columns
-// / 4 each.
-static void gram_of_rows(int n_columns, local const float4* rows, global float* part) {
-  const int n_tiles = n_columns / 8 * (n_columns / 8 + 1) / 2;
-  for (int i = get_local_id(0); i < n_tiles * 4; i += LC_POSE_GROUP) {
-    const int2 corner = tile_corner(i / 4, n_columns / 8);
-    const int y = i % 4 / 2 * 4, x = i % 2 * 4;
-    local const float4* above = rows + (corner.x + y) / 4;
-    local const float4* beside = rows + (corner.y + x) / 4;
-    float4 sums[4] = {0.0f, 0.0f, 0.0f, 0.0f};
-#pragma unroll 8
-    for (int row = 0; row < ROWS; ++row) {
-      const float4 left = above[row * (n_columns / 4)], right = beside[row * (n_columns / 4)];
-      sums[0] += left.x * right;
-      sums[1] += left.y * right;
-      sums[2] += left.z * right;
-      sums[3] += left.w * right;
-    }
-    for (int k = 0; k < 4; ++k) vstore4(sums[k], 0, part + i / 4 * 64 + (y + k) * 8 + x);
+// Copies from global to local memory: all that is asked for before the first number is kept is under way at once. A
+// work-item asks for COPIED; asked: the first of `from`.
+#define COPIED 4
+#define COPIES_OF(T)                                                                                   \
+  typedef struct {                                                                                     \
+    T of[COPIED];                                                                                      \
+  } T##_asked;                                                                                         \
+  static T##_asked ask_##T(int n, global const T* from) {                                              \
+    T##_asked asked;                                                                                   \
+    _Pragma("unroll") for (int k = 0; k < COPIED; ++k) {                                               \
+      const int i = get_local_id(0) + k * LC_POSE_GROUP;                                               \
+      asked.of[k] = i < n ? from[i] : 0;                                                               \
+    }                                                                                                  \
+    return asked;                                                                                      \
+  }                                                                                                    \
+  static void keep_##T(int n, T##_asked asked, global const T* from, local T* to) {                    \
+    _Pragma("unroll") for (int k = 0; k < COPIED; ++k) {                                               \
+      const int i = get_local_id(0) + k * LC_POSE_GROUP;                                               \
+      if (i < n) to[i] = asked.of[k];                                                                  \
+    }                                                                                                  \
+    for (int i = get_local_id(0) + COPIED * LC_POSE_GROUP; i < n; i += LC_POSE_GROUP) to[i] = from[i]; \
   }
-}
-
-// gram [n] of parts [n_parts][n], n a multiple of 32: so many entries a group at a time, in LC_POSE_GROUP / 32 sums
-// each.
-static void add_parts(int n, int n_parts, global const float* parts, global float* gram, local float* sums) {
-  const int id = get_local_id(0);
-  for (int first = 32 * get_group_id(0); first < n; first += 32 * get_num_groups(0)) {
-    float sum = 0.0f;
-#pragma unroll 8
-    for (int p = id / 32; p < n_parts; p += LC_POSE_GROUP / 32) sum += parts[p * n + first + id % 32];
-    sums[id] = sum;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    if (id < 32) {
-      for (int k = 1; k < LC_POSE_GROUP / 32; ++k) sum += sums[32 * k + id];
-      gram[first + id] = sum;
-    }
-    barrier(CLK_LOCAL_MEM_FENCE);
-  }
-}
-
-// Words that every work-item copies at most before the next ones wait for them.
-#define COPIED 8
-
-// All loads of a work-item are under way before the first one is waited for.
-static void copy_words(int n, global const float* restrict from, local float* restrict to) {
-  for (int first = get_local_id(0); first < n; first += COPIED * LC_POSE_GROUP) {
-    float words[COPIED];
-#pragma unroll
-    for (int k = 0; k < COPIED; ++k) words[k] = from[min(first + k * LC_POSE_GROUP, n - 1)];
-#pragma unroll
-    for (int k = 0; k < COPIED; ++k)
-      if (first + k * LC_POSE_GROUP < n) to[first + k * LC_POSE_GROUP] = words[k];
-  }
-}
+COPIES_OF(float)
+#if LC_POSE_TAKES_STEPS
+COPIES_OF(int)
+COPIES_OF(double)
+#endif
 
 // steps.most steps from the state in the inputs on (steps.continues: from that in results) and the residuals where they
 // end; or, if that is negative, rows, residuals and parts there, by a group for each ROWS rows (without
@@ -93,8 +69,8 @@ static void copy_words(int n, global const float* restrict from, local float* re
 // kind from a multiple of ROWS on. Other arguments: layout.h and the functions that are called. Out: results: layout.h;
 // moved: how far a keypoint went, px, -1 after a failure; motions [8*n_bones]: dual quaternions where it ended; J
 // [n_rows*n_columns]; kept: layout.h, of such a solve and for the next; parts [n_parts][n_tiles][8][8] and their sum
-// gram. state: see all_arrived.h; next, chosen: of the launches that follow, set to 0.
-// rows: ROWS * n_columns floats; near: LC_POSE_NEAR_SIZE; memory: LC_POSE_LOCAL.
+// gram. state: [1], see tagged.h; next, chosen: of the launches that follow, set to 0.
+// rows: LC_POSE_ROWS_SIZE floats; near: LC_POSE_NEAR_SIZE; memory: LC_POSE_LOCAL.
 kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gauss_newton(
     PoseLayout layout, float4 camera, PoseContour contour, float keypoint_huber_px, float match_huber_px,
     float shading_huber, float sqrt_anatomic, PoseInputs at, PoseStepsArg steps, global const float* restrict inputs,
@@ -102,9 +78,9 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
     global const float* restrict limits, global const float* restrict rest, global const float* restrict rest_normals,
     global const float* restrict displacement, global const int* restrict bones, global const float* restrict weights,
     global const float* restrict distance, global const float* restrict from, global real64* kept,
-    global float* restrict J, global float* parts, global float* gram, global float* results,
+    global float* restrict J, volatile global ulong* parts, volatile global ulong* gram, global float* results,
     volatile global int* state, global float* moved, global float* motions, volatile global int* next,
-    volatile global int* chosen, local float4* rows, local float* near, local real64* memory) {
+    volatile global int* chosen, local float4* rows, local float4* near, local real64_pair* memory) {
   const int id = get_local_id(0), group = get_group_id(0), n_groups = get_num_groups(0);
   const int n_columns = layout.n_columns, n_point = LC_POSE_POINT_ROWS + 2 * layout.n_dofs + layout.n_soles;
   global const int* counts = (global const int*)(inputs + at.counts);
@@ -118,43 +94,62 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
     n_rows += n_of[kind];
   }
   global float* residuals = results + LC_POSE_RESULT_RESIDUALS(layout);
-  local float* step = near;
+  local float* moved_by = (local float*)near;
+  local float* step = moved_by + layout.n_bones * n_columns;
   local float* records = step + LC_POSE_STEP_SIZE(layout);
   local float* of_rows = records + ROWS * LC_POSE_RECORD;
   local float* targets = of_rows + ROWS;
   local float* ground = targets + LC_POSE_TARGET * LC_POSE_KEYPOINTS;
-  for (int i = id; i < LC_POSE_TARGET * LC_POSE_KEYPOINTS; i += LC_POSE_GROUP) targets[i] = inputs[at.targets + i];
-  for (int i = id; i < LC_POSE_GROUND_STANDS + layout.n_soles; i += LC_POSE_GROUP) ground[i] = inputs[at.ground + i];
-  local float* moved_by = ground + LC_POSE_GROUND_STANDS + layout.n_soles;
-  copy_words(layout.n_bones * n_columns, moves, moved_by);
+  const int n_moves = layout.n_bones * n_columns, n_targets = LC_POSE_TARGET * LC_POSE_KEYPOINTS;
+  const int n_ground = LC_POSE_GROUND_STANDS + layout.n_soles;
+  const float_asked of_moves = ask_float(n_moves, moves), of_targets = ask_float(n_targets, inputs + at.targets);
+  const float_asked of_ground = ask_float(n_ground, inputs + at.ground);
 #if LC_POSE_TAKES_STEPS
   (void)from;
-  if (moved[0] < steps.least_moved_px) return;
   local int given_up, finite[2];
-  local double* unknowns = memory;
+  local double* unknowns = (local double*)memory + LC_POSE_SOLVE_LOCAL(layout);
   local double* chain_memory = unknowns + LC_POSE_STATE_SIZE(layout);
-  const Chain chain = chain_in(layout, constants, links, chain_memory);
-  int arrived = steps.arrived, together = 1, status = LC_POSE_SOLVED, taken = 0, has_chain = 0;
-  global const double* first = (global const double*)(steps.continues ? results : inputs + at.start);
-  for (int i = id; i < LC_POSE_STATE_SIZE(layout); i += LC_POSE_GROUP) unknowns[i] = first[i];
+  const Chain chain = chain_in(layout, chain_memory);
+  int together = 1, status = LC_POSE_SOLVED, taken = 0, has_chain = 0;
+  const int n_state = LC_POSE_STATE_SIZE(layout), n_keypoints = steps.continues ? 3 * LC_POSE_KEYPOINTS : 0;
+  const int n_step = steps.continues ? LC_POSE_STEP_SIZE(layout) : 0;
+  const int n_constants = LC_POSE_CHAIN_SIZE(layout), n_links = LC_POSE_LINKS_SIZE(layout);
+  global const double* state_before = (global const double*)(steps.continues ? results : inputs + at.start);
   global float* kept_step = (global float*)(kept + 3 * LC_POSE_KEYPOINTS);
-  for (int i = id; steps.continues && i < 3 * LC_POSE_KEYPOINTS; i += LC_POSE_GROUP) chain.keypoints[i] = kept[i];
-  copy_words(steps.continues ? LC_POSE_STEP_SIZE(layout) : 0, kept_step, step);
+  const double_asked of_state = ask_double(n_state, state_before), of_keypoints = ask_double(n_keypoints, kept);
+  const double_asked of_constants = ask_double(n_constants, constants);
+  const float_asked of_step = ask_float(n_step, kept_step);
+  const int_asked of_links = ask_int(n_links, links);
+  const bool adds = group < n_parts || ADDED * group < LC_POSE_GRAM_SIZE(layout);
+  if (moved[0] < steps.least_moved_px || !adds) return;
+  if (id == 0) given_up = 0;
+  keep_double(n_state, of_state, state_before, unknowns);
+  keep_double(n_keypoints, of_keypoints, kept, chain.keypoints);
+  keep_double(n_constants, of_constants, constants, chain.constants);
+  keep_float(n_step, of_step, kept_step, step);
+  keep_int(n_links, of_links, links, chain.links);
+#else
+  for (int i = id; i < LC_POSE_STEP_SIZE(layout); i += LC_POSE_GROUP) step[i] = from[i];
+#endif
+  keep_float(n_moves, of_moves, moves, moved_by);
+  keep_float(n_targets, of_targets, inputs + at.targets, targets);
+  keep_float(n_ground, of_ground, inputs + at.ground, ground);
   barrier(CLK_LOCAL_MEM_FENCE);
+#if LC_POSE_TAKES_STEPS
+  start_round(steps.continues, layout, steps, inputs + at.soles_before, chain, (local double*)memory, unknowns, step,
+              targets, ground);
   while (true) {
     const bool is_posed = taken == 0 && steps.continues;
     pose_chain(!is_posed, layout, unknowns, chain);
     has_chain |= !is_posed;
     const double moved_px = write_step(!is_posed, layout, camera, unknowns, chain, step);
-    start_round(taken == 0, layout, steps, inputs + at.soles_before, chain, unknowns, step, targets, ground);
+    for (int i = id; taken == 0 && i < 3 * LC_POSE_KEYPOINTS; i += LC_POSE_GROUP) chain.start[i] = chain.keypoints[i];
     const int is_last = taken >= steps.most || (taken > 0 && moved_px < steps.settled_px);
     const int counts_rows = !is_last || steps.most < 0, n_made = is_last && !steps.tells ? 0 : n_parts;
 #else
   (void)constants, (void)kept, (void)gram, (void)state, (void)memory, (void)moved, (void)motions, (void)next,
       (void)chosen;
-  for (int i = id; i < LC_POSE_STEP_SIZE(layout); i += LC_POSE_GROUP) step[i] = from[i];
-  barrier(CLK_LOCAL_MEM_FENCE);
-  const int counts_rows = 1, n_made = n_parts;
+  const int counts_rows = 1, n_made = n_parts, taken = 0;
   {
 #endif
     for (int part = group; part < n_made; part += n_groups) {
@@ -201,19 +196,21 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
         rows[i * 2 + 1] = value.hi;
       }
       barrier(CLK_LOCAL_MEM_FENCE);
-      if (counts_rows) gram_of_rows(n_columns, rows, parts + part * LC_POSE_GRAM_SIZE(layout));
-      barrier(CLK_LOCAL_MEM_FENCE);
+      if (counts_rows)
+        gram_of_rows(n_columns, (local const float2*)rows, TAG, parts + part * LC_POSE_GRAM_SIZE(layout));
+      barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
     }
 #if LC_POSE_TAKES_STEPS
     if (is_last) break;
-    arrived += n_groups;
-    together &= all_arrived(state, arrived, &given_up);
-    add_parts(LC_POSE_GRAM_SIZE(layout), n_parts, parts, gram, (local float*)rows);
-    arrived += n_groups;
-    together &= all_arrived(state, arrived, &given_up);
+    // Of two steps on end: some groups may still read the last sum. No group is two behind, since each has parts to add
+    // or sums to tell that all others wait for.
+    volatile global ulong* sum = gram + TAG % 2 * LC_POSE_GRAM_SIZE(layout);
+    add_parts(LC_POSE_GRAM_SIZE(layout), n_parts, parts, TAG, sum, state, &given_up, (local float*)rows);
+    together = take_gram(LC_POSE_GRAM_SIZE(layout), sum, TAG, state, &given_up, (local float*)rows);
     if (group == 0 && id == 0)
-      results[LC_POSE_RESULT_ENERGY(layout) + taken] = gram_entry(layout, gram, layout.n_unknowns, layout.n_unknowns);
-    status = damped_step(layout, steps, gram, chain_memory + LC_POSE_CHAIN_LOCAL(layout), finite, unknowns);
+      results[LC_POSE_RESULT_ENERGY(layout) + taken] =
+          gram_entry(layout, (local const float*)rows, layout.n_unknowns, layout.n_unknowns);
+    status = damped_step(layout, steps, (local const float*)rows, (local double*)memory, finite, unknowns);
     ++taken;
     if (!together || status != LC_POSE_SOLVED) break;
   }
@@ -249,13 +246,13 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
 #endif
 }
 
-// Over the entries of gram [n_tiles][8][8].
-kernel void pose_sum_parts(int n, int n_parts, global const float* restrict parts, global float* restrict gram) {
+// Over the entries of gram [n_tiles][8][8], not tagged.
+kernel void pose_sum_parts(int n, int n_parts, global const ulong* restrict parts, global float* restrict gram) {
   const int i = get_global_id(0);
   if (i >= n) return;
   float sum = 0.0f;
 #pragma unroll 8
-  for (int p = 0; p < n_parts; ++p) sum += parts[p * n + i];
+  for (int p = 0; p < n_parts; ++p) sum += untagged(parts[p * n + i]);
   gram[i] = sum;
 }
 

@@ -1,7 +1,7 @@
 // Sizes and places that the host and the kernels of the pose stage agree on. Read by both compilers.
 //
 // Unknowns: [rotation vector 3 | t 3 | joint angles n_dofs | t' 3]. J has one row per residual and n_columns columns:
-// the unknowns, the residual itself in column n_unknowns, zeros up to a multiple of 16.
+// the unknowns, the residual itself in column n_unknowns, zeros up to a multiple of 16, on GPUs 8.
 // Rows: 8 per keypoint (2D 2, 3D 3, temporal 3), two per joint angle (first anatomic of all, then rest), one per point
 // of the soles (floor), one per contour vertex, two per match, one per shaded vertex. Positions marked "root-relative"
 // are camera-frame vectors from the root's origin t: floats keep more of them.
@@ -54,7 +54,7 @@
 typedef struct {
   int n_dofs;
   int n_unknowns;  // n_dofs + 9
-  int n_columns;   // n_unknowns + 1, rounded up to a multiple of 16
+  int n_columns;   // n_unknowns + 1, rounded up to a multiple of LC_POSE_FILL_COLUMNS
   int n_bones;
   int n_soles;  // points of the soles
 } PoseLayout;
@@ -154,9 +154,9 @@ typedef struct {
 #ifndef LC_POSE_SYSTEM_SIDE
 #define LC_POSE_SYSTEM_SIDE 48
 #endif
-#define LC_POSE_SOLVE_LOCAL(layout) (13 * LC_POSE_SIDE(layout))
+#define LC_POSE_SOLVE_LOCAL(layout) (12 * LC_POSE_SIDE(layout))
 #define LC_POSE_LOCAL(layout) (LC_POSE_STATE_SIZE(layout) + LC_POSE_CHAIN_LOCAL(layout) + LC_POSE_SOLVE_LOCAL(layout))
-// In floats: the step, records and residuals of a group's rows, targets, ground, which column moves which bone.
+// In floats: which column moves which bone, the step, records and residuals of a group's rows, targets, ground.
 #define LC_POSE_NEAR_SIZE(layout)                                                                               \
   (LC_POSE_STEP_SIZE(layout) + LC_POSE_GROUP_ROWS * (LC_POSE_RECORD + 1) + LC_POSE_TARGET * LC_POSE_KEYPOINTS + \
    LC_POSE_GROUND_STANDS + (layout).n_soles + (layout).n_bones * (layout).n_columns)
@@ -166,10 +166,14 @@ typedef struct {
 
 // Entries of [J | F]^T [J | F] in gram.cl's tiles.
 #define LC_POSE_GRAM_SIZE(layout) ((layout).n_columns * ((layout).n_columns + 8) / 2)
+// Floats of the local memory where gauss_newton.cl has a group's rows of J, then those.
+#define LC_POSE_ROWS_SIZE(layout)                                                                                \
+  (LC_POSE_GROUP_ROWS * (layout).n_columns > LC_POSE_GRAM_SIZE(layout) ? LC_POSE_GROUP_ROWS * (layout).n_columns \
+                                                                       : LC_POSE_GRAM_SIZE(layout))
 
 typedef struct {
   int most;           // steps; -1: none, the normal equations of the state or step that was uploaded
-  int arrived;        // see all_arrived.h
+  int tag;            // of the first step's sums, see tagged.h; of those after it the next ones
   int write_rows;     // whether J is written as well
   float settled_px;   // no further step after one that moves no keypoint so far
   float damping_own;  // see PoseOptions

@@ -18,27 +18,19 @@ static inline void clear_both(int i, int n_pixels, global ulong* restrict both) 
   if ((end - first) % 2) both[end - 1] = LC_NOT_DRAWN;
 }
 
-// What draw_nearest and draw_ids find, in one pass.
-static inline void draw_both(int item, int width, int height, int cull, global const float* restrict projected,
-                             global const int* restrict triangles, global ulong* restrict both) {
-  const int t = item / LC_RASTER_SHARE;
+// What draw_nearest and draw_ids find, in one pass. share: work-items of a triangle, every so many rows each.
+static inline void draw_both(int item, int share, int width, int height, int cull,
+                             global const float* restrict projected, global const int* restrict triangles,
+                             global ulong* restrict both) {
+  const int t = item / share;
   const RasterTriangles tri = raster_triangles(t, width, height, cull, projected, triangles);
   if (!tri.covers) return;
   const RasterTriangle edges = one_triangle(&tri, 0);
-  for (int y = tri.y0 + item % LC_RASTER_SHARE; y <= tri.y1; y += LC_RASTER_SHARE) {
+  for (int y = tri.y0 + item % share; y <= tri.y1; y += share) {
     for (int x = tri.x0; x <= tri.x1; ++x) {
       const float z = raster_depth(&edges, (float)x, (float)y);
       if (z < INFINITY) atom_min(both + y * width + x, ((ulong)as_uint(z) << 32) | (uint)t);
     }
-  }
-}
-
-// Each in its buffer, of LC_RASTER_CLEAR pixels.
-static inline void take_apart(int i, int n_pixels, global const ulong* restrict both, global float* restrict depth,
-                              global int* restrict ids) {
-  for (int p = LC_RASTER_CLEAR * i; p < min(LC_RASTER_CLEAR * (i + 1), n_pixels); ++p) {
-    depth[p] = as_float((uint)(both[p] >> 32));
-    ids[p] = (int)(uint)both[p];
   }
 }
 

@@ -271,8 +271,7 @@ std::optional<PoseStage::Solution> PoseStage::solve_ahead(const PoseStageInput& 
                  .normals = normals_,
                  .moved = system.moved(),
                  .least_moved_px = k > 0 ? float(rounds[k].least_moved_px) : -INFINITY,
-                 .state = system.look_state(),
-                 .next = system.steps_state()});
+                 .state = system.look_state()});
     if (k == 0 && !solver_.begin_rounds(rounds, known)) return std::nullopt;  // while the device looks
     SeenVertices seen = known;
     seen.contour = &visibility_.contour();

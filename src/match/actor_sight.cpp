@@ -22,7 +22,7 @@ ActorSight::ActorSight(ocl::DeviceContext& device, const Camera& camera, Skinner
     return;
   n_groups_ = std::max<size_t>(device.info().compute_units, 1);
   kernel_ = ocl::Kernel(device, "match/see_actor.cl", "see_actor");
-  both_ = ocl::Buffer<uint64_t>(device, rasterizer.depth_.size());
+  drawn_ = ocl::Buffer<uint64_t>(device, rasterizer.depth_.size());
   usable_ = true;
 }
 
@@ -60,9 +60,9 @@ void ActorSight::look(const Look& look) {
       look.candidates ? *look.candidates : visibility_.all_candidates_, m.uvs_, m.texture_, m.areas_, look.share,
       shades ? s.vertices_ : no_ints, shades ? s.limbs_ : no_ints, shades ? s.albedo_ : no_floats,
       shades ? s.areas_ : no_floats, shades ? s.is_skin_ : look.frame.rgb, look.frame.rgb, look.frame.signed_distance,
-      look.skinned, look.normals, rasterizer_.projected_, both_, rasterizer_.depth_, rasterizer_.ids_,
-      visibility_.visible_, visibility_.contour_, m.light_, m.weight_, m.depth_, m.actor_, m.camera_, m.matches_,
-      shades ? s.samples_ : look.normals, look.state, look.next, ocl::LocalMemory{sizeof(float) * LC_SEE_LOCAL});
+      look.skinned, look.normals, rasterizer_.projected_, drawn_, visibility_.visible_, visibility_.contour_, m.light_,
+      m.weight_, m.depth_, m.actor_, m.camera_, m.matches_, shades ? s.samples_ : look.normals, look.state,
+      ocl::LocalMemory{sizeof(float) * LC_SEE_LOCAL});
 }
 
 }  // namespace livecap

@@ -1,6 +1,6 @@
 // All that a round of stage I sees of the actor, in one launch (kernels/match/see_actor.cl): what Skinner,
 // DepthRasterizer, SurfaceVisibility, TextureMatcher and SkinShading launch one after the other, left where they leave
-// it. On GPUs whose work-groups can wait for each other and that have atomics of 64 bits.
+// it but for what was drawn. On GPUs whose work-groups can wait for each other and that have atomics of 64 bits.
 #pragma once
 
 #include "actor/skinner.h"
@@ -38,10 +38,11 @@ class ActorSight {
     const ocl::Buffer<float>& moved;  // nothing is done where it holds less than
     float least_moved_px;
     const ocl::Buffer<int32_t>& state;  // see ocl/groups_together.h, 0 before
-    const ocl::Buffer<int32_t>& next;   // set to 0
   };
   // Enqueued, nothing blocks.
   void look(const Look& look);
+  // [w*h] depth and triangle of each pixel, see raster/depth_and_id.h.
+  const ocl::Buffer<uint64_t>& drawn() const { return drawn_; }
 
  private:
   Skinner& skinner_;
@@ -50,7 +51,7 @@ class ActorSight {
   TextureMatcher& matcher_;
   SkinShading& shading_;
   PinholeArg pinhole_;
-  ocl::Buffer<uint64_t> both_;  // [w*h] depth and triangle of each pixel, see raster/depth_and_id.h
+  ocl::Buffer<uint64_t> drawn_;
   size_t n_groups_ = 1;
   bool usable_ = false;
   ocl::Kernel kernel_;

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "base/round_up.h"
 #include "base/text.h"
@@ -33,7 +34,7 @@ void require(bool ok, const std::string& message) {
 
 // Of a work-group that takes steps by itself, and a few integers.
 size_t local_bytes(const PoseLayout& layout) {
-  return sizeof(float) * (LC_POSE_GROUP_ROWS * layout.n_columns + LC_POSE_NEAR_SIZE(layout)) +
+  return sizeof(float) * (LC_POSE_ROWS_SIZE(layout) + LC_POSE_NEAR_SIZE(layout)) +
          sizeof(double) * LC_POSE_LOCAL(layout) + 64;
 }
 
@@ -68,13 +69,13 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
   const Skeleton& skeleton = actor.skeleton;
   layout_.n_dofs = skeleton.n_dofs();
   layout_.n_unknowns = layout_.n_dofs + 9;
-  layout_.n_columns = int(round_up(layout_.n_unknowns + 1, LC_POSE_SLICE));
+  is_cpu_ = device.is_cpu();
+  layout_.n_columns = int(round_up(layout_.n_unknowns + 1, LC_POSE_FILL_COLUMNS(is_cpu_)));
   layout_.n_bones = skeleton.n_bones();
   layout_.n_soles = int(points_.soles.size());
   n_point_rows_ = LC_POSE_POINT_ROWS + 2 * layout_.n_dofs + layout_.n_soles;
   const int side = layout_.n_columns / kTile;
   n_tiles_ = side * (side + 1) / 2;
-  is_cpu_ = device.is_cpu();
   lanes_ = device.lanes();
 
   // Every column but t' and the residual's moves bones: the root's six all of them, a joint those below it.
@@ -115,7 +116,9 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
     groups_ = ocl::GroupsTogether(device, most_parts);
     takes_steps_ = device.info().has_double && local_bytes(layout_) <= device.info().local_memory_bytes;
     chain_ = ocl::Buffer<double>(device, chain_constants(layout_, points_));
-    parts_ = ocl::Buffer<float>(device, most_parts * gram_.size());
+    parts_ = ocl::Buffer<uint64_t>(device, most_parts * gram_.size());
+    sums_ = ocl::Buffer<uint64_t>(device, 2 * gram_.size());
+    for (ocl::Buffer<uint64_t>* words : {&parts_, &sums_}) words->fill(0);
     most_rows_ = n_point_rows_ + 2 * n_contour + 2 * n_matches + n_shaded;
     results_ = ocl::Buffer<float>(device, LC_POSE_RESULT_RESIDUALS(layout_) + most_rows_);
     results_.fill(0);
@@ -123,10 +126,9 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
     motions_ = ocl::Buffer<float>(device, size_t(8) * layout_.n_bones);
     kept_ = ocl::Buffer<double>(device, LC_POSE_KEPT(layout_));
     look_state_ = ocl::Buffer<int32_t>(device, 2);
-    steps_state_ = ocl::Buffer<int32_t>(device, 2);
     choice_state_ = ocl::Buffer<int32_t>(device, 6);
     moved_.fill(0);
-    for (ocl::Buffer<int32_t>* state : {&look_state_, &steps_state_, &choice_state_}) state->fill(0);
+    for (ocl::Buffer<int32_t>* state : {&look_state_, &choice_state_}) state->fill(0);
     const std::string option =
         format("-D LC_POSE_TAKES_STEPS=%d -D LC_POSE_SYSTEM_SIDE=%d", takes_steps_ ? 1 : 0, LC_POSE_SIDE(layout_));
     gauss_newton_kernel_ = ocl::Kernel(device, kGpuProgram, "pose_gauss_newton", option);
@@ -279,14 +281,14 @@ void PoseSystem::read_choice() {
 }
 
 // On GPUs.
-void PoseSystem::launch_gauss_newton(size_t n_groups, const PoseStepsArg& steps, const ocl::Buffer<int32_t>& state) {
+void PoseSystem::launch_gauss_newton(size_t n_groups, const PoseStepsArg& steps) {
   gauss_newton_kernel_.launch(
       n_groups * LC_POSE_GROUP, LC_POSE_GROUP, layout_, pinhole_, contour_arg(), float(options_.keypoint_2d_huber_px),
       float(options_.match_huber_px), float(options_.shading_huber), float(std::sqrt(options_.weights.anatomic)),
       inputs_.places(), steps, inputs_on_device_, chain_, links_, moves_, limits_, rest_, rest_normals_,
       displacement_ ? *displacement_ : rest_, bones_, weights_, frame_ ? frame_->signed_distance : rest_, step_, kept_,
-      J_, parts_, gram_, results_, state, moved_, motions_, look_state_, choice_state_,
-      ocl::LocalMemory{sizeof(float) * LC_POSE_GROUP_ROWS * layout_.n_columns},
+      J_, parts_, sums_, results_, groups_.state(), moved_, motions_, look_state_, choice_state_,
+      ocl::LocalMemory{sizeof(float) * LC_POSE_ROWS_SIZE(layout_)},
       ocl::LocalMemory{sizeof(float) * LC_POSE_NEAR_SIZE(layout_)},
       ocl::LocalMemory{takes_steps_ ? sizeof(double) * LC_POSE_LOCAL(layout_) : sizeof(double)});
 }
@@ -304,7 +306,7 @@ void PoseSystem::launch_normal_equations(bool write_rows) {
   none.write_rows = write_rows;
   none.tells = true;
   none.least_moved_px = -INFINITY;
-  launch_gauss_newton(n_parts(), none, groups_.state());
+  launch_gauss_newton(n_parts(), none);
 }
 
 std::optional<PoseSteps> PoseSystem::take_steps(const PoseState& start, int n_steps, double settled_px) {
@@ -312,17 +314,16 @@ std::optional<PoseSteps> PoseSystem::take_steps(const PoseState& start, int n_st
   upload(start);
   if (seen_) launch_choice(n_slices_);
   PoseStepsArg steps = steps_arg(n_steps, settled_px);
-  steps.arrived = groups_.arrived();
-  launch_gauss_newton(groups_.n(), steps, groups_.state());
+  launch_gauss_newton(groups_.n(), steps);
   read_results(seen_ ? most_rows_ : n_rows() + n_contour());
   if (groups_.gave_up("pose", told(LC_POSE_RESULT_GAVE_UP(layout_)) != 0)) return std::nullopt;
-  groups_.launched(2 * size_t(told(LC_POSE_RESULT_TAKEN(layout_))));
   return steps_read();
 }
 
-PoseStepsArg PoseSystem::steps_arg(int n_steps, double settled_px) const {
+PoseStepsArg PoseSystem::steps_arg(int n_steps, double settled_px) {
+  const uint32_t first_tag = std::exchange(tag_, tag_ + std::max(n_steps, 0));
   return {.most = n_steps,
-          .arrived = 0,
+          .tag = std::bit_cast<int32_t>(first_tag),
           .write_rows = 0,
           .settled_px = float(settled_px),
           .damping_own = float(options_.damping_own),
@@ -366,7 +367,7 @@ void PoseSystem::launch_round(const Round& round, const SeenVertices& seen) {
   steps.doubt_mm = float(round.doubt_3d_mm);
   steps.rests = rests_;
   steps.tells = round.tells;
-  launch_gauss_newton(groups_.n(), steps, steps_state_);
+  launch_gauss_newton(groups_.n(), steps);
   inputs_.select_round(0);
 }
 

@@ -106,13 +106,12 @@ class PoseSystem {
   };
   std::optional<Rounds> read_rounds();
   // Of the rounds: how far the last one moved a keypoint, its bones' motions, and for launches of groups that wait
-  // for each other between two rounds their state and that of the steps (kernels/shared/all_arrived.h).
+  // for each other between two rounds their state (kernels/shared/all_arrived.h).
   const ocl::Buffer<float>& moved() const { return moved_; }
   const ocl::Buffer<float>& motions() const { return motions_; }
   const ocl::Buffer<int32_t>& look_state() const { return look_state_; }
   // After a look that no round follows: the next one waits from the beginning.
   void forget_look() { look_state_.fill(0); }
-  const ocl::Buffer<int32_t>& steps_state() const { return steps_state_; }
 
   PoseNormalEquations assemble(const PoseState& state);
   PoseResiduals residuals(const PoseState& state);
@@ -139,8 +138,8 @@ class PoseSystem {
   void launch_records();
   void launch_rows();
   void launch_choice(size_t n_slices, float least_moved_px = -INFINITY);
-  void launch_gauss_newton(size_t n_groups, const PoseStepsArg& steps, const ocl::Buffer<int32_t>& state);
-  PoseStepsArg steps_arg(int n_steps, double settled_px) const;
+  void launch_gauss_newton(size_t n_groups, const PoseStepsArg& steps);
+  PoseStepsArg steps_arg(int n_steps, double settled_px);
   PoseSteps steps_read();
   int told(int place) const;
   size_t n_parts() const;
@@ -174,6 +173,7 @@ class PoseSystem {
   bool takes_steps_ = false;  // whether the device has what chain and solve there need
   bool chooses_ = false;      // likewise, for choose.cl
   ocl::GroupsTogether groups_;
+  uint32_t tag_ = 1;  // of the next step's sums (kernels/shared/tagged.h); wraps around
 
   ocl::Buffer<float> step_;  // as the host makes it
   ocl::Buffer<float> inputs_on_device_;
@@ -196,12 +196,12 @@ class PoseSystem {
   ocl::Buffer<float> shading_residuals_;
   ocl::Buffer<float> J_;
   ocl::Buffer<float> gram_;
-  ocl::Buffer<float> parts_;                       // of gram_, GPUs
-  ocl::Buffer<float> results_;                     // GPUs
-  ocl::Buffer<float> moved_, motions_;             // GPUs, see the rounds
-  ocl::Buffer<double> kept_;                       // likewise
-  ocl::Buffer<int32_t> look_state_, steps_state_;  // likewise
-  size_t n_slices_ = 1;                            // of choose.cl, and what they tell each other and wait with
+  ocl::Buffer<uint64_t> parts_, sums_;  // of gram_ and their sums, tagged, GPUs
+  ocl::Buffer<float> results_;          // GPUs
+  ocl::Buffer<float> moved_, motions_;  // GPUs, see the rounds
+  ocl::Buffer<double> kept_;            // likewise
+  ocl::Buffer<int32_t> look_state_;     // likewise
+  size_t n_slices_ = 1;                 // of choose.cl, and what they tell each other and wait with
   ocl::Buffer<int64_t> choice_told_;
   ocl::Buffer<int32_t> choice_state_;
   ocl::Kernel point_records_kernel_;

@@ -93,8 +93,8 @@ static inline row_t moved_rows(global const float* restrict camera, Places p, in
 }
 
 // Moves (dx, dy), px of this level, of the patches around the pixels (x, y), which it has. Returns their structure;
-// n = 0 where there is too little to see. correlation: of the two patches at the end. match_vertex() of patch_columns.h
-// does the same a column at a time; tests/match/texture_matcher_test.cpp holds them to each other.
+// n = 0 where there is too little to see. correlation: of the actor's patch and the camera's at the end. match_vertex()
+// of patch_columns.h does the same a column at a time; tests/match/texture_matcher_test.cpp holds them to each other.
 static Structure align(const Level* level, each_int_t x, each_int_t y, each_t depth, PatchOptions options, each_t* dx,
                        each_t* dy, each_t* correlation) {
   const each_t zero = 0.0f;

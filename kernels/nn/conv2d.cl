@@ -10,7 +10,7 @@
 #define NN_8_PIXELS(M) NN_6_PIXELS(M) M(6) M(7)
 
 // Weights are read once a frame, from the last level of the cache or from memory, page by page: asked for so many
-// input channels ahead.
+// input channels ahead where panels go two at a time.
 #define NN_AHEAD 32
 #if LC_CPU && defined(__has_builtin)
 #if __has_builtin(__builtin_prefetch)
@@ -52,7 +52,7 @@
     nn_store_panel(op, arena, at + p * op.out_channels + NN_PANEL, b##p, n - NN_PANEL); \
   }
 
-// Output channels from c on of pixels first..end-1, by a kernel of 1x1. Where the picture has as many pixels as a tile
+// Output channels from c on of pixels first..end-1, by a kernel of 1x1. Where there are as many pixels as in a tile
 // the last tile lies at the end, over pixels that are made already: to ask for every pixel whether there is one takes
 // as long as few input channels do.
 #define NN_POINT(p) global const float* x##p = x + p * op.in_channels;
@@ -72,7 +72,7 @@
     const int n = op.out_channels - c, panel_size = op.in_channels * NN_PANEL;                      \
     global const float* restrict w = weights + op.weight_offset + c / NN_PANEL * panel_size;        \
     global const float* restrict biases = weights + op.bias_offset + c;                             \
-    KIND##_BIAS if (end < COUNT) {                                                                  \
+    KIND##_BIAS if (end - first < COUNT) {                                                          \
       const int n_pixels = end - first;                                                             \
       NN_POINTWISE_TILE(KIND, COUNT, NN_POINT_OF_FEW)                                               \
       return;                                                                                       \

@@ -1,6 +1,5 @@
 // Forward kinematics on the device, in double as on the host (src/geometry/skeleton.h): from the unknowns to what the
-// row kernels need of a pose. By one work-group of LC_POSE_GROUP, all of whose memory is local: a wait of the groups
-// for each other empties the caches.
+// row kernels need of a pose. By one work-group of LC_POSE_GROUP, all of whose memory is local.
 #ifndef LC_POSE_CHAIN_H
 #define LC_POSE_CHAIN_H
 #include "pose/layout.h"

@@ -23,7 +23,7 @@ typedef struct {
   local double* diagonal;  // [SIDE] damped, before scaling
   local double* pivots;    // [SIDE] of L D L^T
   local double* step;      // [SIDE]
-  local double* lines;     // [2][4][SIDE] two rows and two columns, of this turn and the one before
+  local double* lines;     // [2][2][SIDE][2] two rows, two columns, of this turn and the last; then maxima, pivots
   local int* finite;       // [2] whether the system and its solution are
 } Solve;
 
@@ -110,7 +110,8 @@ static double inverse_of(double x) {
 }
 
 // Gauss-Jordan: the right-hand side becomes the solution. Pivots: every second one times the one before. Which of its
-// entries a work-item needs is known when this is compiled: SHARE loops of 8 turns each.
+// entries a work-item needs is known when this is compiled: SHARE loops of 8 turns each, or up to the
+// last unknown: what a loop up to a constant writes to local memory PoCL's code loses.
 static void eliminate(int n, Solve s, SystemPart* part) {
   const int tx = get_local_id(0) % 16, ty = get_local_id(0) / 16;
 #ifdef __NV_CL_C_VERSION  // PoCL takes minutes for it

@@ -1,6 +1,6 @@
 // Gauss-Newton steps on GPUs. A work-group makes LC_POSE_GROUP_ROWS rows of J at a time in local memory and their part
-// of [J | F]^T [J | F]; the parts are added in order. All steps of a solve are one launch: groups wait for each other
-// before the parts are added and before the step is solved for, which each does for itself, as it does with the
+// of [J | F]^T [J | F]; the parts are added in order. All steps of a solve are one launch: groups wait for
+// the parts that they add and for the sums (gram_parts.h), and each solves for the step by itself, as it does with the
 // kinematic chain. Where groups do not wait the host launches each step; without double precision
 // (LC_POSE_TAKES_STEPS 0) it does the chain, too.
 //
@@ -68,9 +68,9 @@ COPIES_OF(double)
 // LC_POSE_TAKES_STEPS: at `from`). Rows: point rows, then contour, then matches (two each), then shaded vertices, each
 // kind from a multiple of ROWS on. Other arguments: layout.h and the functions that are called. Out: results: layout.h;
 // moved: how far a keypoint went, px, -1 after a failure; motions [8*n_bones]: dual quaternions where it ended; J
-// [n_rows*n_columns]; kept: layout.h, of such a solve and for the next; parts [n_parts][n_tiles][8][8] and their sum
-// gram. state: [1], see tagged.h; next, chosen: of the launches that follow, set to 0.
-// rows: LC_POSE_ROWS_SIZE floats; near: LC_POSE_NEAR_SIZE; memory: LC_POSE_LOCAL.
+// [n_rows*n_columns]; kept: layout.h, of such a solve and for the next; parts [n_parts][n_tiles][8][8] and their
+// sums gram [2][n_tiles][8][8], of even and odd steps, tagged. state: [2], see tagged.h; next, chosen: of the launches
+// that follow, set to 0. rows: LC_POSE_ROWS_SIZE floats; near: LC_POSE_NEAR_SIZE; memory: LC_POSE_LOCAL.
 kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gauss_newton(
     PoseLayout layout, float4 camera, PoseContour contour, float keypoint_huber_px, float match_huber_px,
     float shading_huber, float sqrt_anatomic, PoseInputs at, PoseStepsArg steps, global const float* restrict inputs,
@@ -120,8 +120,8 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
   const double_asked of_constants = ask_double(n_constants, constants);
   const float_asked of_step = ask_float(n_step, kept_step);
   const int_asked of_links = ask_int(n_links, links);
-  const bool adds = group < n_parts || ADDED * group < LC_POSE_GRAM_SIZE(layout);
-  if (moved[0] < steps.least_moved_px || !adds) return;
+  const bool takes_part = group < n_parts || ADDED * group < LC_POSE_GRAM_SIZE(layout);
+  if (moved[0] < steps.least_moved_px || !takes_part) return;
   if (id == 0) given_up = 0;
   keep_double(n_state, of_state, state_before, unknowns);
   keep_double(n_keypoints, of_keypoints, kept, chain.keypoints);
@@ -143,6 +143,7 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
     pose_chain(!is_posed, layout, unknowns, chain);
     has_chain |= !is_posed;
     const double moved_px = write_step(!is_posed, layout, camera, unknowns, chain, step);
+    // Read at the end, after the barriers of the parts.
     for (int i = id; taken == 0 && i < 3 * LC_POSE_KEYPOINTS; i += LC_POSE_GROUP) chain.start[i] = chain.keypoints[i];
     const int is_last = taken >= steps.most || (taken > 0 && moved_px < steps.settled_px);
     const int counts_rows = !is_last || steps.most < 0, n_made = is_last && !steps.tells ? 0 : n_parts;
@@ -202,8 +203,8 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
     }
 #if LC_POSE_TAKES_STEPS
     if (is_last) break;
-    // Of two steps on end: some groups may still read the last sum. No group is two behind, since each has parts to add
-    // or sums to tell that all others wait for.
+    // Of two steps on end: some groups may still read the last sum. No group is two behind, since each makes parts
+    // or sums that all others wait for.
     volatile global ulong* sum = gram + TAG % 2 * LC_POSE_GRAM_SIZE(layout);
     add_parts(LC_POSE_GRAM_SIZE(layout), n_parts, parts, TAG, sum, state, &given_up, (local float*)rows);
     together = take_gram(LC_POSE_GRAM_SIZE(layout), sum, TAG, state, &given_up, (local float*)rows);

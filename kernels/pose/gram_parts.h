@@ -49,7 +49,7 @@ static void add_parts(int n, int n_parts, volatile global const ulong* parts, ui
     }
     sums[id] = sum;
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (id < ADDED) {
+    if (id < ADDED && !*given_up) {  // else the others wait in vain, as they should
       for (int k = 1; k < PARTS_APART; ++k) sum += sums[ADDED * k + id];
       gram[first + id] = tagged(sum, tag);
     }

@@ -143,7 +143,7 @@ typedef struct {
 #define LC_POSE_LINKS_NEXT(layout) (LC_POSE_LINKS_FIRST(layout) + (layout).n_bones)
 #define LC_POSE_LINKS_SIZE(layout) (LC_POSE_LINKS_NEXT(layout) + (layout).n_dofs)
 
-// Local memory of gauss_newton.cl. In doubles: state, posed chain, damped system.
+// Local memory of gauss_newton.cl. In doubles: damped system (before the steps: a round's start), state, posed chain.
 #define LC_POSE_MOVED ((LC_POSE_KEYPOINTS + 3) / 4 * 4)
 #define LC_POSE_CHAIN_LOCAL(layout)                                                                                   \
   (LC_POSE_CHAIN_SIZE(layout) + 11 * (layout).n_bones + 8 * (layout).n_dofs + 6 * LC_POSE_KEYPOINTS + LC_POSE_MOVED + \
@@ -166,7 +166,7 @@ typedef struct {
 
 // Entries of [J | F]^T [J | F] in gram.cl's tiles.
 #define LC_POSE_GRAM_SIZE(layout) ((layout).n_columns * ((layout).n_columns + 8) / 2)
-// Floats of the local memory where gauss_newton.cl has a group's rows of J, then those.
+// Floats of the local memory where gauss_newton.cl has a group's rows of J, then the sum of all parts.
 #define LC_POSE_ROWS_SIZE(layout)                                                                                \
   (LC_POSE_GROUP_ROWS * (layout).n_columns > LC_POSE_GRAM_SIZE(layout) ? LC_POSE_GROUP_ROWS * (layout).n_columns \
                                                                        : LC_POSE_GRAM_SIZE(layout))

@@ -1,7 +1,8 @@
 // Numbers that work-groups of one launch hand to each other without all waiting for all (all_arrived.h): each stands in
 // one word of 64 bits with a tag, so that who reads it sees whether it is there yet. A word is written and read at once
 // or not at all, and nothing else is handed over with it, so that no fence is needed and caches keep what they have.
-// What holds for waits of all groups holds for these: all must run at once, one that lasts too long is given up.
+// What holds for waits of all groups holds for these: all must run at once, one that lasts too long is given up, and
+// so is every one where the compiler offers no fence, since nothing is known there of groups and of whole words.
 #ifndef LC_SHARED_TAGGED_H
 #define LC_SHARED_TAGGED_H
 #include "shared/all_arrived.h"
@@ -32,6 +33,8 @@ static int take_tagged(int at_once, int first, int stride, int end, volatile glo
     for (int k = 0; k < at_once; ++k) missing |= first + k * stride < end && (uint)(taken[k] >> 32) != tag;
 #ifdef FENCE_OF_DEVICE
     if (missing && looks < MOST_LOOKS && (looks % 1024 || !state[1])) continue;
+#else
+    missing |= get_num_groups(0) > 1;
 #endif
     break;
   }

@@ -15,6 +15,11 @@ constexpr int kBlock = 32;       // LC_BLOCK
 constexpr int kMaxSize = 16000;
 constexpr size_t kLocal = 16;
 
+// Words that a work-item of row_distances needs at most, for planes of this stride: LC_ROW_SCRATCH.
+size_t row_scratch(int stride) {
+  return size_t(stride) + kLanes + stride / kLanes + 2;
+}
+
 int blocks_of(int pixels) {
   return (pixels + kBlock - 1) / kBlock;
 }
@@ -34,7 +39,7 @@ DeviceDistanceField::DeviceDistanceField(ocl::DeviceContext& device, int width, 
   const size_t n = size_t(stride_) * height;
   if (is_cpu_) {
     steps_ = ocl::Buffer<uint16_t>(device, n);
-    row_scratch_ = ocl::Buffer<int32_t>(device, size_t(2) * stride_ * ((height + kBand - 1) / kBand));
+    row_scratch_ = ocl::Buffer<int32_t>(device, row_scratch(stride_) * ((height + kBand - 1) / kBand));
   } else {
     far_to_inside_ = ocl::Buffer<int32_t>(device, n);
     far_to_outside_ = ocl::Buffer<int32_t>(device, n);

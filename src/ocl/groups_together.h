@@ -1,5 +1,5 @@
-// Launches on a GPU whose work-groups wait for each other (kernels/shared/all_arrived.h): how many groups there may be,
-// what they count with, and whether it works on the device at all.
+// Launches on a GPU whose work-groups wait for each other (kernels/shared/all_arrived.h) or for each other's numbers
+// (kernels/shared/tagged.h): how many groups there may be, what they count with, and whether it works on the device.
 //   kernel.launch(groups.n() * local, local, first, end, groups.arrived(), ..., groups.state());
 //   groups.launched(end - first - 1);
 #pragma once

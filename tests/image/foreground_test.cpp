@@ -244,8 +244,8 @@ TEST(Foreground, AgreesWithPlainCpp) {
   });
 }
 
-// A crop's mask that the device lays over the picture is the one that OpenCV lays there: one with no two pixels alike,
-// and one that is the same nearly everywhere.
+// A crop's mask that the device lays over the picture is the one that OpenCV lays there: a vague one, and one
+// that is the same nearly everywhere.
 TEST(Foreground, ACropsMaskIsLaidOverThePicture) {
   const PersonMask vague = vague_mask();
   CropMask crop{{64, 64, {}}, {0.31, 0.07, -9.3, -0.07, 0.31, 4.6}, {5, 11, kWidth - 3, kHeight}};

@@ -69,6 +69,8 @@ TEST(Layers, Convolutions) {
       {8, 8, 48, 63, 1, 1, window(1, 1, 0, 0, 0, 0), Activation::kRelu},
       {13, 5, 24, 64, 1, 1, window(1, 1, 0, 0, 0, 0), Activation::kNone},
       {9, 7, 33, 65, 1, 1, window(1, 1, 0, 0, 0, 0), Activation::kNone},
+      {7, 7, 33, 65, 1, 1, window(1, 1, 0, 0, 0, 0), Activation::kNone},
+      {14, 14, 12, 24, 1, 1, window(1, 1, 0, 0, 0, 0), Activation::kRelu},
       {9, 7, 8, 24, 1, 1, window(2, 1, 0, 0, 0, 0), Activation::kNone},
       {19, 37, 3, 24, 3, 3, window(2, 1, 0, 1, 1, 0), Activation::kRelu6},
       {17, 29, 8, 1, 3, 3, window(1, 1, 1, 1, 1, 1), Activation::kNone},

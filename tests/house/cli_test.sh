@@ -7,6 +7,7 @@ source=$2
 dir=$(mktemp -d)
 trap 'chmod -R u+w "$dir"; rm -rf "$dir"' EXIT
 cd "$dir" || exit 1
+unset DISPLAY WAYLAND_DISPLAY SDL_VIDEODRIVER
 failures=0
 cases=0
 
@@ -152,8 +153,9 @@ expect 2 'nobody.invalid host' "${live[@]}" --vmc nobody.invalid:39539
 expect 2 'nonsense' "${live[@]}" --without nonsense
 expect 2 'video.mp4 no picture' live --video seq/video.mp4 --camera seq/camera.json --background-frames 99 --actor seq/actor.glb --model lite
 expect 1 'nonsense' "${live[@]}" --solver-device nonsense
+expect 2 'no window desktop DISPLAY' "${live[@]}" --show
 cases=$((cases + 1))
-if ! "$livecap" "${live[@]}" --vmc 127.0.0.1:39539 >out.txt 2>err.txt || ! grep -q '^pictures *6, tracked [1-6],' out.txt ||
+if ! SDL_VIDEODRIVER=dummy "$livecap" "${live[@]}" --show --vmc 127.0.0.1:39539 >out.txt 2>err.txt || ! grep -q '^pictures *6, tracked [1-6],' out.txt ||
   ! grep -qE '^sent +[1-9][0-9]* packets to 127.0.0.1:39539' out.txt; then
   echo "FAILED: live"
   sed 's/^/  | /' err.txt out.txt | head -20

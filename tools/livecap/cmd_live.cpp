@@ -20,6 +20,7 @@
 #include "image/pace.h"
 #include "image/video.h"
 #include "image/video_camera.h"
+#include "live_preview.h"
 #include "livecap/error.h"
 #include "livecap/live.h"
 #include "progress.h"
@@ -37,6 +38,7 @@ struct Options {
   double height_m = 0;
   bool no_surface = false;
   std::string vmc;
+  bool show = false;
   int64_t frames = -1;
 };
 
@@ -129,22 +131,30 @@ int run(const Options& options) {
   if (!options.vmc.empty()) receiver.emplace(options.vmc);
 
   std::optional<VmcEncoder> encoder;  // once the actor is known
+  std::optional<LivePreview> preview;
   Totals totals;
   Progress progress("live");
   LiveCapture capture(live, [&](const LiveResult& result) {
     totals.add(result.report);
     if (receiver && result.report.status != TrackStatus::kDropped)
       totals.sent += receiver->send(encoder->packet(result)) ? 1 : 0;
+    if (preview) preview->show(result);
     progress.update(totals.pictures, 0,
                     format("%s, %.0f ms behind, %lld dropped", track_status_name(result.report.status),
                            result.report.latency_ms, static_cast<long long>(totals.dropped)));
     return !interrupted();
   });
   encoder.emplace(capture.actor(), live.camera.floor);
+  if (options.show) preview.emplace(capture.actor(), live.camera, "LiveCap-CL: " + options.video);
 
   Pictures pictures(video, is_webcam(options.video));
   Frame frame;
-  while ((options.frames < 0 || pictures.n_good < options.frames) && !interrupted() && pictures.next(frame)) {
+  const auto goes_on = [&] {
+    return (options.frames < 0 || pictures.n_good < options.frames) && !interrupted() &&
+           !(preview && preview->closed());
+  };
+  for (int64_t index = 0; goes_on() && pictures.next(frame); ++index) {
+    if (preview) preview->expect(index, frame.image);
     if (!capture.push(picture_of(frame.image, frame.pts_ms / 1000))) break;
   }
   capture.close();
@@ -168,7 +178,7 @@ int run(const Options& options) {
 
 void add_live_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("live", "capture a person while it happens and send the skeleton on");
+  CLI::App* command = app.add_subcommand("live", "capture a person while it happens: show it, send the skeleton on");
 
   command->add_option("--video", options->video, "webcam:N, or a video file or folder of images at its own pace")
       ->required();
@@ -185,6 +195,8 @@ void add_live_command(CLI::App& app, Action& action) {
   command->add_option("--height", options->height_m, "scale the actor to this height, metres")
       ->check(CLI::PositiveNumber);
   command->add_option("--vmc", options->vmc, "HOST:PORT that listens to the Virtual Motion Capture protocol");
+  command->add_flag("--show", options->show,
+                    "the captured surface over the pictures in a window; closing it ends the run");
   command->add_option("--model", options->live.model, "lite, full, heavy or a .tflite file")->capture_default_str();
   command->add_flag("--no-surface", options->no_surface, "stage I only: the skinned pose");
   command->add_option("--without", options->live.without, "energy terms and components to switch off, comma-separated")

@@ -1,0 +1,89 @@
+#include "image/video_window.h"
+
+extern "C" {
+#include <libavformat/avformat.h>
+#ifdef LIVECAP_HAS_AVDEVICE
+#include <libavdevice/avdevice.h>
+#endif
+}
+
+#include <algorithm>
+#include <cstdlib>
+#include <vector>
+
+#include "base/text.h"
+#include "livecap/error.h"
+
+namespace livecap {
+
+struct VideoWindow::Device {
+  int width = 0, height = 0;
+  AVFormatContext* muxer = nullptr;
+  AVPacket* packet = av_packet_alloc();
+  int64_t next_pts = 0;
+  bool open = false;
+
+  ~Device() {
+    if (open) av_write_trailer(muxer);
+    av_packet_free(&packet);
+    avformat_free_context(muxer);
+  }
+};
+
+#ifdef LIVECAP_HAS_AVDEVICE
+
+VideoWindow::VideoWindow(const std::string& title, int width, int height) : device_(std::make_unique<Device>()) {
+  av_log_set_level(AV_LOG_QUIET);
+#ifdef __linux__
+  // Left alone, SDL would open a window that nobody sees where there is no desktop.
+  setenv("SDL_VIDEODRIVER", std::getenv("WAYLAND_DISPLAY") ? "wayland,x11" : "x11", 0);
+#endif
+  avdevice_register_all();
+  device_->width = width;
+  device_->height = height;
+  if (avformat_alloc_output_context2(&device_->muxer, nullptr, "sdl2", title.c_str()) < 0 &&
+      avformat_alloc_output_context2(&device_->muxer, nullptr, "sdl", title.c_str()) < 0)
+    throw ConfigError("no window: this FFmpeg has no SDL output device");
+  AVStream* stream = avformat_new_stream(device_->muxer, nullptr);
+  if (!stream || !device_->packet) throw ConfigError("no window: out of memory");
+  stream->codecpar->codec_type = AVMEDIA_TYPE_VIDEO;
+  stream->codecpar->codec_id = AV_CODEC_ID_RAWVIDEO;
+  stream->codecpar->format = AV_PIX_FMT_RGB24;
+  stream->codecpar->width = width;
+  stream->codecpar->height = height;
+  device_->open = avformat_write_header(device_->muxer, nullptr) >= 0;
+  // FFmpeg 5.1 says only when it is given a picture that SDL found no desktop.
+  if (!show({width, height, std::vector<uint8_t>(size_t(3) * width * height)}))
+    throw ConfigError("no window can be opened: there is no desktop (is DISPLAY or WAYLAND_DISPLAY set?)");
+}
+
+bool VideoWindow::show(const ImageRgb& image) {
+  if (image.width != device_->width || image.height != device_->height ||
+      image.pixels.size() != size_t(3) * image.width * image.height)
+    throw LogicError(format("picture of %dx%d shown in a window of %dx%d", image.width, image.height, device_->width,
+                            device_->height));
+  if (!device_->open) return false;
+  if (av_new_packet(device_->packet, static_cast<int>(image.pixels.size())) < 0) return true;  // not shown
+  std::copy(image.pixels.begin(), image.pixels.end(), device_->packet->data);
+  device_->packet->pts = device_->packet->dts = device_->next_pts++;
+  const int status = av_write_frame(device_->muxer, device_->packet);
+  av_packet_unref(device_->packet);
+  device_->open = status >= 0;
+  return device_->open;
+}
+
+#else
+
+VideoWindow::VideoWindow(const std::string&, int, int) {
+  throw ConfigError("no window: this build has no libavdevice; install libavdevice-dev and build again");
+}
+
+bool VideoWindow::show(const ImageRgb&) {
+  return false;
+}
+
+#endif
+
+VideoWindow::~VideoWindow() = default;
+
+}  // namespace livecap

@@ -1,0 +1,30 @@
+// A window on the desktop that shows pictures, by FFmpeg's SDL output device, which comes with what reads webcams.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "base/image_rgb.h"
+
+namespace livecap {
+
+// Open, show and close it in one thread: it answers the desktop while it shows a picture.
+class VideoWindow {
+ public:
+  // Throws ConfigError where there is no desktop to open it on, or when this build has no libavdevice or an FFmpeg
+  // without SDL.
+  VideoWindow(const std::string& title, int width, int height);
+  ~VideoWindow();
+  VideoWindow(const VideoWindow&) = delete;
+  VideoWindow& operator=(const VideoWindow&) = delete;
+
+  // image must have the size given at construction (LogicError). False once the user has closed the window (its
+  // button, Escape or q); it is gone then, and nothing is shown any more.
+  [[nodiscard]] bool show(const ImageRgb& image);
+
+ private:
+  struct Device;
+  std::unique_ptr<Device> device_;
+};
+
+}  // namespace livecap

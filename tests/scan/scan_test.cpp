@@ -169,5 +169,31 @@ TEST_F(Scan, FaultsNameTheFile) {
   EXPECT_NE(failure(write("cut.glb", "glTF")).find("cut.glb"), std::string::npos);
 }
 
+// A colour is looked up with them.
+TEST_F(Scan, TextureCoordinatesAndColoursMustBeFinite) {
+  EXPECT_NE(failure(write("uv.obj", "vt inf 0\n" + obj() + "f 1/1 2/1 3/1\n")).find("texture coordinate 0 is not"),
+            std::string::npos);
+  std::string text = ply(false);
+  text.replace(text.find("uchar red"), 9, "float red");
+  text.replace(text.find(" 255 128"), 8, " nan 128");
+  EXPECT_NE(failure(write("colour.ply", text)).find("colour of vertex 0 is not finite"), std::string::npos);
+}
+
+// Each of the "vertices" would take no byte of the file and 48 of memory, once for every line.
+TEST_F(Scan, PlyElementsOfNothingAreRefused) {
+  std::string text = "ply\nformat ascii 1.0\n";
+  for (int i = 0; i < 1000; ++i) text += "element vertex 20000\n";
+  EXPECT_NE(failure(write("nothing.ply", text + "end_header\n")).find("\"vertex\" has no property"), std::string::npos);
+}
+
+// Numbers that are not vertices, in every type that a list may have.
+TEST_F(Scan, PlyIndicesMustBeVertices) {
+  for (const char* index : {"nan", "1e30", "-1", "0.5"}) {
+    std::string text = ply(false);
+    text.replace(text.rfind("\n3 ") + 3, text.find(' ', text.rfind("\n3 ") + 3) - text.rfind("\n3 ") - 3, index);
+    EXPECT_NE(failure(write("index.ply", text)).find("there is no vertex"), std::string::npos) << index;
+  }
+}
+
 }  // namespace
 }  // namespace livecap

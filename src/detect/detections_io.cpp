@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "base/text.h"
@@ -23,7 +24,8 @@ class LineReader {
   Detections read() const {
     if (!json_.is_object()) fail("expected a JSON object");
     Detections out;
-    if (!field("frame").is_number_integer()) fail("field \"frame\" must be a whole number");
+    if (!field("frame").is_number_integer() || field("frame") > std::numeric_limits<int64_t>::max())
+      fail("field \"frame\" must be a whole number");
     out.frame_index = field("frame").get<int64_t>();
     if (!field("person").is_boolean()) fail("field \"person\" must be true or false");
     out.person = field("person").get<bool>();

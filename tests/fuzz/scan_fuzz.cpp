@@ -2,6 +2,7 @@
 #include "base/text.h"
 #include "fuzz/check_scan.h"
 #include "fuzz/fuzz.h"
+#include "image/image_io.h"
 
 namespace livecap::fuzz {
 namespace {
@@ -9,16 +10,18 @@ namespace {
 constexpr int kSide = 8;  // vertices a side of a sheet of 98 triangles, and two more
 const std::vector<std::string> kFiles = {"scan.obj", "scan.mtl", "scan.ply"};
 
-std::string obj() {
+// Every way to name a corner, or with a texture coordinate each, which the texture is used for.
+std::string obj(bool textured) {
   std::string text = "mtllib scan.mtl\n";
   for (int i = 0; i < kSide * kSide; ++i)
     text += format("v %d %d %g 1 0.5 0\nvt %g %g\n", i % kSide, i / kSide, 0.1 * (i % 3), i / 64.0, 0.5);
   for (int y = 0; y + 1 < kSide; ++y)
     for (int x = 1; x < kSide; ++x) {
-      const int i = y * kSide + x;
-      text += format("f %d/%d %d/%d/1 %d//1 %d\n", i, i, i + 1, i + 1, i + kSide + 1, i + kSide);
+      const int i = y * kSide + x, j = i + kSide;
+      text += textured ? format("f %d/%d %d/%d %d/%d %d/%d\n", i, i, i + 1, i + 1, j + 1, j + 1, j, j)
+                       : format("f %d/%d %d/%d/1 %d//1 %d\n", i, i, i + 1, i + 1, j + 1, j);
     }
-  return text + "f -1 -2 -10 -9\n";
+  return text + (textured ? "f -1/-1 -2/-2 -10/-10 -9/-9\n" : "f -1 -2 -10 -9\n");
 }
 
 std::string ply(bool binary) {
@@ -51,8 +54,10 @@ std::string ply(bool binary) {
 }  // namespace
 
 std::vector<std::string> seeds() {
-  return {join_files({{"scan.obj", obj()}, {"scan.mtl", "newmtl skin\nmap_Kd skin.png\n"}}),
-          join_files({{"scan.ply", ply(false)}}), join_files({{"scan.ply", ply(true)}})};
+  const std::string material = "newmtl skin\nmap_Kd skin.png\n";
+  return {join_files({{"scan.obj", obj(false)}, {"scan.mtl", material}}),
+          join_files({{"scan.obj", obj(true)}, {"scan.mtl", material}}), join_files({{"scan.ply", ply(false)}}),
+          join_files({{"scan.ply", ply(true)}})};
 }
 
 }  // namespace livecap::fuzz
@@ -63,6 +68,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const auto files = fuzz::split_files({reinterpret_cast<const char*>(data), size}, fuzz::kFiles);
   folder.clear();
   for (const auto& [name, bytes] : files) folder.write(name, bytes);
+  if (files.count("scan.mtl")) write_png(ImageRgb{2, 1, {255, 0, 0, 0, 0, 255}}, folder.path() / "skin.png");
   for (const char* name : {"scan.obj", "scan.ply"}) {
     if (!files.count(name)) continue;
     const std::filesystem::path file = folder.path() / name;

@@ -8,6 +8,7 @@
 
 #include "actor/actor.h"
 #include "base/text.h"
+#include "image/image_io.h"
 #include "livecap/error.h"
 #include "support/tolerances.h"
 #include "synth/synth.h"
@@ -171,9 +172,12 @@ TEST_F(Scan, FaultsNameTheFile) {
 
 // A colour is looked up with them.
 TEST_F(Scan, TextureCoordinatesAndColoursMustBeFinite) {
-  EXPECT_NE(failure(write("uv.obj", "vt inf 0\n" + obj() + "f 1/1 2/1 3/1\n")).find("texture coordinate 0 is not"),
-            std::string::npos);
-  std::string text = ply(false);
+  write_png(ImageRgb{1, 1, {0, 0, 0}}, folder_ / "skin.png");
+  write("skin.mtl", "map_Kd skin.png\n");
+  std::string text = "mtllib skin.mtl\nvt inf 0\n" + obj();
+  for (size_t at = 0; (at = text.find("//", at)) != std::string::npos;) text.erase(at, 1);
+  EXPECT_NE(failure(write("uv.obj", text)).find("texture coordinate 0 is not finite"), std::string::npos);
+  text = ply(false);
   text.replace(text.find("uchar red"), 9, "float red");
   text.replace(text.find(" 255 128"), 8, " nan 128");
   EXPECT_NE(failure(write("colour.ply", text)).find("colour of vertex 0 is not finite"), std::string::npos);

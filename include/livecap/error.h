@@ -13,17 +13,25 @@ class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// Names in a message come from files: control characters are shown as '?', so that it stays one line.
+inline std::string one_line(std::string message) {
+  for (char& c : message) {
+    if (static_cast<unsigned char>(c) < ' ' || c == 0x7f) c = '?';
+  }
+  return message;
+}
+
 // A wrong option or a combination of options that makes no sense. Exit code 2.
 class ConfigError : public Error {
  public:
-  using Error::Error;
+  explicit ConfigError(const std::string& message) : Error(one_line(message)) {}
 };
 
 // An input that is missing, truncated, malformed or of the wrong size, or an output that cannot be written. Exit
 // code 2.
 class IoError : public Error {
  public:
-  using Error::Error;
+  explicit IoError(const std::string& message) : Error(one_line(message)) {}
 };
 
 // No usable OpenCL device, or an OpenCL call that failed. Exit code 1.

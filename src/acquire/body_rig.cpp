@@ -203,7 +203,11 @@ GivenJoints read_joints(const std::filesystem::path& path) {
   if (!json.is_object()) throw IoError(path.string() + ": expected an object {\"left_elbow\": [x, y, z], ...}");
   if (json.contains("unit")) {
     if (!json["unit"].is_string()) throw IoError(path.string() + ": unit must be m, cm, mm or inch");
-    given.unit_mm = unit_in_mm(json["unit"].get<std::string>());
+    try {
+      given.unit_mm = unit_in_mm(json["unit"].get<std::string>());
+    } catch (const ConfigError&) {  // which names the option
+      throw IoError(path.string() + ": unit is \"" + json["unit"].get<std::string>() + "\", must be m, cm, mm or inch");
+    }
   }
   const nlohmann::json& list = json.contains("joints") ? json["joints"] : json;
   for (const auto& [name, value] : list.items()) {

@@ -16,6 +16,9 @@ namespace {
 using Eigen::Vector3d;
 using Sparse = Eigen::SparseMatrix<double>;
 
+constexpr int kBonesOfAnArm = kLeftKnuckleBone - kLeftArmBone + 1;
+constexpr int kBonesOfTheLegs = kRightToeBone - kLeftUpLegBone + 1;
+
 struct Segment {
   int bone;
   Vector3d a, b;
@@ -93,19 +96,25 @@ bool around_both_legs(const BodyJoints& joints, const Volume& volume, double y) 
   return true;
 }
 
-// How much of a leg's motion a ring around both legs takes over at p; the rest of the way it hangs from the hips. Cloth
-// that hangs off the leg by a gap is moved only once the swinging leg has closed the gap, so of a swing of s it takes
-// (s - gap) / s. Lengths in those of the thigh: a thigh's girth is 1.3 at the top and 0.92 at the knee.
-double followed_share(const BodyJoints& joints, int thigh, const Vector3d& p) {
-  constexpr double kTopRadius = 0.208, kKneeRadius = 0.147;
-  constexpr double kSwing = 1.43;  // tan 55 degrees: between a step (30) and a squat (90)
+// How far p is off a leg's flesh, mm; below 0 within. A thigh's girth is 1.3 of its length at the top and 0.92 at the
+// knee.
+double gap_to_leg(const BodyJoints& joints, int thigh, const Vector3d& p) {
+  constexpr double kTopRadius = 0.208, kKneeRadius = 0.147;  // of the thigh's length
   const Vector3d &hip = joints[thigh], &knee = joints[thigh + 1], &ankle = joints[thigh + 2];
   const double length = (knee - hip).norm();
   const double along = std::clamp((p - hip).dot(knee - hip) / std::max(length * length, 1e-9), 0.0, 1.0);
   const double off_thigh = (p - hip - along * (knee - hip)).norm() - length * std::lerp(kTopRadius, kKneeRadius, along);
   const double off_shank = (p - nearest_on({thigh + 1, knee, ankle}, p)).norm() - length * kKneeRadius;
-  const double gap = std::min(off_thigh, off_shank);
-  const double swing = kSwing * (hip.y() - p.y());
+  return std::min(off_thigh, off_shank);
+}
+
+// How much of a leg's motion a ring around both legs takes over at p; the rest of the way it hangs from the hips. Cloth
+// that hangs off the leg by a gap is moved only once the swinging leg has closed the gap, so of a swing of s it takes
+// (s - gap) / s.
+double followed_share(const BodyJoints& joints, int thigh, const Vector3d& p) {
+  constexpr double kSwing = 1.43;  // tan 55 degrees: between a step (30) and a squat (90)
+  const double gap = gap_to_leg(joints, thigh, p);
+  const double swing = kSwing * (joints[thigh].y() - p.y());
   if (gap <= 0) return 1;
   return swing > gap ? 1 - gap / swing : 0;
 }
@@ -117,6 +126,29 @@ double knee_share(const BodyJoints& joints, int thigh, const Vector3d& p) {
   const Vector3d &hip = joints[thigh], &knee = joints[thigh + 1], &ankle = joints[thigh + 2];
   const double along = (p - knee).dot((hip - ankle).normalized()) / std::max((hip - knee).norm(), 1e-9);
   return std::exp2(-std::exp(-0.5 * (along / kReach) * (along / kReach)));
+}
+
+// What an arm keeps at p: heat fades slowly over a chest, which is wide, and an arm that hangs turns by half a radian
+// from A-pose. With a few hundredths of it the middle of the chest would rise by 3 mm, and where the picture does not
+// show that a capture leans the trunk by a degree. No author lets an arm reach there.
+double arm_share(const BodyJoints& joints, const Vector3d& p) {
+  constexpr double kInner = 0.37, kOuter = 0.9;  // of the way from the middle of the chest out to the shoulder joint
+  const Vector3d middle = (joints[kLeftArmBone] + joints[kRightArmBone]) / 2;
+  const Vector3d out = (joints[kLeftArmBone] - joints[kRightArmBone]) / 2;
+  const double way = std::abs((p - middle).dot(out)) / std::max(out.squaredNorm(), 1e-9);
+  return std::clamp((way - kInner) / (kOuter - kInner), 0.0, 1.0);
+}
+
+// How much of the hips' weight at p is a tail that heat leaves on legs, down to the knees, where the legs' weights sum
+// to `legs`: a thigh's flesh follows the thigh alone, and what stays behind as it is raised tilts the hips of a
+// capture. Cloth that hangs off the legs keeps it: it hangs from the hips.
+double hips_tail(const BodyJoints& joints, const Vector3d& p, double legs) {
+  constexpr double kTail = 0.07;
+  constexpr double kClose = 0.1;  // of the thigh's length
+  const double length = (joints[kLeftLegBone] - joints[kLeftUpLegBone]).norm();
+  const double gap = std::min(gap_to_leg(joints, kLeftUpLegBone, p), gap_to_leg(joints, kRightUpLegBone, p));
+  const double close = std::clamp(1 - gap / std::max(kClose * length, 1e-9), 0.0, 1.0);
+  return kTail * close * std::clamp((legs - 0.5) / 0.3, 0.0, 1.0);
 }
 
 // Cotangent Laplacian (positive semidefinite) and lumped vertex areas.
@@ -197,7 +229,14 @@ std::vector<meshing::Influences> heat_weights(const meshing::Surface& surface, c
   const Eigen::MatrixXd weights = factor.solve(source);
 
   std::vector<meshing::Influences> result(n);
-  for (int i = 0; i < n; ++i) result[i] = strongest(weights.row(i).cwiseMax(0));
+  for (int i = 0; i < n; ++i) {
+    const Vector3d& p = surface.vertices[i];
+    Eigen::VectorXd row = weights.row(i).cwiseMax(0);
+    for (int first : {kLeftArmBone, kRightArmBone}) row.segment(first, kBonesOfAnArm) *= arm_share(joints, p);
+    const double legs = row.segment(kLeftUpLegBone, kBonesOfTheLegs).sum();
+    row[kHipsBone] = std::max(0.0, row[kHipsBone] - hips_tail(joints, p, legs));
+    result[i] = strongest(row);
+  }
   return result;
 }
 

@@ -1,6 +1,7 @@
 #include "actor/actor_extras.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "actor/actor.h"
 
@@ -9,39 +10,43 @@ namespace {
 
 using nlohmann::json;
 
+constexpr double kMostDegrees = 3600, kMostMetres = 10;
+
 void merge_extras(const json& holder, ActorExtras& extras, const GltfReader& file) {
   if (!holder.is_object() || !holder.contains("extras")) return;
   const json& all = holder["extras"];
   if (!all.is_object() || !all.contains("livecap")) return;
   const json& own = all["livecap"];
   if (!own.is_object()) file.fail("extras.livecap must be an object");
-  auto each = [&](const char* field, auto&& take) {
+  auto each = [&](const char* field, const char* expected, auto&& take) {
     if (!own.contains(field)) return;
     if (!own[field].is_object()) file.fail(std::string("extras.livecap.") + field + " must be an object");
     for (const auto& [key, value] : own[field].items()) {
       if (!take(key, value))
-        file.fail("extras.livecap." + std::string(field) + "." + key + " is " + value.dump().substr(0, 40));
+        file.fail("extras.livecap." + std::string(field) + "." + key + " is " + value.dump().substr(0, 40) +
+                  ", must be " + expected);
     }
   };
-  auto numbers = [](const json& value, size_t n) {
-    return value.is_array() && value.size() == n &&
-           std::all_of(value.begin(), value.end(), [](const json& v) { return v.is_number(); });
+  auto numbers = [](const json& value, size_t n, double largest) {
+    return value.is_array() && value.size() == n && std::all_of(value.begin(), value.end(), [&](const json& v) {
+             return v.is_number() && std::abs(v.get<double>()) <= largest;
+           });
   };
-  each("bones", [&](const std::string& key, const json& value) {
+  each("bones", "the name of a node", [&](const std::string& key, const json& value) {
     return value.is_string() && (extras.bones.emplace(key, value.get<std::string>()), true);
   });
-  each("limits", [&](const std::string& key, const json& value) {
-    if (!numbers(value, 2) || value[0].get<double>() > value[1].get<double>()) return false;
+  each("limits", "[min, max], degrees within 3600", [&](const std::string& key, const json& value) {
+    if (!numbers(value, 2, kMostDegrees) || value[0].get<double>() > value[1].get<double>()) return false;
     extras.limits_deg.emplace(key, std::pair{value[0].get<double>(), value[1].get<double>()});
     return true;
   });
-  each("markers", [&](const std::string& key, const json& value) {
+  each("markers", "the index of a vertex", [&](const std::string& key, const json& value) {
     if (!value.is_number_integer() || value.get<int64_t>() < 0 || value.get<int64_t>() > kMaxVertices) return false;
     extras.markers.emplace(key, value.get<int>());
     return true;
   });
-  each("keypoints", [&](const std::string& key, const json& value) {
-    if (!numbers(value, 3)) return false;
+  each("keypoints", "[x, y, z], metres within 10", [&](const std::string& key, const json& value) {
+    if (!numbers(value, 3, kMostMetres)) return false;
     extras.keypoint_offsets_m.emplace(
         key, Eigen::Vector3d(value[0].get<double>(), value[1].get<double>(), value[2].get<double>()));
     return true;

@@ -11,7 +11,6 @@ namespace livecap {
 namespace {
 
 constexpr size_t kMaxJsonDepth = 64;  // tinygltf walks `extras` recursively
-constexpr int64_t kMaxTexturePixels = 1 << 28;
 
 uint32_t little_endian_32(const std::string& bytes, size_t offset) {
   uint32_t value = 0;
@@ -37,6 +36,9 @@ size_t nesting_depth(const char* text, size_t size) {
   }
   return deepest;
 }
+
+// Far more than any bone has above it; where a node stands is computed from all of them.
+constexpr int kMaxNodeDepth = 1024;
 
 // Images are decoded on demand, after their range was checked.
 bool keep_image_encoded(tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int,
@@ -140,9 +142,10 @@ void GltfReader::check_nodes() {
     check(node.scale, 3, "scale");
   }
   for (int i = 0; i < n; ++i) {
-    int steps = 0;
+    int n_ancestors = 0;
     for (int p = parents_[i]; p >= 0; p = parents_[p]) {
-      if (++steps > n) fail(format("nodes[%d] is its own ancestor", i));
+      if (++n_ancestors > kMaxNodeDepth)
+        fail(format("nodes[%d] has more than %d ancestors, or is its own", i, kMaxNodeDepth));
     }
   }
 }

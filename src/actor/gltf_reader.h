@@ -14,6 +14,9 @@
 
 namespace livecap {
 
+// Of one picture, and of what is put together from several.
+inline constexpr int64_t kMaxTexturePixels = 1 << 28;
+
 class GltfReader {
  public:
   // Keeps a copy of what it needs. Throws IoError.
@@ -41,7 +44,7 @@ class GltfReader {
   // world_from_node of the file's default pose.
   Eigen::Matrix4d node_world(int node) const;
 
-  // Decodes an embedded PNG or JPEG.
+  // Decodes an embedded PNG or JPEG of at most kMaxTexturePixels.
   ImageRgb decode_image(int index) const;
 
  private:

@@ -114,8 +114,21 @@ class ActorBuilder {
       note(format("%.3g m tall, which no person is; give --height", height));
     }
     metres_to_mm_ = mm_per_unit;
-    for (Eigen::Vector3d& x : raw_.positions) x *= mm_per_unit;
-    for (Eigen::Vector3d& x : raw_.joint_world) x *= mm_per_unit;
+    for (std::vector<Eigen::Vector3d>* points : {&raw_.positions, &raw_.joint_world}) {
+      for (Eigen::Vector3d& x : *points) x *= mm_per_unit;
+    }
+    for (const Eigen::Vector3d& x : raw_.positions) require_near(x, "a vertex");
+    for (int node : node_of_joint_) {
+      if (node >= 0) require_near(raw_.joint_world[node], "bone \"" + model().nodes[node].name + "\"");
+    }
+  }
+
+  // Transforms of large numbers, one behind the other, leave what a float can hold, and then that there are numbers.
+  void require_near(const Eigen::Vector3d& mm, const std::string& what) const {
+    constexpr double kFarthestMm = 1e7;
+    if (!mm.allFinite() || mm.cwiseAbs().maxCoeff() >= kFarthestMm)
+      file_.fail(what +
+                 format(" is at %g, %g, %g m, must be within 10 km", mm.x() / 1000, mm.y() / 1000, mm.z() / 1000));
   }
 
   void weld() {
@@ -181,7 +194,7 @@ class ActorBuilder {
     actor_.skeleton = build_livecap_skeleton(joints_, bends, used_limits_, actor_.notes);
     for (const auto& [name, limits] : used_limits_) {
       const bool known = std::any_of(actor_.skeleton.dofs.begin(), actor_.skeleton.dofs.end(),
-                                     [&](const Dof& d) { return d.name == name; });
+                                     [&name = name](const Dof& d) { return d.name == name; });
       if (!known) note("extras.livecap.limits: there is no joint angle \"" + name + "\"; ignored");
     }
   }

@@ -9,6 +9,9 @@
 namespace livecap {
 namespace {
 
+// More than kMaxDofs, because the root may have any number; every name is looked for among all others.
+constexpr int kMaxJoints = 1024;
+
 struct Joint {
   std::string name, parent_name;
   bool revolute = false;
@@ -20,6 +23,7 @@ struct Joint {
 std::vector<Joint> read_joints(SkeletoolLines& lines) {
   std::vector<Joint> joints;
   const int n = lines.section("joints");
+  if (n > kMaxJoints) lines.fail(format("%d joints, at most %d", n, kMaxJoints));
   for (int i = 0; i < n; ++i) {
     lines.require(format("joint %d of %d", i + 1, n));
     if (lines.size() != 10) lines.fail("a joint needs name, type, parent, offset (3), axis (3) and scale");

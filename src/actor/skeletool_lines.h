@@ -60,12 +60,14 @@ class SkeletoolLines {
     if (error != std::errc() || end != w.data() + w.size() || value < 0) fail("\"" + w + "\" is not a count or index");
     return value;
   }
+  // Millimetres, radians and weights, and their products, stay far from what a double cannot hold.
   double number(size_t i) const {
+    constexpr double kLargest = 1e9;
     double value = 0;
     const std::string& w = words_[i];
     const auto [end, error] = std::from_chars(w.data(), w.data() + w.size(), value);
-    if (error != std::errc() || end != w.data() + w.size() || !std::isfinite(value))
-      fail("\"" + w + "\" is not a number");
+    if (error != std::errc() || end != w.data() + w.size()) fail("\"" + w + "\" is not a number");
+    if (!(std::abs(value) <= kLargest)) fail("\"" + w + format("\" must be a number within %g", kLargest));
     return value;
   }
 

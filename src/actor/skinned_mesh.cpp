@@ -13,6 +13,10 @@
 namespace livecap {
 namespace {
 
+// Seams at most quadruple a template; this only keeps absurd files from being processed at length.
+constexpr size_t kMostInFile = 8 * static_cast<size_t>(kMaxVertices);  // vertices, and triangles
+constexpr int kMostSkinSets = 16;
+
 class SkinnedMeshReader {
  public:
   SkinnedMeshReader(const GltfReader& file, const std::vector<SkinBinding>& skins, int root_node,
@@ -33,12 +37,7 @@ class SkinnedMeshReader {
       }
       if (static_cast<size_t>(node.skin) >= skins_.size())
         file_.fail(format("nodes[%zu].skin is %d, there are %zu", n, node.skin, skins_.size()));
-      const Eigen::Matrix4d world = world_from_mesh(node.skin);
-      const SkinBinding& skin = skins_[node.skin];
-      for (size_t j = 0; j < skin.joints.size(); ++j) {
-        Eigen::Vector3d& position = raw_.joint_world[skin.joints[j]];
-        if (std::isnan(position.x())) position = (world * skin.mesh_from_joint[j]).topRightCorner<3, 1>();
-      }
+      const Eigen::Matrix4d world = placed_skin(node.skin);
       const tinygltf::Mesh& mesh = model().meshes[node.mesh];
       for (size_t p = 0; p < mesh.primitives.size(); ++p)
         read_primitive(mesh.primitives[p], node.skin, world, format("meshes[%d].primitives[%zu]", node.mesh, p));
@@ -51,6 +50,19 @@ class SkinnedMeshReader {
  private:
   const tinygltf::Model& model() const { return file_.model(); }
   void note(const std::string& text) { notes_.push_back(text); }
+
+  // world_from_mesh of a skin; the first time its joints are placed as well.
+  const Eigen::Matrix4d& placed_skin(int s) {
+    const auto [placed, is_new] = world_of_skin_.try_emplace(s);
+    if (!is_new) return placed->second;
+    placed->second = world_from_mesh(s);
+    const SkinBinding& skin = skins_[s];
+    for (size_t j = 0; j < skin.joints.size(); ++j) {
+      Eigen::Vector3d& position = raw_.joint_world[skin.joints[j]];
+      if (std::isnan(position.x())) position = (placed->second * skin.mesh_from_joint[j]).topRightCorner<3, 1>();
+    }
+    return placed->second;
+  }
 
   // world_from_mesh of a skin: what the default pose of its root bone does to the bind pose. The mesh node's own
   // transform does not count (glTF 2.0, section 3.7.3.3).
@@ -92,9 +104,7 @@ class SkinnedMeshReader {
     const std::vector<double> positions = file_.read(attribute("POSITION"), 3, -1, named("POSITION"));
     const int64_t n = static_cast<int64_t>(positions.size() / 3);
     const size_t first = raw_.positions.size();
-    // Seams at most quadruple a template; this only keeps absurd files from being processed at length.
-    if (first + n > 8 * static_cast<size_t>(kMaxVertices))
-      file_.fail(format("more than %d vertices", 8 * kMaxVertices));
+    if (first + n > kMostInFile) file_.fail(format("more than %zu vertices", kMostInFile));
 
     for (int64_t i = 0; i < n; ++i) {
       const Eigen::Vector3d x(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]);
@@ -106,6 +116,7 @@ class SkinnedMeshReader {
     for (int set = 0;
          attribute("JOINTS_" + std::to_string(set)) >= 0 && attribute("WEIGHTS_" + std::to_string(set)) >= 0; ++set) {
       const std::string k = std::to_string(set);
+      if (set == kMostSkinSets) file_.fail(named("JOINTS_" + k) + format(": at most %d sets", kMostSkinSets));
       const std::vector<uint32_t> joints = file_.read_unsigned(attribute("JOINTS_" + k), 4, n, named("JOINTS_" + k));
       const std::vector<double> weights = file_.read(attribute("WEIGHTS_" + k), 4, n, named("WEIGHTS_" + k));
       for (int64_t i = 0; i < 4 * n; ++i) {
@@ -153,6 +164,8 @@ class SkinnedMeshReader {
     }
     if (indices.size() % 3 != 0)
       file_.fail(named("indices") + format(" has %zu entries, not a multiple of 3", indices.size()));
+    if (raw_.triangles.size() + indices.size() > 3 * kMostInFile)
+      file_.fail(format("more than %zu triangles", kMostInFile));
     const bool mirrored = world.topLeftCorner<3, 3>().determinant() < 0;
     for (size_t t = 0; t < indices.size(); t += 3) {
       for (int k : {0, mirrored ? 2 : 1, mirrored ? 1 : 2}) {
@@ -189,6 +202,10 @@ class SkinnedMeshReader {
         rgb[k] = static_cast<uint8_t>(std::lround(255 * encode_srgb(pbr.baseColorFactor[k])));
       tile = tile_of_[key] = raw_.atlas.add_color(rgb);
     }
+    const TextureAtlas& atlas = raw_.atlas;
+    if (atlas.width() * atlas.height() > kMaxTexturePixels)
+      file_.fail(format("the textures of all materials side by side are %lld x %lld pixels, too large",
+                        static_cast<long long>(atlas.width()), static_cast<long long>(atlas.height())));
     const int set = pbr.baseColorTexture.texCoord;
     return "TEXCOORD_" + std::to_string(set >= 0 && set < 8 ? set : 0);
   }
@@ -199,6 +216,7 @@ class SkinnedMeshReader {
   std::vector<std::string>& notes_;
   SkinnedMesh raw_;
   std::map<int, int> tile_of_;
+  std::map<int, Eigen::Matrix4d> world_of_skin_;
 };
 
 }  // namespace

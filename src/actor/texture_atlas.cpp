@@ -27,6 +27,9 @@ Eigen::Vector3d sample_texture(const ImageRgb& image, double u, double v) {
 }
 
 int TextureAtlas::add(ImageRgb tile) {
+  lefts_.push_back(width_);
+  width_ += tile.width;
+  height_ = std::max<int64_t>(height_, tile.height);
   tiles_.push_back(std::move(tile));
   return n_tiles() - 1;
 }
@@ -39,37 +42,26 @@ int TextureAtlas::add_color(const std::array<uint8_t, 3>& rgb) {
 
 std::array<float, 2> TextureAtlas::place(int tile, double u, double v) const {
   if (n_tiles() <= 1) return {static_cast<float>(u), static_cast<float>(v)};
-  int left = 0, width = 0, height = 0;
-  for (int i = 0; i < n_tiles(); ++i) {
-    if (i < tile) left += tiles_[i].width;
-    width += tiles_[i].width;
-    height = std::max(height, tiles_[i].height);
-  }
   // Coordinates exactly at 1 stay there; everything else repeats. Half a texel inside, so that no neighbour bleeds in.
   auto fraction = [](double t, int n) {
     if (t < 0 || t > 1) t -= std::floor(t);
     return std::clamp(t * n, 0.5, n - 0.5);
   };
-  return {static_cast<float>((left + fraction(u, tiles_[tile].width)) / width),
-          static_cast<float>(fraction(v, tiles_[tile].height) / height)};
+  return {static_cast<float>((lefts_[tile] + fraction(u, tiles_[tile].width)) / width_),
+          static_cast<float>(fraction(v, tiles_[tile].height) / height_)};
 }
 
 ImageRgb TextureAtlas::build() const {
   if (tiles_.empty()) return {};
   if (n_tiles() == 1) return tiles_[0];
-  ImageRgb atlas;
-  for (const ImageRgb& tile : tiles_) {
-    atlas.width += tile.width;
-    atlas.height = std::max(atlas.height, tile.height);
-  }
+  ImageRgb atlas{static_cast<int>(width_), static_cast<int>(height_), {}};
   atlas.pixels.assign(size_t{3} * atlas.width * atlas.height, 0);
-  size_t left = 0;
-  for (const ImageRgb& tile : tiles_) {
+  for (int i = 0; i < n_tiles(); ++i) {
+    const ImageRgb& tile = tiles_[i];
     for (int y = 0; y < tile.height; ++y) {
       std::copy_n(tile.pixels.begin() + size_t{3} * y * tile.width, 3 * tile.width,
-                  atlas.pixels.begin() + 3 * (static_cast<size_t>(y) * atlas.width + left));
+                  atlas.pixels.begin() + 3 * (static_cast<size_t>(y) * atlas.width + lefts_[i]));
     }
-    left += tile.width;
   }
   return atlas;
 }

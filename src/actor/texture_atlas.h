@@ -24,9 +24,14 @@ class TextureAtlas {
   std::array<float, 2> place(int tile, double u, double v) const;
   ImageRgb build() const;
   int n_tiles() const { return static_cast<int>(tiles_.size()); }
+  // Of the finished atlas.
+  int64_t width() const { return width_; }
+  int64_t height() const { return height_; }
 
  private:
   std::vector<ImageRgb> tiles_;
+  std::vector<int64_t> lefts_;  // of each tile
+  int64_t width_ = 0, height_ = 0;
 };
 
 // Mean texture colour around each template vertex: every corner of every triangle contributes samples of its third of

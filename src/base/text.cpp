@@ -14,6 +14,8 @@ std::string read_file(const std::filesystem::path& path) {
   std::error_code code;
   if (!std::filesystem::exists(path, code)) throw IoError(path.string() + ": no such file");
   if (std::filesystem::is_directory(path, code)) throw IoError(path.string() + ": is a folder, expected a file");
+  // Named by a file from somewhere, /dev/zero would never end.
+  if (std::filesystem::is_character_file(path, code)) throw IoError(path.string() + ": is a device, expected a file");
   std::ifstream in(path, std::ios::binary);
   if (!in) throw IoError(path.string() + ": cannot be opened: " + std::strerror(errno));
   std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());

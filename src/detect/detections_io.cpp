@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "base/text.h"
@@ -23,8 +24,11 @@ class LineReader {
   Detections read() const {
     if (!json_.is_object()) fail("expected a JSON object");
     Detections out;
-    if (!field("frame").is_number_integer()) fail("field \"frame\" must be a whole number");
-    out.frame_index = field("frame").get<int64_t>();
+    const Json& frame = field("frame");
+    if (!frame.is_number_integer() ||
+        (frame.is_number_unsigned() && frame.get<uint64_t>() > std::numeric_limits<int64_t>::max()))
+      fail("field \"frame\" must be a whole number");
+    out.frame_index = frame.get<int64_t>();
     if (!field("person").is_boolean()) fail("field \"person\" must be true or false");
     out.person = field("person").get<bool>();
     out.score = number(field("score"), "score");

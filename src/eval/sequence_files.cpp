@@ -1,6 +1,7 @@
 #include "eval/sequence_files.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -160,9 +161,14 @@ std::vector<FrameRow> read_frames_csv(const std::filesystem::path& path) {
   const size_t latency = optional_column("latency_ms");
   std::vector<FrameRow> rows;
   for (const std::vector<std::string>& row : table.rows) {
+    const std::string& cell = row[index];
+    int64_t frame = -1;
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), frame);
+    if (error != std::errc() || end != cell.data() + cell.size() || frame < 0)
+      throw IoError(path.string() + format(": line %zu: index \"%s\" must be a whole number, 0 or more",
+                                           rows.size() + 2, cell.c_str()));
     const auto number = [&](size_t c) { return c < row.size() ? to_float(row[c]) : std::nanf(""); };
-    rows.push_back({static_cast<int64_t>(std::strtoll(row[index].c_str(), nullptr, 10)), row[status], number(pts),
-                    number(latency)});
+    rows.push_back({frame, row[status], number(pts), number(latency)});
   }
   return rows;
 }

@@ -66,11 +66,12 @@ Pc2Reader::Pc2Reader(const std::filesystem::path& path) : path_(path), file_(pat
   if (version != 1) throw IoError(path.string() + format(": PC2 version %d, only 1 is supported", version));
   if (n_points_ < 1 || n_samples_ < 0)
     throw IoError(path.string() + format(": %d points and %d samples make no sense", n_points_, n_samples_));
-  const uintmax_t needed = 12ull * static_cast<uint64_t>(n_points_) * static_cast<uint64_t>(n_samples_);
-  const uintmax_t size = std::filesystem::file_size(path);
-  if (size - kHeaderBytes < needed)
-    throw IoError(path.string() + format(": truncated: %d samples of %d points need %ju bytes, the file has %ju",
-                                         n_samples_, n_points_, needed + kHeaderBytes, size));
+  const uintmax_t size = std::filesystem::file_size(path), sample_bytes = 12 * static_cast<uintmax_t>(n_points_);
+  const uintmax_t there = (size - kHeaderBytes) / sample_bytes;  // a product could overflow
+  if (there < static_cast<uintmax_t>(n_samples_))
+    throw IoError(path.string() + format(": truncated: the header says %d samples of %d points (%ju bytes each), %ju "
+                                         "are there",
+                                         n_samples_, n_points_, sample_bytes, there));
 }
 
 void Pc2Reader::read(int sample, std::span<float> xyz) {

@@ -8,7 +8,6 @@
 namespace livecap::nn {
 namespace {
 
-constexpr int64_t kMaxElements = int64_t(1) << 28;
 constexpr int kMaxSide = 1 << 20;
 
 [[noreturn]] void fail(const Graph& graph, const Op& op, const std::string& what) {

@@ -152,6 +152,10 @@ struct Graph {
 // "CONV_2D", ...
 const char* op_name(const Op& op);
 
+// The most numbers that a tensor may have, and all constants of a graph together: a file can name the same bytes again
+// and again.
+inline constexpr int64_t kMaxElements = int64_t(1) << 28;
+
 int64_t element_count(const Shape& shape);
 std::string to_string(const Shape& shape);  // "[1,256,256,3]"
 

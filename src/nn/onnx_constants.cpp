@@ -16,13 +16,6 @@ const Numbers& required(const NodeReader& node, const std::vector<const Numbers*
   return *inputs[i];
 }
 
-std::vector<int64_t> integers_of(const Numbers& numbers) {
-  std::vector<int64_t> out;
-  // Far out of range values (an open end of a Slice) stay far out.
-  for (double v : numbers.values) out.push_back(std::isnan(v) ? 0 : static_cast<int64_t>(std::clamp(v, -4e18, 4e18)));
-  return out;
-}
-
 double apply(std::string_view type, double a, double b, bool integer) {
   if (type == "Add") return a + b;
   if (type == "Sub") return a - b;
@@ -34,7 +27,9 @@ Numbers pairwise(NodeReader& node, const Numbers& a, const Numbers& b) {
   if (a.values.size() != b.values.size() && a.values.size() != 1 && b.values.size() != 1)
     node.fail("constants of shapes " + to_string(a.dims) + " and " + to_string(b.dims) +
               " must be equal or one number");
-  Numbers out = a.dims.size() >= b.dims.size() && a.values.size() >= b.values.size() ? a : b;
+  const bool as_a = a.values.size() == b.values.size() ? a.dims.size() >= b.dims.size() : b.values.size() == 1;
+  Numbers out = as_a ? a : b;
+  out.dims.insert(out.dims.begin(), std::max(a.dims.size(), b.dims.size()) - out.dims.size(), 1);
   out.integer = a.integer && b.integer;
   for (size_t i = 0; i < out.values.size(); ++i) {
     const double x = a.values[a.values.size() == 1 ? 0 : i], y = b.values[b.values.size() == 1 ? 0 : i];
@@ -48,7 +43,7 @@ Numbers gathered(NodeReader& node, const Numbers& from, const Numbers& indices) 
   node.require("axis", 0);
   if (from.dims.size() != 1) node.fail("constant of shape " + to_string(from.dims) + " must have 1 dimension");
   Numbers out{indices.dims, {}, from.integer};
-  for (int64_t i : integers_of(indices)) {
+  for (int64_t i : integers_of(indices.values)) {
     if (i < 0) i += static_cast<int64_t>(from.values.size());
     if (i < 0 || i >= static_cast<int64_t>(from.values.size()))
       node.fail(format("index %lld of %zu", static_cast<long long>(i), from.values.size()));
@@ -61,9 +56,9 @@ Numbers sliced(NodeReader& node, const std::vector<const Numbers*>& inputs) {
   const Numbers& from = required(node, inputs, 0);
   std::vector<int64_t> starts, ends, steps{1};
   if (inputs.size() > 1) {
-    starts = integers_of(required(node, inputs, 1));
-    ends = integers_of(required(node, inputs, 2));
-    if (inputs.size() > 4 && inputs[4]) steps = integers_of(*inputs[4]);
+    starts = integers_of(required(node, inputs, 1).values);
+    ends = integers_of(required(node, inputs, 2).values);
+    if (inputs.size() > 4 && inputs[4]) steps = integers_of(inputs[4]->values);
   } else {
     starts = node.integers("starts", {});
     ends = node.integers("ends", {});
@@ -79,10 +74,17 @@ Numbers sliced(NodeReader& node, const std::vector<const Numbers*>& inputs) {
 
 // The axes of Squeeze and Unsqueeze: an attribute, since opset 13 an input.
 std::vector<int64_t> axes_of(NodeReader& node, const std::vector<const Numbers*>& inputs) {
-  return inputs.size() > 1 && inputs[1] ? integers_of(*inputs[1]) : node.integers("axes", {});
+  return inputs.size() > 1 && inputs[1] ? integers_of(inputs[1]->values) : node.integers("axes", {});
 }
 
 }  // namespace
+
+std::vector<int64_t> integers_of(const std::vector<double>& values) {
+  std::vector<int64_t> out;
+  // Far out of range values (an open end of a Slice) stay far out.
+  for (double v : values) out.push_back(std::isnan(v) ? 0 : static_cast<int64_t>(std::clamp(v, -4e18, 4e18)));
+  return out;
+}
 
 int64_t positive_axis(const NodeReader& node, int64_t axis, size_t rank) {
   const int64_t n = static_cast<int64_t>(rank);

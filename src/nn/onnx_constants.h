@@ -20,6 +20,9 @@ bool is_foldable(std::string_view type);
 // The node's output from its inputs; null = an optional one that is not there. Throws IoError naming the node.
 Numbers fold_constants(NodeReader& node, const std::vector<const Numbers*>& inputs);
 
+// Of constants that are sizes, axes or indices; NaN is 0.
+std::vector<int64_t> integers_of(const std::vector<double>& values);
+
 // `axis` counted from the front; IoError naming the node when it is not below `rank`.
 int64_t positive_axis(const NodeReader& node, int64_t axis, size_t rank);
 

@@ -260,11 +260,18 @@ std::vector<double> OnnxImporter::per_channel(const NodeReader& node, size_t i, 
 
 void OnnxImporter::define(const NodeReader& node, OnnxValue value) {
   const std::string_view name = node.node().outputs[0];
+  count_constant(node, value.numbers.values.size());
   if (!values_.emplace(name, std::move(value)).second)
     node.fail("output \"" + printable(name) + "\" already has a value");
 }
 
-int OnnxImporter::add_constant(Shape shape, std::vector<float> values) {
+void OnnxImporter::count_constant(const NodeReader& node, size_t count) {
+  n_constants_ += static_cast<int64_t>(count);
+  if (n_constants_ > kMaxElements) node.fail("with it all constants together are more than 2^28 numbers");
+}
+
+int OnnxImporter::add_constant(const NodeReader& node, Shape shape, std::vector<float> values) {
+  count_constant(node, values.size());
   const std::string name = format("constant %zu", graph_.tensors.size());
   graph_.tensors.push_back({name, std::move(shape), true, std::move(values)});
   return static_cast<int>(graph_.tensors.size()) - 1;
@@ -282,7 +289,7 @@ OnnxValue OnnxImporter::emit(const NodeReader& node, Attributes attributes, std:
   OnnxValue out;
   out.tensor = op.output;
   out.dims = channels_first(graph_.tensors[op.output].shape);
-  if (element_count(graph_.tensors[op.output].shape) > (int64_t(1) << 28))
+  if (element_count(graph_.tensors[op.output].shape) > kMaxElements)
     node.fail("output of shape " + to_string(out.dims) + " is larger than 2^28 elements");
   producers_[op.output] = graph_.ops.size();
   graph_.ops.push_back(std::move(op));

@@ -24,7 +24,6 @@ struct OnnxValue {
 };
 
 inline constexpr int64_t kMostInWindow = 4096;
-inline constexpr int64_t kMaxWeights = int64_t(1) << 28;
 
 // A list attribute of a window: n numbers within least..kMostInWindow.
 std::vector<int> sizes(NodeReader& node, const char* name, size_t n, int64_t fallback, int64_t least);
@@ -61,7 +60,9 @@ class OnnxImporter {
   size_t channel_axis(const NodeReader& node, const OnnxValue& x) const;
 
   void define(const NodeReader& node, OnnxValue value);
-  int add_constant(Shape shape, std::vector<float> values);
+  int add_constant(const NodeReader& node, Shape shape, std::vector<float> values);
+  // Keeps the numbers of all constants together within kMaxElements.
+  void count_constant(const NodeReader& node, size_t count);
   // Appends an operator; the result is an image [1,C,H,W].
   OnnxValue emit(const NodeReader& node, Attributes attributes, std::vector<int> inputs);
   // The same, with the dimensions of `like`, whose shape the result has.
@@ -100,6 +101,7 @@ class OnnxImporter {
   std::map<std::string_view, int> uses_;  // by nodes that matter and as outputs
   std::vector<char> needed_;              // per node
   std::map<int, size_t> producers_;       // tensor to op
+  int64_t n_constants_ = 0;
 };
 
 }  // namespace livecap::nn

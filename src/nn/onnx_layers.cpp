@@ -79,8 +79,7 @@ bool OnnxImporter::read_shape_change(NodeReader& node) {
   const std::string_view type = node.type();
   const auto axes = [&]() -> std::vector<int64_t> {
     if (!node.has_input(1)) return node.integers("axes", {});
-    const std::vector<double> given = numbers(node, 1);
-    return {given.begin(), given.end()};
+    return integers_of(numbers(node, 1));
   };
   if (type == "Identity" || type == "Dropout" || type == "Cast") {
     if (type == "Dropout") {
@@ -174,7 +173,7 @@ void OnnxImporter::convolution(NodeReader& node) {
   const bool depthwise = groups == channels && n_out == channels && groups > 1;
   // Other groups become a full convolution with zeros between them.
   const int64_t inner = depthwise ? 1 : channels;
-  if (n_out * inner > kMaxWeights / (kh * kw)) node.fail("the weights are larger than 2^28 numbers");
+  if (n_out * inner > kMaxElements / (kh * kw)) node.fail("the weights are larger than 2^28 numbers");
   std::vector<float> turned(static_cast<size_t>(n_out * inner * kh * kw), 0.0f);
   for (int64_t n = 0; n < n_out; ++n) {
     const int64_t first = depthwise ? 0 : n / (n_out / groups) * dims[1];
@@ -187,8 +186,8 @@ void OnnxImporter::convolution(NodeReader& node) {
   }
   const int h = static_cast<int>(kh), w = static_cast<int>(kw), out = static_cast<int>(n_out);
   const Shape packed = depthwise ? Shape{1, h, w, out} : Shape{out, h, w, static_cast<int>(channels)};
-  const int weight = add_constant(packed, std::move(turned));
-  const int bias = node.has_input(2) ? add_constant({out}, weights(node, 2)) : -1;
+  const int weight = add_constant(node, packed, std::move(turned));
+  const int bias = node.has_input(2) ? add_constant(node, {out}, weights(node, 2)) : -1;
   const Attributes attributes = depthwise ? Attributes(DepthwiseConv2d{where}) : Attributes(Conv2d{where});
   define(node, emit(node, attributes, {x.tensor, weight, bias}));
 }
@@ -214,14 +213,14 @@ void OnnxImporter::matrix_product(NodeReader& node) {
       rows[n * channels + k] = static_cast<float>(alpha * given[turned ? n * channels + k : k * n_out + n]);
   }
   const int out = static_cast<int>(n_out);
-  const int weight = add_constant({out, 1, 1, static_cast<int>(channels)}, std::move(rows));
+  const int weight = add_constant(node, {out, 1, 1, static_cast<int>(channels)}, std::move(rows));
   int bias = -1;
   if (gemm && node.has_input(2)) {
     std::vector<float> values = weights(node, 2);
     if (values.size() == 1) values.assign(n_out, values[0]);
     for (float& v : values) v = static_cast<float>(beta * v);
     const int n_values = static_cast<int>(values.size());
-    bias = add_constant({n_values}, std::move(values));
+    bias = add_constant(node, {n_values}, std::move(values));
   }
   OnnxValue y = emit(node, Conv2d{}, {x.tensor, weight, bias});
   y.dims = x.dims;
@@ -267,7 +266,7 @@ void OnnxImporter::affine(NodeReader& node, size_t i, const std::vector<double>&
     for (size_t k = 0; k < w.size(); ++k)
       w[k] = static_cast<float>(w[k] * factors[depthwise ? k % channels : k / inner]);
     if (op->inputs[2] < 0) {
-      const int bias = add_constant({static_cast<int>(channels)}, std::vector<float>(channels, 0.0f));
+      const int bias = add_constant(node, {static_cast<int>(channels)}, std::vector<float>(channels, 0.0f));
       op->inputs[2] = bias;
     }
     std::vector<float>& b = graph_.tensors[op->inputs[2]].values;
@@ -275,8 +274,8 @@ void OnnxImporter::affine(NodeReader& node, size_t i, const std::vector<double>&
     define(node, x);
     return;
   }
-  const int weight = add_constant({1, 1, 1, static_cast<int>(channels)}, {factors.begin(), factors.end()});
-  const int bias = add_constant({static_cast<int>(channels)}, {offsets.begin(), offsets.end()});
+  const int weight = add_constant(node, {1, 1, 1, static_cast<int>(channels)}, {factors.begin(), factors.end()});
+  const int bias = add_constant(node, {static_cast<int>(channels)}, {offsets.begin(), offsets.end()});
   define(node, emit_like(node, DepthwiseConv2d{}, {x.tensor, weight, bias}, x));
 }
 
@@ -373,10 +372,7 @@ void OnnxImporter::global_pool(NodeReader& node) {
   Dims dims = {1, shape(x)[3], 1, 1};
   if (node.type() == "ReduceMean") {
     std::vector<int64_t> axes = node.integers("axes", {});
-    if (node.has_input(1)) {
-      const std::vector<double> given = numbers(node, 1);
-      axes.assign(given.begin(), given.end());
-    }
+    if (node.has_input(1)) axes = integers_of(numbers(node, 1));
     for (int64_t& axis : axes) axis = positive_axis(node, axis, 4);
     std::sort(axes.begin(), axes.end());
     if (axes != std::vector<int64_t>{2, 3}) node.fail("only the mean over height and width is supported (axes 2, 3)");

@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "livecap/error.h"
+#include "nn/graph.h"
 #include "nn/half.h"
 #include "nn/protobuf_reader.h"
 
@@ -17,7 +18,6 @@ static_assert(std::endian::native == std::endian::little);  // raw data are litt
 
 enum DataType { kFloat32 = 1, kUint8 = 2, kInt8 = 3, kInt32 = 6, kInt64 = 7, kBool = 9, kFloat16 = 10, kDouble = 11 };
 
-constexpr int64_t kMaxElements = int64_t(1) << 28;
 constexpr int64_t kOldestOpset = 7;
 
 size_t element_bytes(int type) {

@@ -9,7 +9,7 @@ namespace livecap::nn {
 int OnnxImporter::spread(NodeReader& node, int x, int stride_h, int stride_w) {
   const Shape from = graph_.tensors[x].shape;
   const auto follow_by_zeros = [&](int tensor, int rows, int columns, int64_t channels, int64_t zeros) {
-    if (rows * (columns * (channels + zeros)) > kMaxWeights) node.fail("the picture between its strides is too large");
+    if (rows * (columns * (channels + zeros)) > kMaxElements) node.fail("the picture between its strides is too large");
     const int n = static_cast<int>(channels);
     const int whole = emit(node, Reshape{{1, rows, columns, n}}, {tensor}).tensor;
     Pad pad;
@@ -34,7 +34,7 @@ void OnnxImporter::transposed_convolution(NodeReader& node) {
   if (node.integers("kernel_shape", {kernel[0], kernel[1]}) != std::vector<int64_t>{kernel[0], kernel[1]})
     node.fail_attribute("kernel_shape", "must be that of the weights " + to_string(dims));
   if (kernel[0] > kMostInWindow || kernel[1] > kMostInWindow ||
-      n_out * channels > kMaxWeights / (kernel[0] * kernel[1]))
+      n_out * channels > kMaxElements / (kernel[0] * kernel[1]))
     node.fail("weights of shape " + to_string(dims) + " are too large");
   if (node.integers("dilations", {1, 1}) != std::vector<int64_t>{1, 1})
     node.fail_attribute("dilations", "only 1 is supported");
@@ -71,8 +71,8 @@ void OnnxImporter::transposed_convolution(NodeReader& node) {
       for (int64_t tap = 0; tap < area; ++tap)
         turned[(n * area + area - 1 - tap) * channels + k] = given[(k * n_out + n) * area + tap];
   const int h = static_cast<int>(kernel[0]), w = static_cast<int>(kernel[1]), out = static_cast<int>(n_out);
-  const int weight = add_constant({out, h, w, static_cast<int>(channels)}, std::move(turned));
-  const int bias = node.has_input(2) ? add_constant({out}, weights(node, 2)) : -1;
+  const int weight = add_constant(node, {out, h, w, static_cast<int>(channels)}, std::move(turned));
+  const int bias = node.has_input(2) ? add_constant(node, {out}, weights(node, 2)) : -1;
   const int wide = strides[0] > 1 || strides[1] > 1 ? spread(node, x.tensor, strides[0], strides[1]) : x.tensor;
   define(node, emit(node, Conv2d{where}, {wide, weight, bias}));
 }

@@ -113,7 +113,7 @@ class Importer {
       if (tensor->buffer() >= model_->buffers()->size())
         fail(format("tensor \"%s\": buffer %u of %u", out.name.c_str(), tensor->buffer(), model_->buffers()->size()));
       const int64_t count = element_count(out.shape);
-      if (out.shape.size() > 4 || count > int64_t(1) << 28)
+      if (out.shape.size() > 4 || count > kMaxElements)
         fail(format("tensor \"%s\": shape %s must have at most 4 dimensions, all fixed and positive", out.name.c_str(),
                     to_string(out.shape).c_str()));
       const auto* data = model_->buffers()->Get(tensor->buffer())->data();
@@ -127,12 +127,18 @@ class Importer {
                       to_string(out.shape).c_str(), size));
         if (tensor->type() == tflite::TensorType_FLOAT32) {
           out.is_constant = true;
+          count_constant(count);
           out.values.resize(count);
           std::memcpy(out.values.data(), data->data(), data->size());
         }
       }
       graph_.tensors.push_back(std::move(out));
     }
+  }
+
+  void count_constant(int64_t count) {
+    n_constants_ += count;
+    if (n_constants_ > kMaxElements) fail("all constants together are more than 2^28 numbers");
   }
 
   const tflite::Tensor& source(int index) const {
@@ -267,6 +273,7 @@ class Importer {
     if (out.is_constant || out.shape != graph_.tensors[from].shape)
       fail_op("output \"" + out.name + "\" does not match its input");
     out.is_constant = true;
+    count_constant(data->size() / 2);
     out.values.resize(data->size() / 2);
     for (size_t i = 0; i < out.values.size(); ++i)
       out.values[i] = float_from_half(flatbuffers::ReadScalar<uint16_t>(data->data() + 2 * i));
@@ -321,6 +328,7 @@ class Importer {
   const tflite::SubGraph* subgraph_ = nullptr;
   std::string op_label_;
   size_t n_read_ = 0;
+  int64_t n_constants_ = 0;
 };
 
 }  // namespace

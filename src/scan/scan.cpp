@@ -52,6 +52,13 @@ void weld(Scan& scan) {
   scan.uvs = std::move(uvs);
 }
 
+// Texts may say "nan", and bytes hold anything.
+template <typename Points>
+void require_finite(const Points& points, const char* what, const std::filesystem::path& path) {
+  for (size_t i = 0; i < points.size(); ++i)
+    if (!points[i].allFinite()) throw IoError(path.string() + format(": %s %zu is not finite", what, i));
+}
+
 uint64_t edge_key(int a, int b) {
   return static_cast<uint64_t>(static_cast<uint32_t>(a)) << 32 | static_cast<uint32_t>(b);
 }
@@ -107,8 +114,9 @@ Scan read_scan(const std::filesystem::path& path, std::vector<std::string>& note
     scan = read_glb_scan(path, notes);
   else
     throw IoError(path.string() + ": a scan must be .obj, .ply or .glb");
-  for (const Vector3d& p : scan.surface.vertices)
-    if (!p.allFinite()) throw IoError(path.string() + ": a vertex is not finite");
+  require_finite(scan.surface.vertices, "vertex", path);
+  require_finite(scan.colors, "the colour of vertex", path);
+  require_finite(scan.uvs, "texture coordinate", path);
   const size_t n_read = scan.surface.triangles.size();
   weld(scan);
   if (scan.surface.triangles.size() < 100)

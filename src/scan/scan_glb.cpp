@@ -8,6 +8,13 @@
 
 namespace livecap {
 
+namespace {
+
+// Vertices and corners of triangles: nodes may show the same mesh again and again.
+constexpr size_t kMost = size_t{1} << 25;
+
+}  // namespace
+
 Scan read_glb_scan(const std::filesystem::path& path, std::vector<std::string>& notes) {
   const GltfReader file(read_file(path), path.string());
   const tinygltf::Model& model = file.model();
@@ -26,6 +33,9 @@ Scan read_glb_scan(const std::filesystem::path& path, std::vector<std::string>& 
         continue;
       const std::vector<double> p = file.read(position->second, 3, -1, "POSITION");
       const int64_t n = static_cast<int64_t>(p.size()) / 3;
+      const int64_t n_corners = primitive.indices >= 0 ? file.count_of(primitive.indices, "indices") : n;
+      if (scan.surface.vertices.size() + n > kMost || scan.uvs.size() + n_corners > kMost)
+        file.fail(format("more than %zu vertices or corners of triangles", kMost));
       const int base = static_cast<int>(scan.surface.vertices.size());
       for (int64_t i = 0; i < n; ++i)
         scan.surface.vertices.push_back((world * Eigen::Vector4d(p[3 * i], p[3 * i + 1], p[3 * i + 2], 1)).head<3>());

@@ -1,5 +1,6 @@
 // Stanford PLY, ASCII or binary little endian, with vertex colours.
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <sstream>
 
@@ -98,6 +99,9 @@ Scan read_ply(const std::filesystem::path& path, std::vector<std::string>&) {
   }
   if (format_name != "ascii" && format_name != "binary_little_endian")
     fail("is " + format_name + "; save it as ASCII or binary little endian");
+  // Of such elements a few bytes could promise any number.
+  for (const Element& element : elements)
+    if (element.count > 0 && element.properties.empty()) fail("element \"" + element.name + "\" has no property");
   const size_t body = bytes.find('\n', header_end);
   if (body == std::string::npos) fail("has no data");
   Values values(path, bytes, body + 1, format_name == "ascii");
@@ -110,12 +114,16 @@ Scan read_ply(const std::filesystem::path& path, std::vector<std::string>&) {
       for (const Property& property : element.properties) {
         if (!property.count_type.empty()) {
           const double n = values.next(property.count_type);
+          const bool is_face = element.name == "face" && property.name.find("ind") != std::string::npos;
           std::vector<int> corners;
-          for (int k = 0; k < n; ++k) corners.push_back(static_cast<int>(values.next(property.type)));
-          if (element.name != "face" || property.name.find("ind") == std::string::npos) continue;
-          for (int corner : corners)
-            if (corner < 0 || corner >= static_cast<int>(scan.surface.vertices.size()))
-              fail(format("face %zu: there is no vertex %d", i, corner));
+          for (int k = 0; k < n; ++k) {
+            const double corner = values.next(property.type);
+            if (!is_face) continue;
+            if (!(corner >= 0 && corner < static_cast<double>(scan.surface.vertices.size())) ||
+                corner != std::floor(corner))
+              fail(format("face %zu: there is no vertex %g", i, corner));
+            corners.push_back(static_cast<int>(corner));
+          }
           for (size_t k = 2; k < corners.size(); ++k)
             scan.surface.triangles.emplace_back(corners[0], corners[k - 1], corners[k]);
           continue;

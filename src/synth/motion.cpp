@@ -35,7 +35,7 @@ double window(double t, double start, double end, double flank) {
   return ease((t - start) / flank) * ease((end - t) / flank);
 }
 
-Posture standing() {
+Posture standing(double crouch_rad) {
   Posture p;
   for (auto& arm : p.arms) {
     arm.abduction = 17 * kDegree;
@@ -45,6 +45,8 @@ Posture standing() {
   for (auto& leg : p.legs) {
     leg.abduction = 1 * kDegree;
     leg.turn = 4 * kDegree;
+    leg.flexion = leg.ankle = crouch_rad;  // thigh and shin are about as long: hips stay above the feet
+    leg.knee = 2 * crouch_rad;
   }
   return p;
 }
@@ -235,7 +237,7 @@ Quaterniond mirrored_if(bool right, const Quaterniond& q) {
 
 }  // namespace
 
-std::vector<Posture> make_motion(const std::vector<std::string>& names, double fps) {
+std::vector<Posture> make_motion(const std::vector<std::string>& names, double fps, double crouch_rad) {
   std::vector<Segment> segments;
   for (const auto& name : names) append_segments(name, segments);
   std::vector<Posture> postures;
@@ -252,7 +254,7 @@ std::vector<Posture> make_motion(const std::vector<std::string>& names, double f
       yaw += end.yaw;  // a full turn stays turned
       start += segments[index++].seconds;
     }
-    Posture p = standing();
+    Posture p = standing(crouch_rad);
     // Breathing and a little sway, so that nobody stands like a statue.
     p.bend += kDegree * 0.8 * sin(2 * M_PI * t / 3.1);
     p.look_left += kDegree * 3 * sin(2 * M_PI * t / 4.7);

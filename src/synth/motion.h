@@ -37,8 +37,9 @@ struct Posture {
 };
 
 // The postures of the named motions played one after the other, each starting and ending at rest. At least one.
+// crouch_rad: how far forwards thighs point at rest, knees bent by twice that, feet flat; added to what legs do.
 // Throws ConfigError for an unknown name.
-std::vector<Posture> make_motion(const std::vector<std::string>& names, double fps);
+std::vector<Posture> make_motion(const std::vector<std::string>& names, double fps, double crouch_rad = 0);
 
 // Bones of a posture with the lower foot on the floor (y = 0), room frame. joints, scale: see ActorModel.
 BonePose pose_of(const Posture& posture, const std::array<Vec3, kBoneCount>& joints, double scale);

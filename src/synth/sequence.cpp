@@ -173,7 +173,7 @@ class Play {
   Play(const SynthOptions& options, const ActorModel& actor)
       : options_(options),
         scenario_(scenario_from_name(options.scenario)),
-        postures_(make_motion(options.motions, options.fps)),
+        postures_(make_motion(options.motions, options.fps, options.crouch_deg * M_PI / 180)),
         first_(actor, options) {
     if (scenario_ != Scenario::kTwoPeople) return;
     const std::string other = options.actor == "skirt" ? "trousers" : "skirt";
@@ -270,6 +270,7 @@ void SynthOptions::validate() const {
   require(height_mm >= 500 && height_mm <= 3000, format("height_mm is %g; it must be within 500..3000", height_mm));
   require(!motions.empty(), "motions is empty; name at least one");
   make_motion(motions, 1);
+  require(crouch_deg >= 0 && crouch_deg <= 40, format("crouch_deg is %g; it must be within 0..40", crouch_deg));
   scenario_from_name(scenario);
   for (const auto& [name, value] : {std::pair{"width", width}, {"height", height}})
     require(value >= 64 && value <= 4096 && value % 2 == 0,

@@ -47,6 +47,7 @@ struct SynthOptions {
   Physique physique;                            // of the first person
   double height_mm = kBuiltinHeightMm;          // of the actor
   std::vector<std::string> motions = {"demo"};  // played one after the other, see motion_names()
+  double crouch_deg = 0;                        // thighs of the first person at rest, forwards; knees twice that
   std::string scenario = "none";                // see scenario_names()
   int width = 540;                              // px, even
   int height = 960;                             // px, even

@@ -288,6 +288,20 @@ TEST(LoadActor, BrokenFilesNameTheFileAndTheField) {
   EXPECT_NE(
       edited([](auto& d) { d["meshes"][0]["extras"]["livecap"]["markers"]["nose"] = 40000; }).find("markers.nose"),
       std::string::npos);
+  EXPECT_NE(edited([](auto& d) {
+              d["meshes"][0]["extras"]["livecap"]["keypoints"]["nose"] = {1e300, 0, 0};
+            }).find("keypoints.nose is [1e+300,0,0], must be [x, y, z], metres"),
+            std::string::npos);
+  EXPECT_NE(edited([](auto& d) {
+              d["meshes"][0]["extras"]["livecap"]["limits"]["left_elbow_y"] = {5, "six"};
+            }).find("limits.left_elbow_y is [5,\"six\"], must be [min, max], degrees"),
+            std::string::npos);
+  EXPECT_NE(edited([](auto& d) {  // at most 1e19 a node, but one behind the other
+              for (auto& n : d["nodes"])
+                if (!n.contains("mesh")) n["matrix"] = {1e19, 0, 0, 0, 0, 1e19, 0, 0, 0, 0, 1e19, 0, 0, 0, 0, 1};
+            })
+                .find("must be within 10 km"),
+            std::string::npos);
   FixtureOptions few;
   few.joints.resize(8);
   EXPECT_NE(message_of(make_fixture(few).bytes).find("no bone found for"), std::string::npos);

@@ -167,10 +167,14 @@ TEST(Skeletool, BrokenFilesNameTheLine) {
   EXPECT_NE(edited("spine_rx  revolute", "spine_rx  spherical").find("broken.skeleton:8: joint type"),
             std::string::npos);
   EXPECT_NE(edited("spine_rx  revolute", "spine_rx  prismatic").find("only the root may slide"), std::string::npos);
-  EXPECT_NE(edited("joints: 11", "joints: 999999999").find("a joint needs"), std::string::npos);
+  EXPECT_NE(edited("joints: 11", "joints: 12").find("a joint needs"), std::string::npos);
+  EXPECT_NE(edited("joints: 11", "joints: 999999999").find("999999999 joints, at most"), std::string::npos);
+  EXPECT_NE(edited("90 50 0 0 0 2  2", "90 1e300 0 0 0 2  1e30").find(":11: \"1e300\" must be a number within"),
+            std::string::npos);
+  EXPECT_NE(edited("0 100 0 1 0 0  1", "0 100 0 1e200 1e200 0  1").find("must be a number within"), std::string::npos);
   EXPECT_NE(edited("arm_rz -1", "arm_xx -1").find("no joint \"arm_xx\""), std::string::npos);
   EXPECT_NE(edited("limits -1 2", "limits 2 -1").find("reversed"), std::string::npos);
-  EXPECT_NE(edited("0 200 0 1 0 0  1", "0 nan 0 1 0 0  1").find("not a number"), std::string::npos);
+  EXPECT_NE(edited("0 200 0 1 0 0  1", "0 nan 0 1 0 0  1").find("must be a number"), std::string::npos);
   const std::string whole = kSkeleton;
   for (size_t size = 0; size + 20 < whole.size(); size += 13) EXPECT_NE(message(whole.substr(0, size)), "") << size;
   EXPECT_THROW(load_skeletool_motion(write("e.motion", "Skeletool Motion File V1.0\n0 1 2\n"), 3), IoError);

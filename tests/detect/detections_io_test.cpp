@@ -68,6 +68,7 @@ TEST_F(DetectionsIo, ErrorsNameTheLineAndTheField) {
       {"[1]", ":2: expected a JSON object"},
       {"{\"person\":false,\"score\":0.1}", ":2: field \"frame\" is missing"},
       {"{\"frame\":0,\"person\":false,\"score\":0.1}", ":2: field \"frame\" is 0 after 0"},
+      {"{\"frame\":9223372036854775808,\"person\":false,\"score\":0}", "field \"frame\" must be"},
       {"{\"frame\":1,\"person\":1,\"score\":0.1}", "field \"person\""},
       {"{\"frame\":1,\"person\":true,\"score\":null,\"keypoints\":{}}", "field \"score\""},
       {"{\"frame\":1,\"person\":true,\"score\":0.9}", "field \"keypoints\" is missing"},

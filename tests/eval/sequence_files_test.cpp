@@ -121,6 +121,13 @@ TEST_F(SequenceFiles, BrokenCsvNamesColumnOrLine) {
   EXPECT_NE(refusal([&] { read_frames_csv(file("f.csv", "index,pts_ms\n")); }).find("\"status\""), std::string::npos);
   EXPECT_NE(refusal([&] { read_frames_csv(file("f.csv", "index,status\n1,ok\n2\n")); }).find("line 3"),
             std::string::npos);
+  // Frames are looked up by it.
+  for (const char* index : {"-1", "", "one", "1.5", "9223372036854775808"})
+    EXPECT_NE(refusal([&] {
+                read_frames_csv(file("f.csv", std::string("index,status\n1,ok\n") + index + ",ok\n"));
+              }).find("f.csv: line 3: index \"" + std::string(index) + "\""),
+              std::string::npos)
+        << index;
   EXPECT_NE(refusal([&] { read_frames_csv(file("f.csv", "")); }).find("empty"), std::string::npos);
   EXPECT_NE(refusal([&] { read_joints_csv(file("j.csv", "index,a\n1,2\n")); }).find("_x"), std::string::npos);
 }

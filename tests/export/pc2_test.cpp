@@ -75,6 +75,11 @@ TEST(Pc2, BrokenFilesAreRefusedByName) {
   std::memset(wrong.data() + 28, 0x7f, 4);
   write_file_atomically(path, wrong);
   EXPECT_NE(message_of(path).find("truncated"), std::string::npos);
+  // So many that the bytes they need are 32 modulo 2^64.
+  for (const auto& [at, count] : {std::pair{16, 842443544}, std::pair{28, 1824726041}})
+    std::memcpy(wrong.data() + at, &count, 4);
+  write_file_atomically(path, wrong);
+  EXPECT_NE(message_of(path).find("truncated"), std::string::npos);
   EXPECT_THROW(Pc2Writer("/nonexistent/folder/x.pc2", 3), IoError);
   Pc2Writer writer(path, 3);
   EXPECT_THROW(writer.append(std::vector<float>(8, 1.f)), LogicError);

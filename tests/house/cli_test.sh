@@ -284,6 +284,7 @@ expect 2 'wide.json 640x960 540x960' actor fit --video seq/video.mp4 --camera wi
 expect 2 'seq/video.mp4 nobody' "${fit[@]}" --frames 2 --model lite
 [[ ! -e a.glb ]] || { echo "FAILED: actor fit left a file"; failures=$((failures + 1)); }
 expect 2 'physique.legs 9' synth --legs 9 --out s
+expect 2 'crouch_deg 60' synth --crouch 60 --out s
 
 # calibrate.
 expect 2 '--images --video' calibrate --board 9x6 --out c.json

@@ -156,6 +156,35 @@ TEST(OnnxDamage, InputsAndWeightsThatDoNotFit) {
   expect_named(failure(elsewhere.model({1, 3, 8, 8}, {elsewhere.last})), {"\"far\"", "another file"});
 }
 
+// Sizes that are computed from constants of which one is repeated, also where there is nothing to repeat it for.
+TEST(OnnxDamage, ConstantsOfDifferentShapes) {
+  const auto resized_to = [](Net& net, const std::string& sizes) {
+    net.op("Resize", {"x", "", "", sizes});
+    return failure(net.model({1, 3, 8, 8}, {net.last}));
+  };
+  Net other_rank(30);
+  EXPECT_EQ(
+      resized_to(other_rank, other_rank.op("Mul", {other_rank.list({1, 3, 4, 4}), other_rank.numbers({1, 1}, {1})})),
+      "");
+  Net nothing(31);
+  const std::string empty = nothing.op("Slice", {nothing.list({1, 2}), nothing.list({0}), nothing.list({0})});
+  expect_named(resized_to(nothing, nothing.op("Mul", {nothing.list({2}), empty})), {"Resize", "4 constant scales"});
+  Net far(32);
+  far.op("Squeeze", {"x", far.numbers({1}, {1e30f})});
+  expect_named(failure(far.model({1, 3, 8, 8}, {far.last})), {"Squeeze", "axis 4000000000000000000 of 4"});
+}
+
+// Nodes may name the same weights again and again: the file stays small, the graph does not.
+TEST(OnnxDamage, AllConstantsTogetherHaveALimit) {
+  Net shared(29);
+  const std::string weights = shared.random({1024, 1024, 1, 1}, 0, 0);
+  for (int i = 0; i < 300; ++i) shared.op("Conv", {"x", weights});
+  std::vector<std::string> all;
+  for (int i = 0; i < 300; ++i) all.push_back("v" + std::to_string(1 + i));
+  shared.op("Concat", all);
+  expect_named(failure(shared.model({1, 1024, 1, 1}, {shared.last})), {"node #", "Conv", "2^28"});
+}
+
 // Half precision weights are the same numbers.
 TEST(OnnxDamage, HalfPrecisionWeights) {
   Net net(28);

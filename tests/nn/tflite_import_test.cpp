@@ -9,6 +9,7 @@
 #include "livecap/error.h"
 #include "nn/half.h"
 #include "nn/models.h"
+#include "support/tflite_writer.h"
 
 namespace livecap {
 namespace {
@@ -90,6 +91,28 @@ TEST(TfliteImport, FlippedBytesNeverCrash) {
     refused += !loads(bytes);
   }
   EXPECT_GT(refused, 20);  // the damage reached the tables
+}
+
+// Tensors may name the same bytes again and again: the file stays small, the graph does not.
+TEST(TfliteImport, AllConstantsTogetherHaveALimit) {
+  test::TfliteWriter net;
+  const uint32_t weights = net.buffer_of(std::vector<float>(1 << 20));
+  for (int i = 0; i < 300; ++i) net.tensor({1 << 20}, weights);
+  const int x = net.tensor({1, 4});
+  const std::string bytes = net.model({x}, {net.op(14, {x}, {1, 4})});
+  EXPECT_LT(bytes.size(), size_t{5} << 20);
+  try {
+    nn::parse_tflite(bytes, "model.tflite");
+    ADD_FAILURE() << "loads";
+  } catch (const IoError& e) {
+    EXPECT_NE(std::string(e.what()).find("2^28 numbers"), std::string::npos) << e.what();
+  }
+}
+
+TEST(TfliteImport, EveryOperatorIsRead) {
+  const nn::Graph graph = nn::parse_tflite(test::small_tflite(), "model.tflite");
+  EXPECT_EQ(graph.ops.size(), 8u);
+  EXPECT_EQ(graph.outputs.size(), 2u);
 }
 
 TEST(TfliteImport, UnsupportedOperatorIsNamed) {

@@ -8,6 +8,7 @@
 
 #include "actor/actor.h"
 #include "base/text.h"
+#include "image/image_io.h"
 #include "livecap/error.h"
 #include "support/tolerances.h"
 #include "synth/synth.h"
@@ -167,6 +168,35 @@ TEST_F(Scan, FaultsNameTheFile) {
   big.replace(big.find("ascii"), 5, "binary_big_endian");
   EXPECT_NE(failure(write("big.ply", big)).find("little endian"), std::string::npos);
   EXPECT_NE(failure(write("cut.glb", "glTF")).find("cut.glb"), std::string::npos);
+}
+
+// A colour is looked up with them.
+TEST_F(Scan, TextureCoordinatesAndColoursMustBeFinite) {
+  write_png(ImageRgb{1, 1, {0, 0, 0}}, folder_ / "skin.png");
+  write("skin.mtl", "map_Kd skin.png\n");
+  std::string text = "mtllib skin.mtl\nvt inf 0\n" + obj();
+  for (size_t at = 0; (at = text.find("//", at)) != std::string::npos;) text.erase(at, 1);
+  EXPECT_NE(failure(write("uv.obj", text)).find("texture coordinate 0 is not finite"), std::string::npos);
+  text = ply(false);
+  text.replace(text.find("uchar red"), 9, "float red");
+  text.replace(text.find(" 255 128"), 8, " nan 128");
+  EXPECT_NE(failure(write("colour.ply", text)).find("colour of vertex 0 is not finite"), std::string::npos);
+}
+
+// Each of the "vertices" would take no byte of the file and 48 of memory, once for every line.
+TEST_F(Scan, PlyElementsOfNothingAreRefused) {
+  std::string text = "ply\nformat ascii 1.0\n";
+  for (int i = 0; i < 1000; ++i) text += "element vertex 20000\n";
+  EXPECT_NE(failure(write("nothing.ply", text + "end_header\n")).find("\"vertex\" has no property"), std::string::npos);
+}
+
+// Numbers that are not vertices, in every type that a list may have.
+TEST_F(Scan, PlyIndicesMustBeVertices) {
+  for (const char* index : {"nan", "1e30", "-1", "0.5"}) {
+    std::string text = ply(false);
+    text.replace(text.rfind("\n3 ") + 3, text.find(' ', text.rfind("\n3 ") + 3) - text.rfind("\n3 ") - 3, index);
+    EXPECT_NE(failure(write("index.ply", text)).find("there is no vertex"), std::string::npos) << index;
+  }
 }
 
 }  // namespace

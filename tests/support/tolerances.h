@@ -171,6 +171,10 @@ inline constexpr double kPosedBodyMm = 4.4;
 inline constexpr double kCollarboneShare = 0.08;
 // Share of the belly that follows arms and collarbones: 0.004 and 0.001, without the ribs at the waist 0.015 and 0.005.
 inline constexpr double kArmsOnBelly = 0.008;
+// Share of the middle of the chest that follows arms: 0; with all that heat leaves there 0.011 and 0.021.
+inline constexpr double kArmsOnChest = 0.003;
+// The hips' share of thighs in trousers, off the author's rig: 0.011, with the tail of heat 0.034.
+inline constexpr double kHipsOnThigh = 0.02;
 // The thighs' share around the knees, off the author's rig: 0.035 and 0.041, with the contact of elsewhere 0.065,
 // 0.046.
 inline constexpr double kThighAtKnee = 0.043;

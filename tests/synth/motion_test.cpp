@@ -79,6 +79,24 @@ TEST_P(Motion, KeepsFeetOnTheFloorAndIsSmooth) {
 
 INSTANTIATE_TEST_SUITE_P(All, Motion, testing::ValuesIn(motion_names()), [](const auto& info) { return info.param; });
 
+TEST(Motion, CrouchBendsKneesAboveFlatFeet) {
+  const auto straight = make_motion({"raise"}, 30), bent = make_motion({"raise"}, 30, 0.25);
+  ASSERT_EQ(straight.size(), bent.size());
+  for (size_t i = 0; i < bent.size(); i += 9) {
+    const BonePose from = pose_of(straight[i], joints, 1), pose = pose_of(bent[i], joints, 1);
+    for (int shift : {0, kRightShoulder - kLeftShoulder}) {
+      const auto knee_before_hip = [&](const BonePose& p) {
+        return (p.origins[kLeftLeg + shift] - p.origins[kLeftUpLeg + shift]).z();
+      };
+      EXPECT_NEAR(knee_before_hip(pose) - knee_before_hip(from), 100, 20) << "frame " << i << ", mm";
+      EXPECT_LT((pose.origins[kHips] - pose.origins[kLeftFoot + shift]).z(), 40) << "hips stay above the feet";
+      EXPECT_LT(pose.rotations[kLeftFoot + shift].angularDistance(from.rotations[kLeftFoot + shift]), 0.05)
+          << "feet stay flat, but for what a leg that is turned outwards gives them";
+    }
+    EXPECT_LT(pose.origins[kHips].y(), from.origins[kHips].y() - 15);
+  }
+}
+
 TEST(Motion, TurnGoesAllTheWayRoundAndStays) {
   const auto postures = make_motion({"turn", "raise"}, 30);
   double smallest = 1, largest = 0;

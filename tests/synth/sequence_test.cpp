@@ -280,6 +280,7 @@ TEST(Sequence, RefusesBadOptions) {
   refuse([](SynthOptions& o) { o.actor = "robot"; });
   refuse([](SynthOptions& o) { o.motions.clear(); });
   refuse([](SynthOptions& o) { o.motions = {"fly"}; });
+  refuse([](SynthOptions& o) { o.crouch_deg = 60; });
   refuse([](SynthOptions& o) { o.width = 271; });
   refuse([](SynthOptions& o) { o.fps = 0; });
   refuse([](SynthOptions& o) { o.fov_deg = NAN; });

@@ -68,6 +68,10 @@ void add_synth_command(CLI::App& app, Action& action) {
         std::tuple{"--girth", &synth.physique.girth, "girth of trunk and limbs"}})
     command->add_option(name, *share, std::string(what) + " relative to the built-in actor's")->capture_default_str();
   command->add_option("--motion", synth.motions, "one or more of " + joined(motion_names()))->delimiter(',');
+  command
+      ->add_option("--crouch", synth.crouch_deg,
+                   "who stands has thighs so many degrees forwards and knees bent by twice that, 0 to 40")
+      ->capture_default_str();
   command->add_option("--scenario", synth.scenario, "what makes it difficult: one of " + joined(scenario_names()))
       ->capture_default_str();
   command->add_option("--out", options->out, "folder to write")->required();

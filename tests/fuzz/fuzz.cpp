@@ -1,0 +1,93 @@
+#include "fuzz/fuzz.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+
+#include "base/text.h"
+#include "livecap/error.h"
+
+namespace livecap::fuzz {
+namespace {
+
+[[noreturn]] void stop(const std::string& why) {
+  std::fprintf(stderr, "fuzz: %s\n", why.c_str());
+  std::abort();
+}
+
+void check_message(const std::string& file, const std::string& message) {
+  if (message.find(file) == std::string::npos) stop("the message does not name " + file + ": " + message);
+  const auto is_control = [](unsigned char c) { return c < ' ' || c == 0x7f; };
+  if (std::any_of(message.begin(), message.end(), is_control))
+    stop("the message is not one printable line: " + message);
+}
+
+}  // namespace
+
+bool accepts(const std::string& file, const std::function<void()>& read) {
+  try {
+    read();
+    return true;
+  } catch (const IoError& error) {
+    check_message(file, error.what());
+  } catch (const ConfigError& error) {
+    check_message(file, error.what());
+  }
+  return false;
+}
+
+void require(bool holds, const char* promise) {
+  if (!holds) stop(std::string("broken promise: ") + promise);
+}
+
+ScratchFolder::ScratchFolder()
+    : path_(std::filesystem::temp_directory_path() / format("livecap_fuzz_%d", static_cast<int>(::getpid()))) {
+  clear();
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+void ScratchFolder::clear() const {
+  std::filesystem::remove_all(path_);
+  std::filesystem::create_directories(path_);
+}
+
+std::filesystem::path ScratchFolder::write(const std::string& name, std::string_view bytes) const {
+  const std::filesystem::path file = path_ / name;
+  std::filesystem::create_directories(file.parent_path());
+  std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  return file;
+}
+
+std::map<std::string, std::string> split_files(std::string_view input, const std::vector<std::string>& names) {
+  std::map<std::string, std::string> files;
+  std::string* file = nullptr;
+  while (!input.empty()) {
+    const size_t end = std::min(input.find('\n'), input.size() - 1) + 1;
+    const std::string_view line = input.substr(0, end);
+    input.remove_prefix(end);
+    const auto named =
+        std::find_if(names.begin(), names.end(), [&](const std::string& name) { return line == "@" + name + "\n"; });
+    if (named != names.end()) {
+      file = &files[*named];
+    } else if (file) {
+      *file += line;
+    }
+  }
+  return files;
+}
+
+std::string join_files(const std::map<std::string, std::string>& files) {
+  std::string input;
+  for (const auto& [name, bytes] : files)
+    input += (input.empty() || input.back() == '\n' ? "@" : "\n@") + name + "\n" + bytes;
+  return input;
+}
+
+}  // namespace livecap::fuzz

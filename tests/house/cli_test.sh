@@ -267,6 +267,7 @@ expect 2 '--parser-std' actor build --images seq/truth/masks --parser net.onnx -
 expect 2 '--images --video' actor build --video seq/video.mp4 --images seq/truth/masks --out a.glb
 expect 2 '--camera --video' actor build --images seq/truth/masks --camera seq/camera.json --out a.glb
 expect 2 'nobody' actor views builtin:nobody --out v
+expect 2 'nobody' actor compare seq/actor.glb builtin:nobody
 expect 2 'none.glb' actor compare none.glb seq/actor.glb
 [[ ! -e a.glb ]] || { echo "FAILED: actor build left a file"; failures=$((failures + 1)); }
 

@@ -10,6 +10,7 @@
 #include "actor/actor.h"
 #include "actor/inspect.h"
 #include "base/text.h"
+#include "eval/capture_folder.h"
 #include "eval/compare_actors.h"
 #include "ocl/context.h"
 #include "texture/surface_views.h"
@@ -27,7 +28,8 @@ struct Options {
 };
 
 int compare(const Options& options) {
-  const Actor built = load_actor(options.file, options.height_m * 1000), truth = load_actor(options.truth);
+  const Actor built = load_actor_named(options.file, options.height_m * 1000);
+  const Actor truth = load_actor_named(options.truth, 0);
   std::vector<char> seen;
   if (!options.views.empty()) {
     ocl::DeviceContext device(ocl::select_device_pair({}, {}).solver);
@@ -44,7 +46,7 @@ int compare(const Options& options) {
 }
 
 int inspect(const Options& options) {
-  const Actor actor = load_actor(options.file, options.height_m * 1000);
+  const Actor actor = load_actor_named(options.file, options.height_m * 1000);
   std::fputs(inspect_actor(actor).c_str(), stdout);
   return kExitOk;
 }
@@ -58,15 +60,15 @@ void add_actor_command(CLI::App& app, Action& action) {
   CLI::App* inspect_command =
       command->add_subcommand("inspect", "print what was found in an actor.glb, what was defaulted, what is wrong");
   inspect_command->fallthrough();
-  inspect_command->add_option("file", options->file, "actor.glb")->required();
+  inspect_command->add_option("file", options->file, "actor.glb or builtin:NAME")->required();
   inspect_command->add_option("--height", options->height_m, "scale it to this height, metres")
       ->check(CLI::PositiveNumber);
   inspect_command->callback([options, &action] { action = [options] { return inspect(*options); }; });
   CLI::App* compare_command =
       command->add_subcommand("compare", "how far an actor is from a true one: surface, joints, posing, materials");
   compare_command->fallthrough();
-  compare_command->add_option("file", options->file, "actor.glb")->required();
-  compare_command->add_option("truth", options->truth, "the true actor.glb")->required();
+  compare_command->add_option("file", options->file, "actor.glb or builtin:NAME")->required();
+  compare_command->add_option("truth", options->truth, "the true one: actor.glb or builtin:NAME")->required();
   compare_command->add_option("--views", options->views,
                               "the folder of `actor views` with cameras and masks of the truth: also print the figures "
                               "without concavities and what no camera sees");

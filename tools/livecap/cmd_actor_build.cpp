@@ -10,9 +10,9 @@
 #include "base/log.h"
 #include "base/text.h"
 #include "cmd_actor.h"
+#include "eval/capture_folder.h"
 #include "livecap/error.h"
 #include "progress.h"
-#include "synth/synth.h"
 
 namespace livecap::tools {
 namespace {
@@ -25,10 +25,7 @@ struct ViewsOptions {
 };
 
 int write_views(const ViewsOptions& options) {
-  const std::string prefix = "builtin:";
-  const Actor actor = options.actor.rfind(prefix, 0) == 0
-                          ? load_actor_bytes(make_builtin_actor_glb(options.actor.substr(prefix.size())), options.actor)
-                          : load_actor(options.actor);
+  const Actor actor = load_actor_named(options.actor, 0);
   acquire::RehearsalOptions views = options.views;
   if (options.unit != "m") views.unit_mm = acquire::unit_in_mm(options.unit);
   catch_interrupt();

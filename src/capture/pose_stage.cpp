@@ -67,6 +67,7 @@ PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camer
       shading_(device, actor, camera, options.shading),
       sight_(device, camera, skinner_, rasterizer, visibility, matcher_, shading_),
       floor_(actor, options.floor, measured_floor(camera)),
+      leg_bias_(options.leg_bias),
       solver_(device, actor, skin_, camera, options.pose),
       zero_(device, size_t(3) * actor.n_vertices()),
       skinned_(device, size_t(3) * actor.n_vertices()),
@@ -124,10 +125,12 @@ void PoseStage::reset() {
   last_skin_.clear();
   shading_.forget();
   floor_.forget();
+  leg_bias_.forget();
 }
 
 void PoseStage::learn(const Pose* previous, const Pose& pose, const Detections& detections) {
   shading_.learn(last_skin_);
+  leg_bias_.learn(actor_, detections.keypoints, pose);
   if (!previous || floor_.is_contradicted()) return;
   floor_.learn(*previous, pose, detections);
   if (floor_.is_contradicted())
@@ -171,8 +174,7 @@ void PoseStage::find_matches(const PoseStageInput& input, int level, const ocl::
 }
 
 const ocl::Buffer<float>& PoseStage::share_in(Rounds rounds, bool refining) const {
-  const bool on_feet = rounds == Rounds::kOnFeet || rounds == Rounds::kFinishing;
-  return !refining ? matched_share_ : on_feet ? on_feet_share_ : refined_share_;
+  return !refining ? matched_share_ : counts_feet(rounds) ? on_feet_share_ : refined_share_;
 }
 
 int PoseStage::first_of(Rounds rounds, const PoseStageInput& input) const {
@@ -211,7 +213,7 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
     }
     if (n_levels > 0) find_matches(input, level, share_in(rounds, refining));
     if (shades) shading_.measure(input.frame, rasterizer_, skinned_, normals_, visibility_.visible());
-    PoseInput solve = round_input(input, detections, from, previous, level, refining);
+    PoseInput solve = round_input(input, detections, from, previous, level, rounds, refining);
     solution.pose = solver_.chooses() ? solve_seen(solve, n_levels > 0, shades, solution.skin)
                                       : solve_read(solve, n_levels > 0, shades, solution.skin);
     solution.cost = cost_of(solution.pose);
@@ -220,13 +222,14 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
 }
 
 PoseInput PoseStage::round_input(const PoseStageInput& input, const Detections& detections, const Pose& initial,
-                                 const Pose* previous, int level, bool refining) const {
+                                 const Pose* previous, int level, Rounds rounds, bool refining) const {
   return {.detections = detections,
           .initial = initial,
           .previous = previous,
           .frame = input.silhouette.empty() ? nullptr : &input.frame,
           .floor = floor_.floor(),
           .arms_3d = refining ? options_.refined_arms_3d : 1,
+          .legs_3d = refining && counts_feet(rounds) ? options_.on_feet_legs_3d : 1,
           .doubt_3d_mm = refining ? options_.refined_doubt_3d_mm : 0,
           .n_steps = previous ? options_.pose.steps : options_.pose.first_steps,
           .settled_px = level == 0 ? options_.settled_last_step_px : options_.settled_step_px};
@@ -248,7 +251,7 @@ std::optional<PoseStage::Solution> PoseStage::solve_ahead(const PoseStageInput& 
   for (int round = first_round; round < int(levels.size()); ++round) {
     const int level = levels[round];
     const bool again = round > first_round && level == levels[round - 1] && refines(round) == refines(round - 1);
-    inputs.push_back(round_input(input, detections, initial, previous, level, refines(round)));
+    inputs.push_back(round_input(input, detections, initial, previous, level, which, refines(round)));
     rounds.push_back({&inputs.back(), again ? options_.settled_round_px * (1 << level) : 0});
   }
   if (rounds.empty()) return std::nullopt;
@@ -358,6 +361,14 @@ bool PoseStage::believable(const PoseResult& result, const Detections& detection
 }
 
 PoseResult PoseStage::solve_tracked(const PoseStageInput& input, const Pose& predicted, const Pose& previous) {
+  if (!input.detected) return solve_corrected(input, predicted, previous);
+  Detections corrected;
+  corrected.person = input.detections.person;
+  corrected.keypoints = leg_bias_.corrected(input.detections.keypoints, previous);
+  return solve_corrected({corrected, input.silhouette, input.frame, true}, predicted, previous);
+}
+
+PoseResult PoseStage::solve_corrected(const PoseStageInput& input, const Pose& predicted, const Pose& previous) {
   const std::vector<KeypointDetections> alternatives =
       exchanged_legs(actor_, camera_, predicted, input.detections.keypoints);
   if (alternatives.empty()) exchanged_frames_ = 0;

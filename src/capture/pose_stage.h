@@ -15,6 +15,7 @@
 #include "match/skin_shading.h"
 #include "match/texture_matcher.h"
 #include "pose/floor.h"
+#include "pose/leg_bias.h"
 #include "pose/leg_exchange.h"
 #include "pose/pose_solver.h"
 #include "raster/depth.h"
@@ -46,7 +47,8 @@ class PoseStage {
 
   // Skins the template and renders it.
   void render(const Pose& pose);
-  // The last pose solved is believed: its skin tells of the light, its feet of the floor. previous: that of the frame
+  // The last pose solved is believed: its skin tells of the light, its feet of the floor, its legs of what the network
+  // sees of them. previous: that of the frame
   // before, nullptr after another one.
   void learn(const Pose* previous, const Pose& pose, const Detections& detections);
 
@@ -59,7 +61,7 @@ class PoseStage {
   // Of a frame that is not solved, with nobody in it and no silhouette.
   void miss_frame() { doubted_ = false; }
 
-  // Forgets what it knew of the last frames, but for light and floor.
+  // Forgets what it knew of the last frames, but for light, floor and legs.
   void lose_person() {
     exchanged_frames_ = 0;
     doubted_ = false;
@@ -84,14 +86,16 @@ class PoseStage {
     kFinishing  // the last one of kOnFeet
   };
   int first_of(Rounds rounds, const PoseStageInput& input) const;  // of match_levels
+  static bool counts_feet(Rounds rounds) { return rounds == Rounds::kOnFeet || rounds == Rounds::kFinishing; }
   const ocl::Buffer<float>& share_in(Rounds rounds, bool refining) const;
   Solution solve_in_rounds(const PoseStageInput& input, const Detections& detections, const Pose& initial,
                            const Pose* previous, Rounds rounds = Rounds::kAll);
+  PoseResult solve_corrected(const PoseStageInput& input, const Pose& predicted, const Pose& previous);
   Solution solve_anew(const PoseStageInput& input);
   std::optional<Solution> solve_ahead(const PoseStageInput& input, const Detections& detections, const Pose& initial,
                                       const Pose* previous, Rounds rounds);
   PoseInput round_input(const PoseStageInput& input, const Detections& detections, const Pose& initial,
-                        const Pose* previous, int level, bool refining) const;
+                        const Pose* previous, int level, Rounds rounds, bool refining) const;
   double cost_of(const PoseResult& pose) const;
   void find_picture(const PoseStageInput& input);
   PoseResult solve_seen(PoseInput& solve, bool matches, bool shades, std::vector<SkinSample>& skin);
@@ -131,6 +135,7 @@ class PoseStage {
   ActorSight sight_;
   bool picture_due_ = false;  // the matcher does not have the frame's picture yet
   FloorFinder floor_;
+  LegBias leg_bias_;
   PoseSolver solver_;
   ocl::Buffer<float> zero_;                   // [3n] always zero
   ocl::Buffer<float> skinned_;                // [3n]

@@ -8,6 +8,7 @@
 #include "match/skin_shading.h"
 #include "match/texture_matcher.h"
 #include "pose/floor.h"
+#include "pose/leg_bias.h"
 #include "pose/mirrored_arms.h"
 #include "pose/pose_options.h"
 #include "raster/visibility.h"
@@ -26,6 +27,7 @@ struct TrackerOptions {
   MatchOptions match;
   SkinShadingOptions shading;
   FloorOptions floor;
+  LegBiasOptions leg_bias;
   VisibilityOptions visibility;
   // Stage I of an actor with a texture: one solve per round, each with matches found at this resolution (half of it per
   // level) where the last one ended. Coarse ones first: patches are only right within a few px, and stripes match one
@@ -55,6 +57,8 @@ struct TrackerOptions {
   // tells, and a shoe is matched to a part of a pixel, but it is small. Not where starts compete, since legs that are
   // exchanged hold on to the wrong shoes; what is chosen there is refined once more. Not in the first frame either.
   float foot_share = 40;
+  // There E_3D counts so much less for legs: the network sees bent ones straight, and the shoes tell better.
+  double on_feet_legs_3d = 0.1;
   // Where several starts compete, what could not be matched costs like a match so far away.
   double missed_px = 2;
   // A body that faces so much elsewhere than the detections is solved from there as well (pose/other_starts.h).

@@ -68,16 +68,18 @@ PoseSolver::Prepared PoseSolver::prepare(const PoseInput& input) const {
                     .doubt_3d_mm = input.doubt_3d_mm,
                     .stands = {},
                     .keypoints_mm = keypoints(input.initial)};
-  weigh_arms(prepared, input.arms_3d);
+  weigh_limbs(prepared, input);
   if (input.doubt_3d_mm > 0) doubt_far_detections(prepared.targets, prepared.keypoints_mm, input.doubt_3d_mm);
   if (input.floor)
     prepared.stands = standing(system_.soles(), actor_.skeleton, *input.floor, input.initial, input.previous);
   return prepared;
 }
 
-void PoseSolver::weigh_arms(Prepared& prepared, double arms_3d) const {
+void PoseSolver::weigh_limbs(Prepared& prepared, const PoseInput& input) const {
   for (int k : {kLeftElbow, kRightElbow, kLeftWrist, kRightWrist, kLeftHand, kRightHand})
-    prepared.targets[k].weight_3d *= arms_3d;
+    prepared.targets[k].weight_3d *= input.arms_3d;
+  for (int k : {kLeftKnee, kRightKnee, kLeftAnkle, kRightAnkle, kLeftToe, kRightToe})
+    prepared.targets[k].weight_3d *= input.legs_3d;
   for (int k = 0; k < kKeypointCount; ++k) prepared.undoubted_3d[k] = prepared.targets[k].weight_3d;
 }
 
@@ -154,12 +156,12 @@ bool PoseSolver::begin_rounds(std::span<const Round> rounds, const SeenVertices&
         soles_before.push_back(float(value));
   }
   PoseInput plain = first;
-  plain.arms_3d = 1;
+  plain.arms_3d = plain.legs_3d = 1;
   plain.doubt_3d_mm = 0;
   const Prepared same = prepare(plain);  // of all rounds
   for (const Round& round : rounds) {
     Prepared prepared = same;
-    weigh_arms(prepared, round.input->arms_3d);
+    weigh_limbs(prepared, *round.input);
     if (prepared_.empty() && first.doubt_3d_mm > 0)
       doubt_far_detections(prepared.targets, prepared.keypoints_mm, first.doubt_3d_mm);
     prepared.doubt_3d_mm = round.input->doubt_3d_mm;

@@ -96,6 +96,26 @@ TEST(PoseSolver, SixStepsFollowATrackedFrame) {
       test::Doubles::kAlsoWithout);
 }
 
+TEST(PoseSolver, LimbsCountInE3DByTheirFactors) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const Actor actor = test::make_test_actor(0.7);
+    const Camera camera = test::portrait_camera();
+    PoseSolver solver(device, actor, camera, PoseOptions());
+    const Pose pose = test::standing_pose(actor, 0);
+    const Detections detections = exact_detections(actor, camera, pose);
+    PoseInput input{.detections = detections, .initial = pose};
+    const KeypointTargets whole = solver.prepare(input).targets;
+    input.arms_3d = 0.25;
+    input.legs_3d = 0.5;
+    const KeypointTargets less = solver.prepare(input).targets;
+    for (int k = 0; k < kKeypointCount; ++k) {
+      const double factor = k >= kLeftElbow && k <= kRightHand ? 0.25 : k >= kLeftKnee && k <= kRightToe ? 0.5 : 1;
+      EXPECT_EQ(less[k].weight_3d, factor * whole[k].weight_3d) << kKeypointNames[k];
+      EXPECT_EQ(less[k].weight_2d, whole[k].weight_2d);
+    }
+  });
+}
+
 // All rows of the reference as one Ceres residual block over the increment of `state`.
 class ReferenceCost : public ceres::CostFunction {
  public:

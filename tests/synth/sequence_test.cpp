@@ -271,7 +271,7 @@ TEST(Sequence, StaysValidWhenStopped) {
 }
 
 TEST(Sequence, RefusesBadOptions) {
-  const auto folder = std::filesystem::temp_directory_path() / "livecap_synth_never";
+  const auto folder = std::filesystem::temp_directory_path() / ("livecap_synth_never" + std::to_string(::getpid()));
   const auto refuse = [&](auto change) {
     SynthOptions options = small("skirt");
     change(options);

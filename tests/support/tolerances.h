@@ -111,8 +111,8 @@ inline constexpr double kStepsMm = 1e-4;
 // And of several rounds, each of whose rows are made where the one before ended (6.9e-6 rad and 4.1e-4 mm on PoCL).
 inline constexpr double kRoundsRad = 5e-5;
 inline constexpr double kRoundsMm = 5e-3;
-// Where a match on the edge of counting is turned over by their last bits: 1e-3 rad where E_3D holds the legs, 0.014 seen
-// on a GPU where it holds them with a tenth of that.
+// Where a match on the edge of counting is turned over by their last bits: 1e-3 rad where E_3D holds the legs, 0.014
+// seen on a GPU where it holds them with a tenth of that.
 inline constexpr double kTurnedMatchRad = 2e-2;
 // Patches moved by either body of patch_match.cl, px and shares: what is next to nothing in a window's sums, carried on
 // from row to row on a CPU, moves a patch.

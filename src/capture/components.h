@@ -12,7 +12,7 @@ namespace livecap {
 struct TrackerOptions;
 
 // Components outside the tracker. Without the first the background is subtracted without the network's person mask,
-// without the second the surface is fitted to poses as they are solved, one frame earlier (capture/fixed_lag.h).
+// without the second the surface is fitted to poses as they are solved, two frames earlier (capture/fixed_lag.h).
 inline constexpr std::string_view kMaskGating = "mask_gating";
 inline constexpr std::string_view kFixedLag = "fixed_lag";
 

@@ -58,6 +58,11 @@ void ScratchFolder::clear() const {
   std::filesystem::create_directories(path_);
 }
 
+void ScratchFolder::hold(const std::map<std::string, std::string>& files) const {
+  clear();
+  for (const auto& [name, bytes] : files) write(name, bytes);
+}
+
 std::filesystem::path ScratchFolder::write(const std::string& name, std::string_view bytes) const {
   const std::filesystem::path file = path_ / name;
   std::filesystem::create_directories(file.parent_path());

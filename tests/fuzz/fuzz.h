@@ -38,6 +38,8 @@ class ScratchFolder {
   // Writes a file, with the folders above it.
   std::filesystem::path write(const std::string& name, std::string_view bytes) const;
   void clear() const;
+  // These files, by their names, and no others.
+  void hold(const std::map<std::string, std::string>& files) const;
 
  private:
   std::filesystem::path path_;

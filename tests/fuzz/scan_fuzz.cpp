@@ -66,8 +66,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace livecap;
   static const fuzz::ScratchFolder folder;
   const auto files = fuzz::split_files({reinterpret_cast<const char*>(data), size}, fuzz::kFiles);
-  folder.clear();
-  for (const auto& [name, bytes] : files) folder.write(name, bytes);
+  folder.hold(files);
   if (files.count("scan.mtl")) write_png(ImageRgb{2, 1, {255, 0, 0, 0, 0, 255}}, folder.path() / "skin.png");
   for (const char* name : {"scan.obj", "scan.ply"}) {
     if (!files.count(name)) continue;

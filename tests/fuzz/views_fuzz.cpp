@@ -63,8 +63,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace livecap;
   static const fuzz::ScratchFolder folder;
   const auto files = fuzz::split_files({reinterpret_cast<const char*>(data), size}, fuzz::kFiles);
-  folder.clear();
-  for (const auto& [name, bytes] : files) folder.write(name, bytes);
+  folder.hold(files);
   const auto read = [&](const std::filesystem::path& path) {
     fuzz::accepts(folder.path().string(), [&] {
       for (const ViewPose& view : read_view_poses(path, folder.path() / "pictures")) {

@@ -48,17 +48,18 @@ static long2 sums_before(long2 value, local long2* sums, long2* all) {
 
 // The slices of a kind, and what they tell each other.
 typedef struct {
-  int n, own, n_waits;
+  int n, own, n_waits, together;
   global long2* told;  // [n]
   global long* limbs;  // [LC_SKIN_LIMBS*n]
   volatile global int* state;
   local int* given_up;
 } Slices;
 
-// Returns once all slices have come here. A wait that is given up is told by the kernel for the steps.
+// Returns once all slices have come here. Who has given up a wait (together is 0 then, and what the others tell may be
+// anything) comes to no further one, so that those who come there give up as well. The kernel for the steps tells it.
 static void wait_for_slices(Slices* s) {
   ++s->n_waits;
-  if (s->n > 1) all_arrived(s->state, s->n_waits * s->n, s->given_up);
+  if (s->n > 1 && s->together) s->together = all_arrived(s->state, s->n_waits * s->n, s->given_up);
 }
 
 // What the slices before have, of what each has; all: all of them.
@@ -189,7 +190,8 @@ static int choose_in(const Seen* s, Run run, long2 before, long2 all, Shares sha
 // contour [n] 1 for contour vertices, matches [LC_MATCH*n], skin [LC_SKIN*n], of as many as `choice` says;
 // skin_vertices [n]; skin_limbs [n]: twice the limb and 1 for the second light. inputs: what is chosen by, and out what
 // is chosen, see layout.h. moved, least_moved_px: see PoseStepsArg. told: [LC_POSE_CHOICE_TOLD] for each slice; state:
-// of each kind, see all_arrived.h, 0 before. sums: [GROUP]; limb_px: [LC_SKIN_LIMBS].
+// of each kind, see all_arrived.h, 0 before. Where a wait is given up some of what is chosen is missing, and there is
+// what was in `inputs` before. sums: [GROUP]; limb_px: [LC_SKIN_LIMBS].
 kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void pose_choose(
     PoseInputs at, PoseChoice choice, float least_moved_px, global const float* restrict moved,
     global const int* restrict contour, global const float* restrict matches, global const float* restrict skin,
@@ -210,6 +212,7 @@ kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void pose_choose(
   Slices slices = {n_slices,
                    get_group_id(0) % n_slices,
                    0,
+                   1,
                    (global long2*)(told) + 2 * n_slices * kind,
                    told + 12 * n_slices,
                    state + 2 * kind,
@@ -234,8 +237,9 @@ kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void pose_choose(
   const int n_chosen = choose_in(&seen, run, before, all, shares, -1, at, inputs);
   long2 place = sums_before((long2)(n_chosen, missed), sums, &added);
   place += of_slices_before(added, &slices, sums, &chosen);
-  choose_in(&seen, run, before, all, shares, (int)place.x, at, inputs);
+  if (slices.together) choose_in(&seen, run, before, all, shares, (int)place.x, at, inputs);
   if (id > 0 || slices.own > 0) return;
+  if (!slices.together) chosen = 0;
   chosen.x = min(chosen.x, (long)choice.most[kind]);
   inputs[at.counts + kind] = as_float((int)chosen.x);
   if (kind == CONTOUR)

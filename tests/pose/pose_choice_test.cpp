@@ -2,11 +2,13 @@
 // the same: a solve must come to the same bits with either.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <map>
 #include <random>
 
 #include "match/layout.h"
 #include "pose/pose_solver.h"
+#include "pose/row_inputs.h"
 #include "support/gpu_bodies.h"
 #include "support/pose_reference.h"
 #include "support/pose_scene.h"
@@ -219,6 +221,49 @@ TEST(PoseChoice, IsReadWhereTheHostNeedsIt) {
         }
       },
       7);  // two of each kind choose
+}
+
+// Slices that give up their waits have read of the others whatever was in memory: nothing of that may become a count or
+// a vertex of the rows.
+TEST(PoseChoice, IsOfVerticesWhereAWaitIsGivenUp) {
+  test::on_every_gpu_body([](ocl::DeviceContext& device) {
+    constexpr int kSlices = 2;
+    const Scene scene(device, 1);
+    const int n = scene.actor.n_vertices();
+    const Picture picture(device, n, scene.camera, 0.6, true);
+    PoseOptions options = scene.options;
+    options.max_contour_vertices = options.max_matches = options.max_shaded = 64;
+    PoseRowInputs inputs({}, options, n);
+    inputs.set_choice(picture.seen());
+    const PoseInputs at = inputs.places();
+    const PoseChoice choice{{n, n, int(picture.vertices.size())}, {64, 64, 64}, kLimbAreaPx};
+    ocl::Kernel choose(device, "pose/choose.cl", "pose_choose");
+    const ocl::Buffer<float> moved(device, std::vector{1.0f});
+    std::mt19937_64 rng{5};
+    for (int round = 0; round < 20; ++round) {
+      std::vector<int64_t> told(LC_POSE_CHOICE_TOLD * kSlices);
+      for (int64_t& value : told) value = int64_t(rng()) >> rng() % 64;
+      const ocl::Buffer<int64_t> told_on_device(device, told);
+      const ocl::Buffer<int32_t> state(device, std::vector<int32_t>(6));
+      ocl::Buffer<float> chosen(device, inputs.words());
+      choose.launch(3 * kSlices * LC_POSE_CHOICE_GROUP, LC_POSE_CHOICE_GROUP, at, choice, 0.0f, moved, picture.contour,
+                    picture.matches, picture.skin, picture.vertices, picture.limbs, chosen, told_on_device, state,
+                    ocl::LocalMemory{2 * sizeof(int64_t) * LC_POSE_CHOICE_GROUP},
+                    ocl::LocalMemory{sizeof(double) * LC_SKIN_LIMBS});
+      const std::vector<float> words = chosen.read_all();
+      const auto whole = [&](int place) { return std::bit_cast<int32_t>(words[place]); };
+      for (int kind = 0; kind < 3; ++kind) {
+        EXPECT_GE(whole(at.counts + kind), 0);
+        EXPECT_LE(whole(at.counts + kind), 64);
+      }
+      for (const int first : {at.contour_vertices, at.match_vertices, at.shaded_vertices}) {
+        for (int i = first; i < first + 64; ++i) {
+          EXPECT_GE(whole(i), 0);
+          EXPECT_LT(whole(i), n);
+        }
+      }
+    }
+  });
 }
 
 }  // namespace

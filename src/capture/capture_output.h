@@ -1,4 +1,4 @@
-// The capture folder (docs/conventions.md): every writer is valid after each frame; capture.glb and report.json come
+// The capture folder (docs/formats.md): every writer is valid after each frame; capture.glb and report.json come
 // last and exist only for a run that reached its end.
 #pragma once
 

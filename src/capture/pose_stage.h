@@ -48,8 +48,7 @@ class PoseStage {
   // Skins the template and renders it.
   void render(const Pose& pose);
   // The last pose solved is believed: its skin tells of the light, its feet of the floor, its legs of what the network
-  // sees of them. previous: that of the frame
-  // before, nullptr after another one.
+  // sees of them. previous: that of the frame before, nullptr after another one.
   void learn(const Pose* previous, const Pose& pose, const Detections& detections);
 
   // Whether the keypoints of a pose that was solved are near enough to the detections.

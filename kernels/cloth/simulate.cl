@@ -21,7 +21,7 @@
 #define EACH(i, n) for (int i = get_global_id(0); i < (n); i += get_global_size(0))
 #define TOGETHER()              \
   arrived += get_num_groups(0); \
-  if (!all_arrived(state, arrived, &given_up)) return
+  if (!all_arrived(1, state, arrived, &given_up)) return
 #endif
 
 // A cone with round ends: from, along, 1 / |along|^2, radius at `from`, what it changes by.

@@ -91,14 +91,14 @@ kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
   for (int i = back; i < n_clears; i += n_items) clear_both(i, n_pixels, both);
   for (int i = back; see.new_picture && i < box.width / 4 * (box.height / 4); i += n_items)
     camera_block(i, box, see.width, see.height, rgb, signed_distance, light, weight);
-  int together = all_arrived(state, n_groups, &given_up);  // otherwise nothing more is done
+  int together = all_arrived(1, state, n_groups, &given_up);  // otherwise nothing more is done
 
   const int per_triangle = clamp(n_items / max(see.n_triangles, 1), 1, LC_RASTER_SHARE);  // nobody has two then
   for (int i = id; together && i < see.n_triangles * per_triangle; i += n_items)
     draw_both(i, per_triangle, see.width, see.height, see.cull, projected, triangles, both);
   for (int i = back; together && i < n; i += n_items)
     normal_of_vertex(i, n, skinned, fan_offsets, fan_corners, normals);
-  together &= all_arrived(state, 2 * n_groups, &given_up);
+  together = all_arrived(together, state, 2 * n_groups, &given_up);
 
   for (int i = back; together && i < n; i += n_items) {
     visible[i] =
@@ -110,7 +110,7 @@ kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
     draw_texture(i % here.width, i / here.width, here, patch.level, see.width, see.height, see.texels,
                  see.texture_width, see.texture_height, drawn_ids, drawn_depth, projected, triangles, uvs, texture,
                  light + actor_at, weight + actor_at, box_depth);
-  together &= all_arrived(state, 3 * n_groups, &given_up);
+  together = all_arrived(together, state, 3 * n_groups, &given_up);
 
   // The actor's tiles, then those of the camera's levels.
   int n_all = n_tiles(here);
@@ -128,7 +128,7 @@ kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
     if (get_local_id(0) == 0) somebody[turn ^ 1] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
   }
-  together &= all_arrived(state, 4 * n_groups, &given_up);
+  together = all_arrived(together, state, 4 * n_groups, &given_up);
 
   const Level at_level = {here.width, here.height, actor, box_depth, camera + level_offset(box, patch.level)};
   for (int first = group * LC_SEE_GROUP / PATCH; together && first < n; first += n_groups * LC_SEE_GROUP / PATCH)

@@ -241,7 +241,7 @@ kernel __attribute__((reqd_work_group_size(NN_GROUP, 1, 1))) void run_layers(int
   for (int i = first; i < end; ++i) {
     if (i > first) {
       arrived += get_num_groups(0);
-      if (!all_arrived(state, arrived, &given_up)) return;
+      if (!all_arrived(1, state, arrived, &given_up)) return;
     }
     for (int k = get_local_id(0); k < words; k += NN_GROUP) ((local int*)&layer)[k] = layers[i * words + k];
     barrier(CLK_LOCAL_MEM_FENCE);

@@ -55,11 +55,11 @@ typedef struct {
   local int* given_up;
 } Slices;
 
-// Returns once all slices have come here. Who has given up a wait (together is 0 then, and what the others tell may be
-// anything) comes to no further one, so that those who come there give up as well. The kernel for the steps tells it.
+// Returns once all slices have come here; after a wait that was given up, which the kernel for the steps tells, what
+// the others tell may be anything.
 static void wait_for_slices(Slices* s) {
   ++s->n_waits;
-  if (s->n > 1 && s->together) s->together = all_arrived(s->state, s->n_waits * s->n, s->given_up);
+  if (s->n > 1) s->together = all_arrived(s->together, s->state, s->n_waits * s->n, s->given_up);
 }
 
 // What the slices before have, of what each has; all: all of them.

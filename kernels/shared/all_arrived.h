@@ -13,17 +13,18 @@
 // How often a work-group looks for the others, about a second.
 #define MOST_LOOKS (1 << 21)
 
-// True in all work-items when all groups have come here. state: how many arrivals there were, and whether a wait was
-// given up. arrivals: how many there are then.
-static int all_arrived(volatile global int* state, int arrivals, local int* given_up) {
+// True in all work-items when all groups have come here. together: whether the group has given up no wait before; one
+// that has does not come, so that all others give up as well. state: how many arrivals there were, and whether a wait
+// was given up. arrivals: how many there are then.
+static int all_arrived(int together, volatile global int* state, int arrivals, local int* given_up) {
   barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
 #ifdef FENCE_OF_DEVICE
   if (get_local_id(0) == 0) {
     FENCE_OF_DEVICE();
-    atomic_inc(state);
-    *given_up = 0;
+    if (together) atomic_inc(state);
+    *given_up = !together;
     // Read and not counted, so that who arrives need not wait for those who look. The count may wrap around.
-    for (int looks = 1; (int)((uint)state[0] - (uint)arrivals) < 0; ++looks) {
+    for (int looks = 1; together && (int)((uint)state[0] - (uint)arrivals) < 0; ++looks) {
       if (looks < MOST_LOOKS && !state[1]) continue;
       atomic_xchg(state + 1, 1);
       *given_up = 1;
@@ -36,7 +37,7 @@ static int all_arrived(volatile global int* state, int arrivals, local int* give
 #else
   (void)arrivals;
   (void)given_up;
-  if (get_num_groups(0) == 1) return 1;
+  if (get_num_groups(0) == 1) return together;
   state[1] = 1;
   return 0;
 #endif

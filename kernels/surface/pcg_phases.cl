@@ -120,7 +120,7 @@ kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void pcg_phases(
   for (int phase = first; phase < end; ++phase) {
     if (phase > first) {
       arrived += n_groups;
-      if (!all_arrived(state, arrived, &given_up)) return;
+      if (!all_arrived(1, state, arrived, &given_up)) return;
     }
     const int k = phase / 2, turns = phase % 2 == 0;
     global float* rz = parts + 2 * k * n_groups;

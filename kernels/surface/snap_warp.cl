@@ -94,7 +94,7 @@ kernel void snap_rounds(int first, int end, int arrived, int n_rows, int stride,
   for (int round = first; round < end; ++round) {
     if (round > first) {
       arrived += get_num_groups(0);
-      if (!all_arrived(state, arrived, &given_up)) return;
+      if (!all_arrived(1, state, arrived, &given_up)) return;
     }
     const bool even = round % 2 == 0;
     global const float* before = even ? moves : moves_after;

@@ -23,6 +23,7 @@ ActorSight::ActorSight(ocl::DeviceContext& device, const Camera& camera, Skinner
   n_groups_ = std::max<size_t>(device.info().compute_units, 1);
   kernel_ = ocl::Kernel(device, "match/see_actor.cl", "see_actor");
   drawn_ = ocl::Buffer<uint64_t>(device, rasterizer.depth_.size());
+  drawn_.fill(0);  // so that no triangle is out of range where a wait is given up
   usable_ = true;
 }
 

@@ -141,6 +141,7 @@ CaptureReport CaptureOutput::finish(const ocl::DevicePair& devices, const RunEnd
   if (report.tracked > 0) {
     CaptureGlbOptions glb_options;
     glb_options.fps = fps_;
+    glb_options.camera = camera_;
     glb = write_capture_glb(in_folder("capture.glb"), actor_, poses_, in_folder("vertices.pc2"), glb_options);
     report.glb = in_folder("capture.glb").string();
   }

@@ -25,6 +25,7 @@ using nlohmann::json;
 enum ComponentType { kUnsignedByte = 5121, kShort = 5122, kUnsignedInt = 5125, kFloat = 5126 };
 enum Target { kNoTarget = 0, kVertices = 34962, kIndices = 34963 };
 constexpr double kShortOne = 32767;  // what a normalised int16 calls 1
+constexpr double kNearM = 0.05, kFarM = 100;
 
 // The growing binary chunk with its views and accessors.
 class GlbBuilder {
@@ -131,6 +132,7 @@ class CaptureGlb {
     add_skeleton();
     add_mesh();
     add_animation();
+    if (options_.camera) add_camera(*options_.camera);
     std::string bytes = glb_.finish();
     report_.bytes = bytes.size();
     return bytes;
@@ -396,6 +398,26 @@ class CaptureGlb {
       add_channel(mesh_node_, "weights", glb_.add(weights, kFloat, "SCALAR", 1, kNoTarget));
     }
     glb_.document["animations"] = json::array({{{"name", "capture"}, {"samplers", samplers}, {"channels", channels}}});
+  }
+
+  // glTF's cameras look along -z with y up, as ours do once its axes are glTF's.
+  void add_camera(const Camera& camera) {
+    const Eigen::Isometry3d& frame = options_.frame_from_camera;
+    json& nodes = glb_.document["nodes"];
+    glb_.document["scenes"][0]["nodes"].push_back(nodes.size());
+    nodes.push_back({{"name", "camera"},
+                     {"camera", 0},
+                     {"translation", numbers(gltf_from_camera(frame.translation()))},
+                     {"rotation", numbers(gltf_turn_from_camera(Eigen::Quaterniond(frame.linear()).normalized()))}});
+    const double tan_y = camera.height / (2 * camera.fy), tan_x = camera.width / (2 * camera.fx);
+    const json own = {{"width", camera.width}, {"height", camera.height}, {"fx", camera.fx},
+                      {"fy", camera.fy},       {"cx", camera.cx},         {"cy", camera.cy}};
+    glb_.document["cameras"] = json::array(
+        {{{"name", "camera"},
+          {"type", "perspective"},
+          {"perspective",
+           {{"yfov", 2 * std::atan(tan_y)}, {"aspectRatio", tan_x / tan_y}, {"znear", kNearM}, {"zfar", kFarM}}},
+          {"extras", {{"livecap", own}}}}});
   }
 
   const Actor& actor_;

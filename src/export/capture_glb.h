@@ -2,12 +2,15 @@
 // in Blender 3.4+ and three.js; `livecap` reads it back as an actor.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 
 #include "actor/actor.h"
+#include "livecap/camera.h"
 
 namespace livecap {
 
@@ -17,9 +20,12 @@ struct CapturedFrame {
 };
 
 struct CaptureGlbOptions {
-  double fps = 30;             // of the input; frame i is keyed at i / fps seconds
-  int max_morph_targets = 64;  // 0 or 1: skeleton only
-  double tolerance_mm = 0.02;  // shapes stop when what they leave out is below this (root mean square)
+  double fps = 30;                 // of the input; frame i is keyed at i / fps seconds
+  int max_morph_targets = 64;      // 0 or 1: skeleton only
+  double tolerance_mm = 0.02;      // shapes stop when what they leave out is below this (root mean square)
+  std::optional<Camera> camera{};  // becomes a node; glTF knows its fields of view, the rest is in its extras
+  // Where poses and vertices are, from the frame of that camera; mm.
+  Eigen::Isometry3d frame_from_camera = Eigen::Isometry3d::Identity();
 };
 
 struct CaptureGlbReport {

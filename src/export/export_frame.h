@@ -2,7 +2,7 @@
 // metres, Y up, right-handed). docs/conventions.md.
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <span>
 #include <vector>
 
@@ -13,6 +13,16 @@ inline constexpr double kMetresPerMm = 1e-3;
 // Half a turn about x: a proper rotation, so that nothing is mirrored.
 inline Eigen::Matrix3d gltf_axes_from_camera() {
   return Eigen::Vector3d(1, -1, -1).asDiagonal();
+}
+
+// The shortest turn, camera axes, after which `up` (unit) points straight up, which is -y there.
+inline Eigen::Quaterniond upright_from_camera(const Eigen::Vector3d& up) {
+  return Eigen::Quaterniond::FromTwoVectors(up, -Eigen::Vector3d::UnitY());
+}
+
+// The same turn in glTF's axes.
+inline Eigen::Quaterniond gltf_turn_from_camera(const Eigen::Quaterniond& turn) {
+  return {turn.w(), turn.x(), -turn.y(), -turn.z()};
 }
 
 inline Eigen::Vector3d gltf_from_camera(const Eigen::Vector3d& camera_mm) {

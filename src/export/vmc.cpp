@@ -103,8 +103,8 @@ VmcEncoder::VmcEncoder(const LiveActor& actor, const std::optional<FloorPlane>& 
     if (is_chest) add("UpperChest", -1, Eigen::Vector3f::Zero());
   }
   if (!floor) return;
-  const Eigen::Vector3d up = gltf_axes_from_camera() * Eigen::Vector3d::Map(floor->normal.data());
-  const Eigen::Quaternionf level = Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitY()).cast<float>();
+  const Eigen::Quaterniond turn = upright_from_camera(Eigen::Vector3d::Map(floor->normal.data()));
+  const Eigen::Quaternionf level = gltf_turn_from_camera(turn).cast<float>();
   level_ = {level.x(), level.y(), level.z(), level.w()};
   floor_y_m_ = static_cast<float>(-kMetresPerMm * floor->distance_mm);
 }

@@ -14,8 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
-constexpr int kFloorSamples = 60;  // rows that tell where a floor is that neither camera nor feet at rest tell
-
 std::vector<int64_t> chosen_rows(const CaptureFolder& capture, const RenderOptions& options) {
   std::vector<int64_t> rows;
   if (capture.rows.empty()) throw IoError((capture.path / "frames.csv").string() + ": has no frame");
@@ -43,31 +41,6 @@ Vector3d median_root(const Clip& clip) {
   if (places[0].empty())
     throw IoError((clip.capture.path / "frames.csv").string() + ": nobody was tracked in any frame");
   return {median(places[0]), median(places[1]), median(places[2])};
-}
-
-// As the tracker learns it, but of all frames and with every ankle believed.
-std::optional<Floor> learned_floor(const Clip& clip) {
-  FloorFinder finder(clip.capture.actor, {}, measured_floor(clip.capture.camera));
-  Detections seen;
-  for (int ankle : {kLeftAnkle, kRightAnkle}) seen.keypoints[ankle].confidence = 1;
-  std::optional<Pose> previous;
-  for (int64_t row = 0; row < static_cast<int64_t>(clip.capture.rows.size()); ++row) {
-    const std::optional<Pose> pose =
-        clip.tracked(row) ? captured_pose(clip.capture, row, captured_joints(clip.capture, row)) : std::nullopt;
-    if (previous && pose) finder.learn(*previous, *pose, seen);
-    previous = pose;
-  }
-  return finder.floor() ? std::optional<Floor>(*finder.floor()) : std::nullopt;
-}
-
-Floor level_floor(Clip& clip) {
-  const int64_t n = static_cast<int64_t>(clip.capture.rows.size());
-  double lowest = -std::numeric_limits<double>::infinity();  // y points down
-  for (int64_t row = 0; row < n; row += std::max<int64_t>(1, n / kFloorSamples)) {
-    const std::vector<float> vertices = clip.vertices(row);
-    for (size_t i = 1; i < vertices.size(); i += 3) lowest = std::max<double>(lowest, vertices[i]);
-  }
-  return {-Vector3d::UnitY(), std::isfinite(lowest) ? lowest : clip.place_mm.y()};
 }
 
 // Where somebody was tracked, `file` has to have an entry.
@@ -112,8 +85,7 @@ Clip open_clip(const RenderOptions& options) {
     require_rows(clip, "angles.csv", clip.capture.angles.frames.size(), "rows");
   if (!options.is_about_person()) return clip;
   clip.place_mm = median_root(clip);
-  const std::optional<Floor> floor = learned_floor(clip);
-  clip.floor = floor ? *floor : level_floor(clip);
+  clip.floor = find_floor(clip.capture).floor;
   return clip;
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "eval/capture_folder.h"
-#include "pose/floor.h"
+#include "level/capture_floor.h"
 #include "render/options.h"
 
 namespace livecap::render {
@@ -16,7 +16,7 @@ struct Clip {
   std::vector<int64_t> rows{};  // of frames.csv, ascending
   // Looked for in views about the person only:
   Eigen::Vector3d place_mm = Eigen::Vector3d::Zero();  // the median of the root over the tracked rows, camera frame
-  Floor floor{};  // measured, or from the feet; else level through the lowest vertex
+  Floor floor{};
 
   bool tracked(int64_t row) const { return capture.rows[row].tracked(); }
   // Of all joints and keypoints, mm, camera frame; empty in a row that is not tracked.

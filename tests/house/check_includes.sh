@@ -8,7 +8,7 @@ trap 'rm -f "$bad"' EXIT
 
 # Bottom to top, as in CMakeLists.txt.
 find src include tools tests -name '*.h' -o -name '*.cpp' | sort | xargs grep -HnE '^[[:space:]]*#[[:space:]]*include' |
-  awk -v rooms='base ocl geometry actor image meshing raster picture match nn detect solve pose surface cloth export synth eval render calibrate views scan texture fit acquire capture c_api' '
+  awk -v rooms='base ocl geometry actor image meshing raster picture match nn detect solve pose surface cloth export synth eval level render calibrate views scan texture fit acquire capture c_api' '
   BEGIN {
     n = split(rooms, list, " ")
     for (i = 1; i <= n; ++i) level[list[i]] = i

@@ -198,6 +198,16 @@ expect 2 'nothing 000000.png' eval --capture good --truth seq/truth --view view.
 expect 2 'nowhere/report.html' eval --capture good --truth seq/truth --html nowhere/report.html
 expect 2 'none' eval --capture good --truth seq/truth --pose-only none
 
+# export.
+expect 2 '--out' export --capture good
+expect 2 '--out up.fbx .glb' export --capture good --out up.fbx
+expect 2 'none folder' export --capture none --out up.glb
+expect 2 'nothing/report.json' export --capture nothing --out up.glb
+expect 2 '--camera seq/camera.json floor' export --capture good --out up.glb --camera seq/camera.json
+expect 2 'good/frames.csv nobody' export --capture good --out up.glb --first 100000
+expect 2 'nowhere/up.glb' export --capture good --out nowhere/up.glb
+expect 2 '--bvh-unit' export --capture good --out up.bvh --bvh-unit inch
+
 # render.
 expect 2 '--out' render --capture good
 expect 2 'none folder' render --capture none --out film.mp4

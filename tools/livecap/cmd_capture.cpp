@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "bvh_unit.h"
 #include "command.h"
 #include "livecap/capture.h"
 #include "livecap/error.h"
@@ -40,7 +41,7 @@ int run(const Options& options) {
   capture.height_mm = options.height_m * 1000;
   capture.surface = !options.no_surface;
   capture.realtime = options.pace == "realtime";
-  capture.bvh_unit_m = options.bvh_unit == "m" ? 1 : options.bvh_unit == "mm" ? 0.001 : 0.01;
+  capture.bvh_unit_m = bvh_unit_m(options.bvh_unit);
 
   catch_interrupt();
   Progress progress("capture");
@@ -97,9 +98,7 @@ void add_capture_command(CLI::App& app, Action& action) {
   command->add_option("--solver-device", capture.solver_device, "device of the solvers");
   command->add_option("--first", capture.first, "first frame of the video to process")->check(CLI::NonNegativeNumber);
   command->add_option("--frames", capture.frames, "process at most this many")->check(CLI::PositiveNumber);
-  command->add_option("--bvh-unit", options->bvh_unit, "unit of motion.bvh")
-      ->check(CLI::IsMember({"mm", "cm", "m"}))
-      ->capture_default_str();
+  add_bvh_unit_option(*command, options->bvh_unit);
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

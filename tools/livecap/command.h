@@ -21,6 +21,7 @@ void add_capture_command(CLI::App& app, Action& action);
 void add_detect_command(CLI::App& app, Action& action);
 void add_devices_command(CLI::App& app, Action& action);
 void add_eval_command(CLI::App& app, Action& action);
+void add_export_command(CLI::App& app, Action& action);
 void add_live_command(CLI::App& app, Action& action);
 void add_render_command(CLI::App& app, Action& action);
 void add_synth_command(CLI::App& app, Action& action);

@@ -65,6 +65,7 @@ int run(int argc, char** argv) {
   add_capture_command(app, action);
   add_live_command(app, action);
   add_render_command(app, action);
+  add_export_command(app, action);
   add_eval_command(app, action);
   add_bench_command(app, action);
   for (CLI::App* command : app.get_subcommands({})) command->fallthrough();  // -v, -q, --config after the subcommand

@@ -1,0 +1,24 @@
+// The floor that the person of a capture stands on.
+#pragma once
+
+#include "eval/capture_folder.h"
+#include "pose/floor.h"
+
+namespace livecap {
+
+enum class FloorSource {
+  kMeasured,    // camera.json has it
+  kFeet,        // learned from feet at rest, as the tracker does
+  kLevelCamera  // neither, or not asked: the camera is taken to be level, and the lowest vertex to be on the floor
+};
+
+struct CaptureFloor {
+  Floor floor;
+  FloorSource source = FloorSource::kLevelCamera;
+};
+
+// Of all tracked rows. Throws IoError when no vertex tells.
+CaptureFloor find_floor(CaptureFolder& capture);
+CaptureFloor floor_of_level_camera(CaptureFolder& capture);
+
+}  // namespace livecap

@@ -1,0 +1,158 @@
+#include "level/level_export.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/text.h"
+#include "eval/body_points.h"
+#include "export/bvh.h"
+#include "export/capture_glb.h"
+#include "export/export_frame.h"
+#include "livecap/error.h"
+
+namespace livecap {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kDegPerRad = 180 / std::numbers::pi;
+
+// The rows asked for, in a level frame.
+class LevelClip {
+ public:
+  explicit LevelClip(const LevelExportOptions& options)
+      : capture_(open_capture(options.capture, options.actor, own_camera(options.capture), {})) {
+    if (capture_.angles.empty())
+      throw IoError((options.capture / "angles.csv").string() + ": is missing; `livecap capture` writes it");
+    for (int64_t row = 0; row < static_cast<int64_t>(capture_.rows.size()); ++row) {
+      const int64_t after = capture_.rows[row].index - options.first;
+      if (after >= 0 && (options.frames < 0 || after < options.frames)) rows_.push_back(row);
+    }
+    if (!options.camera.empty()) capture_.camera.floor = floor_of_file(options.camera);
+    floor_ = options.level_camera ? floor_of_level_camera(capture_) : find_floor(capture_);
+    for (int64_t row : rows_) {
+      poses_.push_back({});
+      if (!capture_.rows[row].tracked()) continue;
+      const std::optional<Pose> pose = captured_pose(capture_, row, captured_joints(capture_, row));
+      if (!pose)
+        throw IoError((options.capture / "angles.csv").string() +
+                      format(": frame %lld has no pose that fits the actor and joints.csv: they are of different runs, "
+                             "or of an older version",
+                             static_cast<long long>(capture_.rows[row].index)));
+      poses_.back() = {true, *pose};
+    }
+    const auto first = std::find_if(poses_.begin(), poses_.end(), [](const CapturedFrame& f) { return f.tracked; });
+    if (first == poses_.end())
+      throw IoError((options.capture / "frames.csv").string() + ": nobody was tracked in the frames asked for");
+    level_ = level_from_camera(floor_.floor, first->pose.root_translation_mm);
+    for (CapturedFrame& frame : poses_) {
+      if (!frame.tracked) continue;
+      frame.pose.root_rotation = level_.linear() * frame.pose.root_rotation;
+      frame.pose.root_translation_mm = level_ * frame.pose.root_translation_mm;
+    }
+  }
+
+  const CaptureFolder& capture() const { return capture_; }
+  const CaptureFloor& floor() const { return floor_; }
+  const Eigen::Isometry3d& level() const { return level_; }
+  const std::vector<CapturedFrame>& poses() const { return poses_; }
+
+  // [3*n] metres, glTF axes, of a tracked frame; NaN where the capture has none.
+  void vertices(int frame, std::span<float> vertices_m) {
+    std::vector<float> points = captured_vertices(capture_, rows_[frame]);
+    points.resize(vertices_m.size(), std::numeric_limits<float>::quiet_NaN());
+    for (size_t i = 0; i < points.size(); i += 3) {
+      Eigen::Map<Eigen::Vector3f> point(&points[i]);
+      point = (level_ * point.cast<double>()).cast<float>();
+    }
+    std::ranges::copy(gltf_from_camera(points), vertices_m.begin());
+  }
+
+ private:
+  // Everything in the folder is in the frame of its camera without distortion.
+  static std::string own_camera(const fs::path& folder) {
+    std::error_code ignored;
+    const fs::path own = folder / "camera.json";
+    return fs::exists(own, ignored) ? own.string() : std::string();
+  }
+
+  static FloorPlane floor_of_file(const std::string& path) {
+    const Camera camera = load_camera(path);
+    if (!camera.floor)
+      throw ConfigError("--camera " + path + ": has no floor; `livecap calibrate --floor` measures it");
+    return *camera.floor;
+  }
+
+  CaptureFolder capture_;
+  std::vector<int64_t> rows_;
+  std::vector<CapturedFrame> poses_;  // of rows_
+  CaptureFloor floor_;
+  Eigen::Isometry3d level_;
+};
+
+void write_glb(LevelClip& clip, const fs::path& path) {
+  CaptureGlbOptions options;
+  options.fps = clip.capture().fps;
+  options.camera = clip.capture().camera;
+  options.frame_from_camera = clip.level();
+  FrameVertices vertices;
+  if (clip.capture().vertices) vertices = [&](int frame, std::span<float> out) { clip.vertices(frame, out); };
+  write_capture_glb(path, clip.capture().actor, clip.poses(), vertices, options);
+}
+
+void write_motion(const LevelClip& clip, const fs::path& path, double unit_m) {
+  BvhWriter bvh(path, clip.capture().actor, clip.capture().fps, unit_m);
+  for (const CapturedFrame& frame : clip.poses()) {
+    if (frame.tracked)
+      bvh.append(frame.pose);
+    else
+      bvh.append_held();
+  }
+}
+
+void write_points(LevelClip& clip, const fs::path& path) {
+  if (!clip.capture().vertices)
+    throw IoError((clip.capture().path / "vertices.pc2").string() + ": is missing; `livecap capture` writes it");
+  const Actor& actor = clip.capture().actor;
+  std::vector<float> held;  // the template at rest before anybody is tracked
+  for (float value : actor.mesh.positions) held.push_back(static_cast<float>(kMetresPerMm * value));
+  Pc2Writer pc2(path, actor.n_vertices());
+  for (int frame = 0; frame < static_cast<int>(clip.poses().size()); ++frame) {
+    if (clip.poses()[frame].tracked) clip.vertices(frame, held);
+    pc2.append(held);
+  }
+}
+
+}  // namespace
+
+Eigen::Isometry3d level_from_camera(const Floor& floor, const Eigen::Vector3d& place_mm) {
+  const Eigen::Quaterniond turn = upright_from_camera(floor.up);
+  const Eigen::Vector3d origin = place_mm - floor.height_mm(place_mm) * floor.up;
+  return Eigen::Isometry3d(turn) * Eigen::Translation3d(-origin);
+}
+
+LevelExportReport export_level(const LevelExportOptions& options) {
+  const std::string kind = options.out.extension().string();
+  if (kind != ".glb" && kind != ".bvh" && kind != ".pc2")
+    throw ConfigError("--out " + options.out.string() + ": must end with .glb, .bvh or .pc2");
+  LevelClip clip(options);
+  if (kind == ".glb") write_glb(clip, options.out);
+  if (kind == ".bvh") write_motion(clip, options.out, options.bvh_unit_m);
+  if (kind == ".pc2") write_points(clip, options.out);
+
+  LevelExportReport report;
+  const Floor& floor = clip.floor().floor;
+  report.floor = clip.floor().source;
+  report.looks_down_deg = std::asin(std::clamp(-floor.up.z(), -1.0, 1.0)) * kDegPerRad;
+  report.rolled_deg = std::atan2(floor.up.x(), -floor.up.y()) * kDegPerRad;
+  report.camera_height_mm = floor.offset_mm;
+  report.frames = static_cast<int64_t>(clip.poses().size());
+  report.tracked = std::ranges::count_if(clip.poses(), [](const CapturedFrame& f) { return f.tracked; });
+  return report;
+}
+
+}  // namespace livecap

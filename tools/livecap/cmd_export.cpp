@@ -1,0 +1,66 @@
+// livecap export: a finished capture for other programs, upright on its floor.
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/text.h"
+#include "bvh_unit.h"
+#include "command.h"
+#include "level/level_export.h"
+
+namespace livecap::tools {
+namespace {
+
+struct Options {
+  LevelExportOptions level;
+  std::string capture;
+  std::vector<std::string> out;
+  std::string bvh_unit = "cm";
+};
+
+std::string floor_text(const LevelExportReport& report) {
+  if (report.floor == FloorSource::kLevelCamera)
+    return "the camera is taken to be level, and the lowest vertex to be on the floor";
+  return format("floor %s: the camera is %.2f m above it, looks %.1f degrees %s and is rolled by %.1f",
+                report.floor == FloorSource::kMeasured ? "as camera.json has it" : "as feet at rest show it",
+                report.camera_height_mm / 1000, std::abs(report.looks_down_deg),
+                report.looks_down_deg < 0 ? "up" : "down", report.rolled_deg);
+}
+
+int run(const Options& options) {
+  LevelExportOptions level = options.level;
+  level.capture = options.capture;
+  level.bvh_unit_m = bvh_unit_m(options.bvh_unit);
+  LevelExportReport report;
+  for (const std::string& out : options.out) {
+    level.out = out;
+    report = export_level(level);
+    std::printf("%s: %lld frames, the person in %lld of them\n", out.c_str(), static_cast<long long>(report.frames),
+                static_cast<long long>(report.tracked));
+  }
+  std::printf("%s\n", floor_text(report).c_str());
+  return kExitOk;
+}
+
+}  // namespace
+
+void add_export_command(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  LevelExportOptions& level = options->level;
+  CLI::App* command = app.add_subcommand("export", "a capture for other programs, upright on its floor");
+  command->add_option("--capture", options->capture, "folder that `livecap capture` wrote")->required();
+  command->add_option("--out", options->out, "FILE.glb, FILE.bvh or FILE.pc2; repeatable")->required();
+  command->add_option("--actor", level.actor, "actor of the capture, when not that of its report.json");
+  CLI::Option* camera =
+      command->add_option("--camera", level.camera, "camera.json with a floor, e.g. one measured after the capture");
+  command->add_flag("--level", level.level_camera, "take the camera to be level, whatever the feet show")
+      ->excludes(camera);
+  command->add_option("--first", level.first, "first frame of the video")->check(CLI::NonNegativeNumber);
+  command->add_option("--frames", level.frames, "at most this many frames of the video")->check(CLI::PositiveNumber);
+  add_bvh_unit_option(*command, options->bvh_unit);
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace livecap::tools

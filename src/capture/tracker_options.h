@@ -59,6 +59,9 @@ struct TrackerOptions {
   float foot_share = 40;
   // There E_3D counts so much less for legs: the network sees bent ones straight, and the shoes tell better.
   double on_feet_legs_3d = 0.1;
+  // How straight the network sees the legs is learned every so many frames, from a pose that is solved on without E_3D
+  // and E_temporal of legs and without a learned floor: what was learned would confirm itself. So is half of the floor.
+  int learning_frames = 10;
   // Where several starts compete, what could not be matched costs like a match so far away.
   double missed_px = 2;
   // A body that faces so much elsewhere than the detections is solved from there as well (pose/other_starts.h).

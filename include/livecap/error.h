@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace livecap {
 
@@ -13,13 +14,9 @@ class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Names in a message come from files: control characters are shown as '?', so that it stays one line.
-inline std::string one_line(std::string message) {
-  for (char& c : message) {
-    if (static_cast<unsigned char>(c) < ' ' || c == 0x7f) c = '?';
-  }
-  return message;
-}
+// Names in a message come from files: as UTF-8 of one line that tells a terminal nothing but letters. Control
+// characters, Unicode's too, and bytes that are no UTF-8 are shown as '?'; what is longer than most bytes is cut.
+std::string one_line(std::string_view text, size_t most = std::string_view::npos);
 
 // A wrong option or a combination of options that makes no sense. Exit code 2.
 class ConfigError : public Error {

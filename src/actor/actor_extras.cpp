@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "actor/actor.h"
+#include "livecap/error.h"
 
 namespace livecap {
 namespace {
@@ -23,7 +24,7 @@ void merge_extras(const json& holder, ActorExtras& extras, const GltfReader& fil
     if (!own[field].is_object()) file.fail(std::string("extras.livecap.") + field + " must be an object");
     for (const auto& [key, value] : own[field].items()) {
       if (!take(key, value))
-        file.fail("extras.livecap." + std::string(field) + "." + key + " is " + value.dump().substr(0, 40) +
+        file.fail("extras.livecap." + std::string(field) + "." + key + " is " + one_line(value.dump(), 40) +
                   ", must be " + expected);
     }
   };

@@ -13,6 +13,7 @@
 #include "actor/livecap_skeleton.h"
 #include "actor/skinned_mesh.h"
 #include "base/text.h"
+#include "livecap/error.h"
 
 namespace livecap {
 namespace {
@@ -35,6 +36,7 @@ class ActorBuilder {
     color();
     label();
     scale_and_finish();
+    for (std::string& note : actor_.notes) note = one_line(note);  // names from the file
     return std::move(actor_);
   }
 
@@ -45,9 +47,11 @@ class ActorBuilder {
   void match_bones(const std::vector<SkinBinding>& skins) {
     std::vector<int> nodes;  // joints of all skins, first occurrence
     std::vector<std::string> names;
+    std::vector<char> is_known(model().nodes.size(), 0);
     for (const SkinBinding& skin : skins) {
       for (int node : skin.joints) {
-        if (std::find(nodes.begin(), nodes.end(), node) != nodes.end()) continue;
+        if (is_known[node]) continue;
+        is_known[node] = 1;
         nodes.push_back(node);
         names.push_back(model().nodes[node].name);
       }

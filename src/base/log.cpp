@@ -1,9 +1,13 @@
 #include "base/log.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <mutex>
+#include <string_view>
 #include <utility>
+
+#include "livecap/error.h"
 
 namespace livecap {
 namespace {
@@ -12,11 +16,23 @@ std::atomic<LogLevel> g_level{LogLevel::kWarning};
 std::mutex g_mutex;
 LogSink g_sink;
 
+// Messages hold names that come from files; a build log has several lines.
+std::string lines_of(std::string_view message) {
+  std::string lines;
+  for (size_t begin = 0; begin <= message.size();) {
+    const size_t end = std::min(message.find('\n', begin), message.size());
+    lines += (begin > 0 ? "\n" : "") + one_line(message.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return lines;
+}
+
 void write(LogLevel level, const char* prefix, const std::string& message) {
   if (level > g_level.load()) return;
+  const std::string lines = lines_of(message);
   const std::lock_guard lock(g_mutex);  // held during the call, so that nobody calls a sink that was replaced
-  if (g_sink) return g_sink(level, message);
-  std::fprintf(stderr, "%s%s\n", prefix, message.c_str());
+  if (g_sink) return g_sink(level, lines);
+  std::fprintf(stderr, "%s%s\n", prefix, lines.c_str());
 }
 
 }  // namespace

@@ -14,13 +14,21 @@ std::string read_file(const std::filesystem::path& path) {
   std::error_code code;
   if (!std::filesystem::exists(path, code)) throw IoError(path.string() + ": no such file");
   if (std::filesystem::is_directory(path, code)) throw IoError(path.string() + ": is a folder, expected a file");
-  // Named by a file from somewhere, /dev/zero would never end.
+  // /dev/zero would never end.
   if (std::filesystem::is_character_file(path, code)) throw IoError(path.string() + ": is a device, expected a file");
   std::ifstream in(path, std::ios::binary);
   if (!in) throw IoError(path.string() + ": cannot be opened: " + std::strerror(errno));
   std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   if (in.bad()) throw IoError(path.string() + ": read failed: " + std::strerror(errno));
   return bytes;
+}
+
+void require_no_pipe(const std::filesystem::path& path) {
+  std::error_code code;
+  const auto status = std::filesystem::status(path, code);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
+      !std::filesystem::is_directory(status))
+    throw IoError(path.string() + ": is a pipe or a device, expected a file");
 }
 
 void write_file_atomically(const std::filesystem::path& path, const std::string& bytes) {

@@ -22,8 +22,12 @@ namespace livecap {
   return text;
 }
 
-// Whole file as bytes. Throws IoError naming the path when it cannot be read.
+// Whole file as bytes, also from a pipe. Throws IoError naming the path when it cannot be read.
 std::string read_file(const std::filesystem::path& path);
+
+// Of a path that stands in a file from somewhere: a pipe would never begin, some devices never end. Throws IoError
+// where it is neither a file nor a folder; what is missing is left to its reader.
+void require_no_pipe(const std::filesystem::path& path);
 
 // Writes through a temporary file and a rename, so that nobody sees half a file. Throws IoError.
 void write_file_atomically(const std::filesystem::path& path, const std::string& bytes);

@@ -38,7 +38,7 @@ class LineReader {
     for (const auto& [name, values] : keypoints.items()) {
       const auto known = std::find(kKeypointNames.begin(), kKeypointNames.end(), name);
       if (known == kKeypointNames.end())
-        fail("field \"keypoints\" has an unknown keypoint \"" + name.substr(0, 60) + "\"");
+        fail("field \"keypoints\" has an unknown keypoint \"" + one_line(name, 60) + "\"");
       if (!values.is_array() || values.size() != kNumbers)
         fail("keypoint \"" + name + "\" must be a list of 6 numbers");
       float v[kNumbers];

@@ -42,6 +42,7 @@ T field(const nlohmann::json& object, const char* name, T fallback) {
 Camera load_camera_of(const fs::path& report_path, const std::string& named, const nlohmann::json& options,
                       const fs::path& masks) {
   const std::string file = named.empty() ? field<std::string>(options, "camera", "") : named;
+  if (named.empty()) require_no_pipe(file);
   if (!file.empty()) return load_camera(file);
   const double fov_deg = field<double>(options, "fov_deg", 0);
   std::error_code ignored;
@@ -113,6 +114,7 @@ CaptureFolder open_capture(const fs::path& folder, const std::string& actor, con
   const fs::path own_actor = folder / "actor.glb";
   if (actor.empty() && !is_builtin(actor_name) && fs::exists(own_actor, ignored))  // the file named may have changed
     actor_name = own_actor.string();
+  if (actor.empty() && !is_builtin(actor_name)) require_no_pipe(actor_name);
   CaptureFolder capture;
   capture.path = folder;
   capture.actor = load_actor_named(actor_name, field<double>(options, "height_mm", 0));

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "base/log.h"
+#include "base/text.h"
 #include "eval/mask_raster.h"
 #include "eval/truth_folder.h"
 #include "image/undistort.h"
@@ -101,12 +102,15 @@ ImageRgb error_picture(const std::vector<float>& vertices, const std::vector<flo
   return render_overlay(actor, vertices, camera, picture, options);
 }
 
-// The frames of the video that are wanted, by index; empty when it cannot be read.
-std::map<int64_t, ImageRgb> read_frames(const std::string& video, const std::set<int64_t>& wanted,
-                                        const Undistorter& undistorter) {
+// The frames of the video that are wanted, by index; empty when it cannot be read. given: by the user, else the
+// capture's own.
+std::map<int64_t, ImageRgb> read_frames(const std::string& given, const std::string& own,
+                                        const std::set<int64_t>& wanted, const Undistorter& undistorter) {
+  const std::string& video = given.empty() ? own : given;
   std::map<int64_t, ImageRgb> images;
   if (video.empty() || wanted.empty()) return images;
   try {
+    if (given.empty()) require_no_pipe(own);
     VideoReader reader(video);
     for (Frame frame; reader.read(frame) && frame.index <= *wanted.rbegin();) {
       if (wanted.count(frame.index)) images[frame.index] = undistorter.undistort(frame.image);
@@ -127,7 +131,7 @@ ContactSheet contact_sheet(const EvalOptions& options, const std::string& video,
   const Undistorter undistorter(capture.camera);
   const Camera camera = undistorter.undistorted_camera();
   const std::set<int64_t> wanted(frames.begin(), frames.end());
-  const std::map<int64_t, ImageRgb> inputs = read_frames(video.empty() ? capture.video : video, wanted, undistorter);
+  const std::map<int64_t, ImageRgb> inputs = read_frames(video, capture.video, wanted, undistorter);
 
   ContactSheet sheet;
   sheet.has_video = !inputs.empty();

@@ -8,9 +8,12 @@ extern "C" {
 }
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdlib>
+#include <utility>
 #include <vector>
 
+#include "base/log.h"
 #include "base/text.h"
 #include "livecap/error.h"
 
@@ -23,21 +26,36 @@ struct VideoWindow::Device {
   int64_t next_pts = 0;
   bool open = false;
 
+  int write(const ImageRgb& image);  // what FFmpeg says of it
+  void close() {
+    if (std::exchange(open, false)) av_write_trailer(muxer);
+  }
   ~Device() {
-    if (open) av_write_trailer(muxer);
+    close();
     av_packet_free(&packet);
     avformat_free_context(muxer);
   }
 };
 
+int VideoWindow::Device::write(const ImageRgb& image) {
+  if (const int status = av_new_packet(packet, static_cast<int>(image.pixels.size())); status < 0) return status;
+  std::copy(image.pixels.begin(), image.pixels.end(), packet->data);
+  packet->pts = packet->dts = next_pts++;
+  const int status = av_write_frame(muxer, packet);
+  av_packet_unref(packet);
+  return status;
+}
+
+void choose_window_driver() {
+#ifdef __linux__
+  setenv("SDL_VIDEODRIVER", std::getenv("WAYLAND_DISPLAY") ? "wayland,x11" : "x11", 0);
+#endif
+}
+
 #ifdef LIVECAP_HAS_AVDEVICE
 
 VideoWindow::VideoWindow(const std::string& title, int width, int height) : device_(std::make_unique<Device>()) {
   av_log_set_level(AV_LOG_QUIET);
-#ifdef __linux__
-  // Left alone, SDL would open a window that nobody sees where there is no desktop.
-  setenv("SDL_VIDEODRIVER", std::getenv("WAYLAND_DISPLAY") ? "wayland,x11" : "x11", 0);
-#endif
   avdevice_register_all();
   device_->width = width;
   device_->height = height;
@@ -53,7 +71,7 @@ VideoWindow::VideoWindow(const std::string& title, int width, int height) : devi
   stream->codecpar->height = height;
   device_->open = avformat_write_header(device_->muxer, nullptr) >= 0;
   // FFmpeg 5.1 says only when it is given a picture that SDL found no desktop.
-  if (!show({width, height, std::vector<uint8_t>(size_t(3) * width * height)}))
+  if (!device_->open || device_->write({width, height, std::vector<uint8_t>(size_t(3) * width * height)}) < 0)
     throw ConfigError("no window can be opened: there is no desktop (is DISPLAY or WAYLAND_DISPLAY set?)");
 }
 
@@ -63,13 +81,15 @@ bool VideoWindow::show(const ImageRgb& image) {
     throw LogicError(format("picture of %dx%d shown in a window of %dx%d", image.width, image.height, device_->width,
                             device_->height));
   if (!device_->open) return false;
-  if (av_new_packet(device_->packet, static_cast<int>(image.pixels.size())) < 0) return true;  // not shown
-  std::copy(image.pixels.begin(), image.pixels.end(), device_->packet->data);
-  device_->packet->pts = device_->packet->dts = device_->next_pts++;
-  const int status = av_write_frame(device_->muxer, device_->packet);
-  av_packet_unref(device_->packet);
-  device_->open = status >= 0;
-  return device_->open;
+  const int status = device_->write(image);
+  if (status >= 0) return true;
+  if (status != AVERROR(EIO)) {  // that one says that the user has closed it
+    char why[AV_ERROR_MAX_STRING_SIZE] = {};
+    av_strerror(status, why, sizeof why);
+    log_warning(std::string("the window shows no more pictures: ") + why);
+  }
+  device_->close();
+  return false;
 }
 
 #else

@@ -8,6 +8,10 @@
 
 namespace livecap {
 
+// Where there is no desktop SDL would open a window that nobody sees: tells it which desktops count, unless the user
+// has (SDL_VIDEODRIVER). It changes the environment, so it is for a program to call while it has one thread.
+void choose_window_driver();
+
 // Open, show and close it in one thread: it answers the desktop while it shows a picture.
 class VideoWindow {
  public:
@@ -19,7 +23,7 @@ class VideoWindow {
   VideoWindow& operator=(const VideoWindow&) = delete;
 
   // image must have the size given at construction (LogicError). False once the user has closed the window (its
-  // button, Escape or q); it is gone then, and nothing is shown any more.
+  // button, Escape or q), or, with a warning, once it can show nothing; it is gone then.
   [[nodiscard]] bool show(const ImageRgb& image);
 
  private:

@@ -4,10 +4,18 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
+#include "livecap/error.h"
+
 namespace livecap::nn {
+
+// A name from a network's file as messages show it, of at most 80 bytes.
+inline std::string printable(std::string_view name) {
+  return one_line(name, 80);
+}
 
 using Shape = std::vector<int>;  // up to 4 dimensions, all >= 1
 

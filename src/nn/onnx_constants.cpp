@@ -23,13 +23,21 @@ double apply(std::string_view type, double a, double b, bool integer) {
   return integer ? std::trunc(a / b) : a / b;
 }
 
+// As broadcasting sees it.
+Dims padded(Dims dims, size_t rank) {
+  dims.insert(dims.begin(), rank - dims.size(), 1);
+  return dims;
+}
+
 Numbers pairwise(NodeReader& node, const Numbers& a, const Numbers& b) {
-  if (a.values.size() != b.values.size() && a.values.size() != 1 && b.values.size() != 1)
+  const size_t rank = std::max(a.dims.size(), b.dims.size());
+  const Dims a_dims = padded(a.dims, rank), b_dims = padded(b.dims, rank);
+  const bool as_a = b.values.size() == 1;
+  if (!as_a && a.values.size() != 1 && a_dims != b_dims)
     node.fail("constants of shapes " + to_string(a.dims) + " and " + to_string(b.dims) +
               " must be equal or one number");
-  const bool as_a = a.values.size() == b.values.size() ? a.dims.size() >= b.dims.size() : b.values.size() == 1;
   Numbers out = as_a ? a : b;
-  out.dims.insert(out.dims.begin(), std::max(a.dims.size(), b.dims.size()) - out.dims.size(), 1);
+  out.dims = as_a ? a_dims : b_dims;
   out.integer = a.integer && b.integer;
   for (size_t i = 0; i < out.values.size(); ++i) {
     const double x = a.values[a.values.size() == 1 ? 0 : i], y = b.values[b.values.size() == 1 ? 0 : i];

@@ -292,12 +292,6 @@ std::string to_string(const Dims& dims) {
   return text + "]";
 }
 
-std::string printable(std::string_view text) {
-  std::string out(text.substr(0, 80));
-  for (char& c : out) c = c >= 32 && c < 127 ? c : '?';
-  return out;
-}
-
 std::vector<float> float_values(const OnnxTensor& tensor) {
   return values_of<float>(tensor);
 }

@@ -13,9 +13,6 @@ using Dims = std::vector<int64_t>;
 
 std::string to_string(const Dims& dims);  // "[1,3,256,256]"; -1, not known, is "?"
 
-// Text from a file as one printable line of at most 80 characters.
-std::string printable(std::string_view text);
-
 struct OnnxTensor {
   std::string_view name;
   Dims dims;

@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 #include "livecap/error.h"
+#include "nn/graph.h"
 
 namespace livecap::nn {
 

@@ -96,13 +96,8 @@ class Importer {
   [[noreturn]] void fail(const std::string& what) const { throw IoError(graph_.name + ": " + what); }
   [[noreturn]] void fail_op(const std::string& what) const { fail("operator " + op_label_ + ": " + what); }
 
-  // Names come from the file: keep messages to one printable line.
   static std::string printable(const flatbuffers::String* text) {
-    std::string out;
-    if (text) {
-      for (char c : text->str().substr(0, 80)) out += c >= 32 && c < 127 ? c : '?';
-    }
-    return out;
+    return text ? nn::printable({text->c_str(), text->size()}) : std::string();
   }
 
   void read_tensors() {

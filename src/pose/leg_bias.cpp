@@ -62,7 +62,7 @@ void LegBias::add(const Actor& actor, const KeypointDetections& detected, const 
                   const std::array<Eigen::Vector3d, kKeypointCount>& solved, int from, int to, int n_frames,
                   Mean& mean) const {
   if (actor.keypoints[from].bone < 0 || actor.keypoints[to].bone < 0) return;
-  if (!(detected[to].confidence >= kTrustedDetection)) return;
+  if (!(detected[from].confidence >= kTrustedDetection) || !(detected[to].confidence >= kTrustedDetection)) return;
   const Eigen::Vector3d seen = limb_mm(detected, from, to), own = solved[to] - solved[from];
   if (!(seen.norm() > kShortestMm) || !(own.norm() > kShortestMm)) return;
   const double missing = own.z() / own.norm() - seen.z() / seen.norm();

@@ -25,8 +25,8 @@ class LegBias {
  public:
   explicit LegBias(const LegBiasOptions& options);  // throws ConfigError
 
-  // A pose that is believed, and what the network saw, of as many frames as it stands for. A part of a leg whose end
-  // was not seen tells nothing.
+  // A pose that is believed, and what the network saw, of as many frames as it stands for. A part of a leg one of whose
+  // ends was not seen tells nothing.
   void learn(const Actor& actor, const KeypointDetections& detected, const Pose& pose, int n_frames = 1);
 
   // The detections with legs that reach as far in depth as those of solved poses do; lengths stay. pose: tells where

@@ -35,6 +35,7 @@ class VideoFrames {
     if (is_webcam(name_))
       throw ConfigError("the video of " + capture.path.string() + " was " + name_ +
                         ", which shows something else now; give --video or --background '#rrggbb'");
+    if (options.video.empty()) require_no_pipe(name_);
     reader_.emplace(name_);
     const VideoInfo info = reader_->info();
     if (info.width != capture.camera.width || info.height != capture.camera.height)

@@ -13,6 +13,7 @@ namespace livecap {
 namespace {
 
 std::filesystem::path texture_of(const std::filesystem::path& material) {
+  require_no_pipe(material);
   std::istringstream in(read_file(material));
   for (std::string line; std::getline(in, line);) {
     std::istringstream fields(line);
@@ -101,7 +102,10 @@ Scan read_obj(const std::filesystem::path& path, std::vector<std::string>& notes
   if (scan.colors.size() != scan.surface.vertices.size()) scan.colors.clear();
   if (every_corner_has_uv && !scan.uvs.empty() && !material.empty()) {
     try {
-      if (const auto picture = texture_of(material); !picture.empty()) scan.texture = read_image_rgb(picture);
+      if (const auto picture = texture_of(material); !picture.empty()) {
+        require_no_pipe(picture);
+        scan.texture = read_image_rgb(picture);
+      }
     } catch (const IoError& error) {
       notes.push_back(std::string(error.what()) + ": the scan is read without its texture");
     }

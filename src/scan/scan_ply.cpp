@@ -114,6 +114,7 @@ Scan read_ply(const std::filesystem::path& path, std::vector<std::string>&) {
       for (const Property& property : element.properties) {
         if (!property.count_type.empty()) {
           const double n = values.next(property.count_type);
+          if (!(n >= 0) || n != std::floor(n)) fail(format("%s %zu: a list of %g entries", element.name.c_str(), i, n));
           const bool is_face = element.name == "face" && property.name.find("ind") != std::string::npos;
           std::vector<int> corners;
           for (int k = 0; k < n; ++k) {
@@ -121,7 +122,7 @@ Scan read_ply(const std::filesystem::path& path, std::vector<std::string>&) {
             if (!is_face) continue;
             if (!(corner >= 0 && corner < static_cast<double>(scan.surface.vertices.size())) ||
                 corner != std::floor(corner))
-              fail(format("face %zu: there is no vertex %g", i, corner));
+              fail(format("face %zu: there is no vertex %.15g", i, corner));
             corners.push_back(static_cast<int>(corner));
           }
           for (size_t k = 2; k < corners.size(); ++k)

@@ -159,6 +159,7 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
     }
     ImageRgb image;
     try {
+      require_no_pipe(file);
       image = read_image_rgb(file);
     } catch (const IoError& error) {
       notes.push_back(std::string(error.what()) + "; left out");

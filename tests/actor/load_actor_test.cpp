@@ -309,6 +309,19 @@ TEST(LoadActor, BrokenFilesNameTheFileAndTheField) {
   EXPECT_NE(message_of(Fixture::pack_text(bomb, "")).find("nested deeper"), std::string::npos);
 }
 
+TEST(LoadActor, NotesAndMessagesAreLinesForATerminal) {
+  FixtureOptions options;
+  options.livecap = {{"limits", {{"a\xc2\x9bz", {0, 1}}}}};
+  const std::vector<std::string> notes = load_actor_bytes(make_fixture(options).bytes, "test.glb").notes;
+  EXPECT_EQ(std::count(notes.begin(), notes.end(), "extras.livecap.limits: there is no joint angle \"a?z\"; ignored"),
+            1);
+  std::string letters;
+  for (int i = 0; i < 30; ++i) letters += "\xc3\xa9";
+  options.livecap = {{"markers", {{"nose", letters}}}};
+  EXPECT_EQ(message_of(make_fixture(options).bytes), "broken.glb: extras.livecap.markers.nose is \"" +
+                                                         letters.substr(0, 38) + ", must be the index of a vertex");
+}
+
 // Whatever the bytes are, loading ends with an actor or an IoError.
 TEST(LoadActor, SurvivesMutatedBytes) {
   const Fixture good = make_fixture();

@@ -27,5 +27,12 @@ TEST(Log, LinesOfTheLevelAndBelowGoToTheSink) {
   EXPECT_EQ(lines, expected);
 }
 
+// Names come from files, and a terminal takes some bytes of them as orders.
+TEST(Log, LinesTellATerminalNothingButLetters) {
+  testing::internal::CaptureStderr();
+  log_error("bone \"a\x1b[2J\r\xc2\x9b\":\n  kernel.cl:1\n");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "error: bone \"a?[2J??\":\n  kernel.cl:1\n\n");
+}
+
 }  // namespace
 }  // namespace livecap

@@ -1,6 +1,7 @@
 #include "base/text.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "livecap/error.h"
 
@@ -24,6 +25,30 @@ TEST(Text, ReadsFilesAndNothingElse) {
   EXPECT_EQ(refusal(testing::TempDir()), std::string(testing::TempDir()) + ": is a folder, expected a file");
   EXPECT_EQ(refusal("/dev/zero"), "/dev/zero: is a device, expected a file");
   EXPECT_EQ(refusal("/no/such"), "/no/such: no such file");
+}
+
+// A pipe that nobody writes to is not opened, which would wait for ever.
+TEST(Text, PipesAreNotNamedByFiles) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "text_test_named";
+  std::filesystem::create_directories(folder);
+  const std::filesystem::path pipe = folder / "pipe", file = folder / "file", link = folder / "link";
+  for (const auto& path : {pipe, link}) std::filesystem::remove(path);
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  write_file_atomically(file, "");
+  std::filesystem::create_symlink(pipe, link);
+  for (const auto& path : {pipe, link}) {
+    try {
+      require_no_pipe(path);
+      ADD_FAILURE() << path;
+    } catch (const IoError& error) {
+      EXPECT_EQ(error.what(), path.string() + ": is a pipe or a device, expected a file");
+    }
+  }
+  EXPECT_THROW(require_no_pipe("/dev/zero"), IoError);
+  EXPECT_NO_THROW(require_no_pipe(file));
+  EXPECT_NO_THROW(require_no_pipe(folder)) << "pictures of a video";
+  EXPECT_NO_THROW(require_no_pipe(folder / "none"));
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

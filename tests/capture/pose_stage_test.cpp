@@ -111,18 +111,21 @@ FloorPlane under(const Actor& actor, const Pose& pose) {
   return {{0, -1, 0}, lowest + 5};
 }
 
+// Whether the camera's file tells where it is. Between a floor and shoes a match that is turned over takes legs that
+// E_3D hardly holds ten times as far, and what is learned of them carries it on to the next frame: with the legs held
+// E_3D counts on them as elsewhere, and nothing is learned.
+enum Ground { kUnknown, kKnownLegsHeld, kKnown };
+
 // Poses and energies of some frames, each tracked from the truth of the one before. n_ahead: of the first frames whose
-// rounds are launched at once. has_floor: where it is was measured. silhouette: factor of its weight.
-std::vector<PoseResult> track(ocl::DeviceContext& device, int n_frames, int n_ahead = 0, bool has_floor = false,
+// rounds are launched at once. silhouette: factor of its weight.
+std::vector<PoseResult> track(ocl::DeviceContext& device, int n_frames, int n_ahead = 0, Ground floor = kUnknown,
                               double silhouette = 1) {
   Seen seen(device);
-  if (has_floor) seen.camera.floor = under(seen.actor, turned(seen.actor, 0));
+  if (floor != kUnknown) seen.camera.floor = under(seen.actor, turned(seen.actor, 0));
   TrackerOptions options;
   options.shading.light.least_frames = 0.5;
   options.pose.weights.silhouette *= silhouette;
-  // Between a floor and shoes a match that is turned over takes legs that E_3D hardly holds ten times as far, and what
-  // is learned of them carries it on to the next frame: both are compared without a floor.
-  if (has_floor) {
+  if (floor == kKnownLegsHeld) {
     options.on_feet_legs_3d = 1;
     options.leg_bias.prior = 1e9;
   }
@@ -196,23 +199,23 @@ std::string rounds_that_differ(const PoseResult& ahead, const PoseResult& waits)
 // In every second frame a match stands on the edge of counting: the last bits of a pose turn it over, which moves that
 // by 1e-3 rad. Which frames these are depends on the silhouette's weight and on the device, so each must agree with one
 // of some weights, and none may be further off than a match that is turned over brings it.
-void expect_rounds_ahead_are_the_hosts(bool has_floor) {
+void expect_rounds_ahead_are_the_hosts(Ground floor, double most_turned_rad, int n_weights) {
   test::on_every_gpu_body([&](ocl::DeviceContext& device) {
     ocl::DeviceContext one_by_one(without_sight(device.info()));
     std::string differ;
     std::array<bool, 3> agrees{};
     const auto all_agree = [&] { return std::ranges::all_of(agrees, std::identity{}); };
-    for (int draw = 1; draw <= 5 && !all_agree(); ++draw) {
+    for (int draw = 1; draw <= n_weights && !all_agree(); ++draw) {
       const double silhouette = 1 + 0.001 * draw;
-      const std::vector<PoseResult> got = track(device, 3, 3, has_floor, silhouette),
-                                    expected = track(one_by_one, 3, 0, has_floor, silhouette);
+      const std::vector<PoseResult> got = track(device, 3, 3, floor, silhouette),
+                                    expected = track(one_by_one, 3, 0, floor, silhouette);
       EXPECT_GT(expected[2].energy.shading, 0) << "the light is known by then";
       for (int frame = 0; frame < 3; ++frame) {
-        EXPECT_EQ(expected[frame].energy.floor > 0, has_floor);
+        EXPECT_EQ(expected[frame].energy.floor > 0, floor != kUnknown);
         const std::string what = rounds_that_differ(got[frame], expected[frame]);
         agrees[frame] = agrees[frame] || what.empty();
         EXPECT_LT((got[frame].pose.angles_rad - expected[frame].pose.angles_rad).lpNorm<Eigen::Infinity>(),
-                  test::kTurnedMatchRad)
+                  most_turned_rad)
             << what;
         differ += " | " + what;
       }
@@ -224,11 +227,16 @@ void expect_rounds_ahead_are_the_hosts(bool has_floor) {
 
 // All rounds launched at once, with what the device decides in between, against the host that waits for each.
 TEST(PoseStage, RoundsAheadAreTheHosts) {
-  expect_rounds_ahead_are_the_hosts(false);
+  expect_rounds_ahead_are_the_hosts(kUnknown, test::kTurnedMatchRad, 5);
 }
 
 TEST(PoseStage, RoundsAheadOnAKnownFloorAreTheHosts) {
-  expect_rounds_ahead_are_the_hosts(true);
+  expect_rounds_ahead_are_the_hosts(kKnownLegsHeld, test::kTurnedMatchRad, 5);
+}
+
+// As it is shipped. More weights are tried, since fewer frames agree: of 41 the first frame with 25, the third with 11.
+TEST(PoseStage, RoundsAheadOnAKnownFloorWithFreeLegsAreTheHosts) {
+  expect_rounds_ahead_are_the_hosts(kKnown, test::kTurnedLegsRad, 12);
 }
 
 // PoCL has no fence between work-groups: the frame whose look is given up is solved as if nobody had looked, and those

@@ -38,10 +38,13 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   capture->add_flag("--overlay", overlay);
   app.add_subcommand("eval")->add_option("--html", video);
   for (CLI::App* command : app.get_subcommands({})) command->fallthrough();
+  bool is_accepted = false;
   try {
     app.parse("capture --config " + file.string());
+    is_accepted = true;
   } catch (const CLI::ParseError&) {  // the program makes one line of it
   } catch (const ConfigError&) {
   }
+  fuzz::count(is_accepted);
   return 0;
 }

@@ -29,6 +29,30 @@ void run_damaged(const std::string& seed, std::mt19937& rng) {
   }
 }
 
+int64_t n_accepted() {
+  int64_t n = 0;
+  for (const auto& [line, times] : livecap::fuzz::accepted()) n += times;
+  return n;
+}
+
+// Runs the seeds as they are. Whether each is accepted by a reader, and each reader accepts one.
+bool are_accepted(const std::vector<std::string>& seeds) {
+  bool all = true;
+  for (size_t i = 0; i < seeds.size(); ++i) {
+    const int64_t before = n_accepted();
+    run(seeds[i]);
+    if (n_accepted() > before) continue;
+    std::printf("seed %zu is accepted by no reader\n", i);
+    all = false;
+  }
+  for (const auto& [line, times] : livecap::fuzz::accepted()) {
+    if (times > 0) continue;
+    std::printf("the reader of line %d accepts no seed\n", line);
+    all = false;
+  }
+  return all;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -39,12 +63,10 @@ int main(int argc, char** argv) {
       livecap::write_file_atomically(std::filesystem::path(argv[2]) / livecap::format("seed_%zu", i), seeds[i]);
     return 0;
   }
-  std::mt19937 rng(1);
+  if (!are_accepted(seeds)) return 1;
   run("");
-  for (const std::string& seed : seeds) {
-    run(seed);
-    run_damaged(seed, rng);
-  }
+  std::mt19937 rng(1);
+  for (const std::string& seed : seeds) run_damaged(seed, rng);
   std::printf("%zu seeds, %zu damaged inputs: nothing but what the readers promise\n", seeds.size(),
               seeds.size() * (kCuts + kFlipped));
 }

@@ -13,6 +13,8 @@
 namespace livecap::fuzz {
 namespace {
 
+std::map<int, int64_t> g_accepted;
+
 [[noreturn]] void stop(const std::string& why) {
   std::fprintf(stderr, "fuzz: %s\n", why.c_str());
   std::abort();
@@ -20,23 +22,31 @@ namespace {
 
 void check_message(const std::string& file, const std::string& message) {
   if (message.find(file) == std::string::npos) stop("the message does not name " + file + ": " + message);
-  const auto is_control = [](unsigned char c) { return c < ' ' || c == 0x7f; };
-  if (std::any_of(message.begin(), message.end(), is_control))
-    stop("the message is not one printable line: " + message);
+  if (message != one_line(message)) stop("the message is not one printable line: " + message);
 }
 
 }  // namespace
 
-bool accepts(const std::string& file, const std::function<void()>& read) {
+const std::map<int, int64_t>& accepted() {
+  return g_accepted;
+}
+
+void count(bool is_accepted, int line) {
+  g_accepted[line] += is_accepted;
+}
+
+bool accepts(const std::string& file, const std::function<void()>& read, int line) {
+  bool is_accepted = false;
   try {
     read();
-    return true;
+    is_accepted = true;
   } catch (const IoError& error) {
     check_message(file, error.what());
   } catch (const ConfigError& error) {
     check_message(file, error.what());
   }
-  return false;
+  count(is_accepted, line);
+  return is_accepted;
 }
 
 void require(bool holds, const char* promise) {

@@ -1,5 +1,5 @@
 // What the fuzz targets of this folder share. A target is one reader, or a few, of a file that a user may hand over:
-// LLVMFuzzerTestOneInput gives it any bytes, seeds() are whole inputs that it accepts. With libFuzzer (LIVECAP_FUZZ)
+// LLVMFuzzerTestOneInput gives it any bytes, seeds() are inputs to begin with. With libFuzzer (LIVECAP_FUZZ)
 // the inputs are looked for, in the tests they are the seeds, damaged (damage_test.cpp): docs/fuzzing.md.
 #pragma once
 
@@ -16,12 +16,17 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 
 namespace livecap::fuzz {
 
-// Inputs that every reader of the target accepts. Defined by the target.
+// Whole inputs. One of the target's readers at least accepts each, and each reader one of them: damage_test.cpp sees to
+// it, since what is refused at the front tries nothing behind it. Defined by the target.
 std::vector<std::string> seeds();
 
 // Runs a reader; true when it accepts its input. It may refuse it by IoError or ConfigError whose message is one
-// printable line that names `file`. Anything else ends the program, as it would end the user's.
-bool accepts(const std::string& file, const std::function<void()>& read);
+// printable line that names `file`. Anything else ends the program, as it would end the user's. line: of the call.
+bool accepts(const std::string& file, const std::function<void()>& read, int line = __builtin_LINE());
+
+// How often the reader of each line accepted an input. Counted by accepts(), else by count().
+const std::map<int, int64_t>& accepted();
+void count(bool is_accepted, int line = __builtin_LINE());
 
 // Ends the program when what a reader returned is not what its header promises.
 void require(bool holds, const char* promise);

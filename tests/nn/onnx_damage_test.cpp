@@ -169,6 +169,14 @@ TEST(OnnxDamage, ConstantsOfDifferentShapes) {
   Net nothing(31);
   const std::string empty = nothing.op("Slice", {nothing.list({1, 2}), nothing.list({0}), nothing.list({0})});
   expect_named(resized_to(nothing, nothing.op("Mul", {nothing.list({2}), empty})), {"Resize", "4 constant scales"});
+  // As many numbers, but of a column and a row: each of the one with each of the other, which is not supported.
+  Net crossed(33);
+  expect_named(resized_to(crossed, crossed.op("Mul", {crossed.numbers({4, 1}, {1, 3, 4, 4}),
+                                                      crossed.numbers({1, 4}, {1, 1, 1, 1})})),
+               {"Mul", "[4,1] and [1,4]", "must be equal or one number"});
+  Net leading(34);
+  EXPECT_EQ(resized_to(leading, leading.op("Mul", {leading.list({1, 3, 4, 4}), leading.numbers({1, 4}, {1, 1, 1, 1})})),
+            "");
   Net far(32);
   far.op("Squeeze", {"x", far.numbers({1}, {1e30f})});
   expect_named(failure(far.model({1, 3, 8, 8}, {far.last})), {"Squeeze", "axis 4000000000000000000 of 4"});

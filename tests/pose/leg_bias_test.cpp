@@ -122,6 +122,25 @@ TEST(LegBias, FewFramesSayLittleAndAllCanBeForgotten) {
   EXPECT_NEAR(added(bias), 0, test::kDirectionFloat);
 }
 
+// Feet that are seen below knees that are guessed.
+TEST(LegBias, ALimbIsAsGoodAsItsWorseEnd) {
+  const Scene scene;
+  const Pose bent = scene.standing(0, kBend);
+  const KeypointDetections straight = scene.seen(scene.standing(0, 0));
+  for (const int guessed : {kLeftHip, kLeftKnee, kLeftAnkle}) {
+    KeypointDetections detected = straight;
+    for (const int k : {guessed, guessed + 1}) detected[k].confidence = 0.1f;  // of both legs
+    LegBias bias({});
+    for (int i = 0; i < kLong; ++i) bias.learn(scene.actor, detected, bent);
+    const KeypointDetections corrected = bias.corrected(straight, bent);
+    const auto learned = [&](int from, int to) {
+      return std::abs(depth(corrected, from, to) - depth(straight, from, to)) > 0.2;
+    };
+    EXPECT_EQ(learned(kLeftHip, kLeftKnee), guessed == kLeftAnkle) << guessed;
+    EXPECT_EQ(learned(kLeftKnee, kLeftAnkle), guessed == kLeftHip) << guessed;
+  }
+}
+
 TEST(LegBias, WhatWasNotSeenTellsNothing) {
   const Scene scene;
   const Pose bent = scene.standing(0, kBend);

@@ -3,6 +3,7 @@
 #include "render/render_capture.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -384,6 +385,27 @@ TEST_F(RenderCapture, AMovedActorIsReadFromTheFolder) {
   write_report((folder_ / "actor.glb").string());
   fs::remove(capture() / "actor.glb");
   EXPECT_EQ(image.pixels, rendered(options(""), 2 + kFirst).pixels);
+}
+
+// The report names its actor and its camera; nobody writes to this pipe, so that opening it would wait for ever.
+TEST_F(RenderCapture, APipeIsNotNamedByAReport) {
+  const std::string pipe = (folder_ / "pipe").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const std::vector<std::string> words = {"pipe: is a pipe or a device"};
+  write_report(pipe);
+  expect_refused<IoError>(options("x"), words);
+  write_report((folder_ / "actor.glb").string());
+  const auto put_pipe_at = [&](const std::string& named) {
+    std::string report = read_file(capture() / "report.json");
+    report.replace(report.find(named), named.size(), pipe);
+    write_file_atomically(capture() / "report.json", report);
+  };
+  put_pipe_at((folder_ / "camera.json").string());
+  expect_refused<IoError>(options("x"), words);
+  write_report((folder_ / "actor.glb").string());
+  put_pipe_at((folder_ / "video").string());
+  expect_refused<IoError>(options("x"), words);
+  write_report((folder_ / "actor.glb").string());
 }
 
 TEST_F(RenderCapture, RefusesWhatIsNoCapture) {

@@ -1,6 +1,7 @@
 #include "scan/scan.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cstring>
 #include <functional>
@@ -192,10 +193,38 @@ TEST_F(Scan, PlyElementsOfNothingAreRefused) {
 
 // Numbers that are not vertices, in every type that a list may have.
 TEST_F(Scan, PlyIndicesMustBeVertices) {
-  for (const char* index : {"nan", "1e30", "-1", "0.5"}) {
+  for (const char* index : {"nan", "1e+30", "-1", "0.5", "16777217"}) {
     std::string text = ply(false);
     text.replace(text.rfind("\n3 ") + 3, text.find(' ', text.rfind("\n3 ") + 3) - text.rfind("\n3 ") - 3, index);
-    EXPECT_NE(failure(write("index.ply", text)).find("there is no vertex"), std::string::npos) << index;
+    const std::filesystem::path file = write("index.ply", text);
+    EXPECT_EQ(failure(file),
+              file.string() + format(": face %zu: there is no vertex %s", ball_.triangles.size() - 1, index));
+  }
+}
+
+TEST_F(Scan, PlyListsHaveAWholeNumberOfEntries) {
+  for (const char* count : {"2.5", "-1", "nan"}) {
+    std::string text = ply(false);
+    text.replace(text.rfind("\n3 ") + 1, 1, count);
+    const std::filesystem::path file = write("list.ply", text);
+    EXPECT_EQ(failure(file),
+              file.string() + format(": face %zu: a list of %s entries", ball_.triangles.size() - 1, count));
+  }
+}
+
+// A pipe that nobody writes to: opened, it would wait for ever.
+TEST_F(Scan, PipesAreNeitherMaterialNorTexture) {
+  const std::filesystem::path pipe = folder_ / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  write("pipe.mtl", "map_Kd pipe\n");
+  for (const char* material : {"pipe", "pipe.mtl"}) {
+    std::string text = std::string("mtllib ") + material + "\nvt 0 0\n" + obj();
+    for (size_t at = 0; (at = text.find("//", at)) != std::string::npos;) text.erase(at, 1);
+    std::vector<std::string> notes;
+    EXPECT_TRUE(read_scan(write("pipe.obj", text), notes).texture.empty());
+    EXPECT_EQ(notes,
+              std::vector<std::string>{
+                  pipe.string() + ": is a pipe or a device, expected a file: the scan is read without its texture"});
   }
 }
 

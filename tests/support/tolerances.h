@@ -114,6 +114,9 @@ inline constexpr double kRoundsMm = 5e-3;
 // Where a match on the edge of counting is turned over by their last bits: 1e-3 rad where E_3D holds the legs, 0.014
 // seen on a GPU where it holds them with a tenth of that.
 inline constexpr double kTurnedMatchRad = 2e-2;
+// And between a floor and shoes, where E_3D hardly holds the legs: 0.043 in 123 frames on PoCL. More would take a pose
+// further than it is from the truth there, which is 0.057 to 0.1 with rounds ahead and without.
+inline constexpr double kTurnedLegsRad = 6e-2;
 // Patches moved by either body of patch_match.cl, px and shares: what is next to nothing in a window's sums, carried on
 // from row to row on a CPU, moves a patch.
 inline constexpr double kMatchBodies = 3e-4;

@@ -1,6 +1,7 @@
 #include "views/load_views.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -83,6 +84,20 @@ TEST_F(LoadViews, PicturesOfTheSameNameHaveMasksOfTheirOwn) {
   given.masks = folder_ / "flat";
   views = load_views(given, notes);
   EXPECT_TRUE(std::all_of(views.begin(), views.end(), [](const View& view) { return view.mask.empty(); }));
+}
+
+// One that nobody writes to: opened, it would wait for ever.
+TEST_F(LoadViews, APipeIsNoPicture) {
+  const std::filesystem::path pipe = folder_ / "images/a/pipe.png";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::vector<std::string> names = {"a/pipe.png"}, notes;
+  for (int i = 0; i < 8; ++i) {
+    names.push_back(format("a/%d.png", i));
+    write_png(dotted(40, 30), folder_ / "images" / names.back());
+  }
+  write_model(names);
+  EXPECT_EQ(load_views(files(), notes).size(), 8u);
+  EXPECT_EQ(notes, std::vector<std::string>{pipe.string() + ": is a pipe or a device, expected a file; left out"});
 }
 
 // The dot in the stored picture is where the model's camera sees a point; it still is after the picture was turned.

@@ -20,6 +20,7 @@
 #include "image/pace.h"
 #include "image/video.h"
 #include "image/video_camera.h"
+#include "image/video_window.h"
 #include "live_preview.h"
 #include "livecap/error.h"
 #include "livecap/live.h"
@@ -118,6 +119,7 @@ struct Totals {
 
 int run(const Options& options) {
   if (options.camera.empty() && options.fov_deg == 0) throw ConfigError("give either --camera FILE or --fov DEGREES");
+  if (options.show) choose_window_driver();
   set_image_threads(1);
   catch_interrupt();
   VideoReader video(options.video);

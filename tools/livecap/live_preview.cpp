@@ -10,10 +10,11 @@ namespace livecap::tools {
 
 LivePreview::LivePreview(const LiveActor& actor, const Camera& camera, const std::string& title)
     : actor_(load_actor_bytes(actor.glb, "actor")), undistorter_(camera), camera_(undistorter_.undistorted_camera()) {
-  std::promise<void> opened;
-  thread_ = std::thread([&] { run(title, opened); });
+  std::promise<void> opened;  // of the thread, which may still be leaving it when the answer is here
+  std::future<void> answer = opened.get_future();
+  thread_ = std::thread([this, title, opened = std::move(opened)]() mutable { run(title, std::move(opened)); });
   try {
-    opened.get_future().get();
+    answer.get();
   } catch (...) {
     thread_.join();
     throw;
@@ -51,7 +52,7 @@ ImageRgb LivePreview::drawn(Shown shown) const {
   return shown.vertices_mm.empty() ? image : render_overlay(actor_, shown.vertices_mm, camera_, image);
 }
 
-void LivePreview::run(const std::string& title, std::promise<void>& opened) {
+void LivePreview::run(const std::string& title, std::promise<void> opened) {
   std::unique_ptr<VideoWindow> window;
   try {
     window = std::make_unique<VideoWindow>(title, camera_.width, camera_.height);

@@ -40,7 +40,7 @@ class LivePreview {
     std::vector<float> vertices_mm;  // camera frame; empty: nobody is tracked
   };
   ImageRgb drawn(Shown shown) const;
-  void run(const std::string& title, std::promise<void>& opened);
+  void run(const std::string& title, std::promise<void> opened);
 
   Actor actor_;
   Undistorter undistorter_;

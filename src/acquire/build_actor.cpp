@@ -396,6 +396,7 @@ class Builder {
 
   void finish() {
     result_.actor.name = options_.name;
+    result_.actor.guessed_weights = true;
     for (int bone = 0; bone < kBodyBoneCount; ++bone)
       result_.actor.bones.push_back({kBodyBones[bone].name, kBodyBones[bone].parent, result_.joints[bone]});
   }

@@ -44,6 +44,7 @@ struct Actor {
   Mesh mesh;  // welded template, rest frame (see geometry/skeleton.h), mm
   Skeleton skeleton;
   SkinWeights skin;
+  bool guessed_weights = false;  // of `skin`: nobody painted them (`actor build`)
   std::array<KeypointAnchor, kKeypointCount> keypoints;
   std::vector<float> colors;    // [3*n_vertices] sRGB in [0,1]: C_i
   std::vector<uint8_t> labels;  // [n_vertices] LIP id 0..19

@@ -33,6 +33,11 @@ void merge_extras(const json& holder, ActorExtras& extras, const GltfReader& fil
              return v.is_number() && std::abs(v.get<double>()) <= largest;
            });
   };
+  if (own.contains("weights")) {
+    if (own["weights"] != "guessed")
+      file.fail("extras.livecap.weights is " + own["weights"].dump().substr(0, 40) + ", must be \"guessed\"");
+    extras.guessed_weights = true;
+  }
   each("bones", "the name of a node", [&](const std::string& key, const json& value) {
     return value.is_string() && (extras.bones.emplace(key, value.get<std::string>()), true);
   });

@@ -23,6 +23,7 @@ class ActorBuilder {
   ActorBuilder(const std::string& bytes, const std::string& name, double height_mm)
       : file_(bytes, name), height_mm_(height_mm), extras_(read_actor_extras(file_)) {
     actor_.name = name;
+    actor_.guessed_weights = extras_.guessed_weights;
   }
 
   Actor build() {

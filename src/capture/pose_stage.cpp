@@ -18,6 +18,7 @@ namespace livecap {
 namespace {
 
 constexpr int kLearningSolves = 2;  // one after the other
+constexpr double kMostGuessedFactor = 100;
 
 std::vector<float> matched_share(const Actor& actor, const TrackerOptions& options) {
   const std::vector<float> legs = leg_weights(actor);
@@ -48,6 +49,26 @@ std::vector<float> on_feet_share(const Actor& actor, const TrackerOptions& optio
   return share;
 }
 
+// Of the vertices, so few are wrong labels.
+constexpr double kFewHanging = 0.02;
+
+bool wears_hanging_cloth(const Actor& actor) {
+  int n = 0;
+  for (int i = 0; i < actor.n_vertices(); ++i) n += hangs(actor, i);
+  return n > kFewHanging * actor.n_vertices();
+}
+
+TrackerOptions options_for(const Actor& actor, TrackerOptions options) {
+  for (const double factor : {options.guessed_silhouette, options.guessed_shading})
+    if (!(factor > 0 && factor <= kMostGuessedFactor))
+      throw ConfigError("stage I: guessed_silhouette or guessed_shading is " + std::to_string(factor) +
+                        ", must be above 0, at most " + std::to_string(kMostGuessedFactor));
+  if (!actor.guessed_weights || wears_hanging_cloth(actor)) return options;
+  options.pose.weights.silhouette *= options.guessed_silhouette;
+  options.pose.weights.shading *= options.guessed_shading;
+  return options;
+}
+
 std::vector<uint8_t> is_matched(const Actor& actor, const TrackerOptions& options) {
   const std::vector<float> share = matched_share(actor, options);
   return {share.begin(), share.end()};
@@ -60,7 +81,7 @@ PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camer
     : device_(device),
       actor_(actor),
       camera_(camera),
-      options_(options),
+      options_(options_for(actor, options)),
       skin_(hanging_weights(actor, options.hanging)),
       skinner_(device, actor, skin_, actor.skeleton.n_bones()),
       rasterizer_(rasterizer),
@@ -70,7 +91,7 @@ PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camer
       sight_(device, camera, skinner_, rasterizer, visibility, matcher_, shading_),
       floor_(actor, options.floor, measured_floor(camera)),
       leg_bias_(options.leg_bias),
-      solver_(device, actor, skin_, camera, options.pose),
+      solver_(device, actor, skin_, camera, options_.pose),
       zero_(device, size_t(3) * actor.n_vertices()),
       skinned_(device, size_t(3) * actor.n_vertices()),
       normals_(device, size_t(3) * actor.n_vertices()),

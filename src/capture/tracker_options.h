@@ -62,6 +62,11 @@ struct TrackerOptions {
   // How straight the network sees the legs is learned every so many frames, from a pose that is solved on without E_3D
   // and E_temporal of legs and without a learned floor: what was learned would confirm itself. So is half of the floor.
   int learning_frames = 10;
+  // Of an actor whose skinning weights are guessed: so many times E_silhouette and E_shading in stage I. What is
+  // matched near a joint pulls the wrong bones there; where the body ends and how its skin is lit depend less on
+  // weights. Not in a skirt, whose outline is not the body's.
+  double guessed_silhouette = 2;
+  double guessed_shading = 2;
   // Where several starts compete, what could not be matched costs like a match so far away.
   double missed_px = 2;
   // A body that faces so much elsewhere than the detections is solved from there as well (pose/other_starts.h).

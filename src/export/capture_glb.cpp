@@ -342,6 +342,7 @@ class CaptureGlb {
   // What makes the file an actor again: limits and face markers.
   json extras() const {
     json own = json::object();
+    if (actor_.guessed_weights) own["weights"] = "guessed";
     for (const Dof& dof : actor_.skeleton.dofs)
       own["limits"][dof.name] = {dof.min_rad * 180 / std::numbers::pi, dof.max_rad * 180 / std::numbers::pi};
     for (int k = kBodyKeypointCount; k < kKeypointCount; ++k) {

@@ -177,8 +177,10 @@ std::string actor_glb(const ActorFile& actor) {
   mesh.primitives.back().material = add_material(actor, builder);
   tinygltf::Value::Object markers;
   for (const auto& [keypoint, vertex] : actor.markers) markers[keypoint] = tinygltf::Value(vertex);
-  if (!markers.empty()) {
-    tinygltf::Value::Object livecap{{"markers", tinygltf::Value(markers)}};
+  tinygltf::Value::Object livecap;
+  if (!markers.empty()) livecap["markers"] = tinygltf::Value(markers);
+  if (actor.guessed_weights) livecap["weights"] = tinygltf::Value(std::string("guessed"));
+  if (!livecap.empty()) {
     mesh.extras = tinygltf::Value(tinygltf::Value::Object{{"livecap", tinygltf::Value(livecap)}});
   }
   model.meshes.push_back(mesh);

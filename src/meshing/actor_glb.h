@@ -35,6 +35,7 @@ struct ActorFile {
   Atlas atlas;
   ImageRgb texture;
   std::vector<std::pair<std::string, int>> markers;  // face keypoint, welded vertex
+  bool guessed_weights = false;                      // nobody painted them
 };
 
 // The bytes of the file. Throws LogicError when they cannot be made.

@@ -90,6 +90,7 @@ TEST_F(BuildActor, FromPicturesMeetsTheBars) {
   photograph(truth, 70);
   const BuildResult result = build(options());
   const Actor built = loaded(result);
+  EXPECT_TRUE(built.guessed_weights);
   const ActorComparison c = compare_actors(built, truth);
   print("trousers", c);
   EXPECT_NEAR(built.n_vertices(), 5000, 250);

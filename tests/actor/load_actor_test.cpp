@@ -232,6 +232,17 @@ TEST(LoadActor, ExtrasNameBonesLimitsMarkersAndOffsets) {
   }
 }
 
+TEST(LoadActor, ExtrasTellThatWeightsAreGuessed) {
+  FixtureOptions options;
+  const Actor painted = load_actor_bytes(make_fixture(options).bytes, "fixture");
+  EXPECT_FALSE(painted.guessed_weights);
+  EXPECT_EQ(inspect_actor(painted).find("guessed\n"), std::string::npos);
+  options.livecap = {{"weights", "guessed"}};
+  const Actor guessed = load_actor_bytes(make_fixture(options).bytes, "fixture");
+  EXPECT_TRUE(guessed.guessed_weights);
+  EXPECT_NE(inspect_actor(guessed).find("weights     guessed\n"), std::string::npos);
+}
+
 TEST(LoadActor, ARestAngleOutsideItsLimitsWidensThemWithANote) {
   FixtureOptions options;
   options.livecap = {{"limits", {{"left_shoulder_z", {0, 90}}}}};
@@ -288,6 +299,10 @@ TEST(LoadActor, BrokenFilesNameTheFileAndTheField) {
   EXPECT_NE(
       edited([](auto& d) { d["meshes"][0]["extras"]["livecap"]["markers"]["nose"] = 40000; }).find("markers.nose"),
       std::string::npos);
+  EXPECT_NE(edited([](auto& d) {
+              d["meshes"][0]["extras"]["livecap"]["weights"] = {"a", 1};
+            }).find("weights is [\"a\",1], must be \"guessed\""),
+            std::string::npos);
   EXPECT_NE(edited([](auto& d) {
               d["meshes"][0]["extras"]["livecap"]["keypoints"]["nose"] = {1e300, 0, 0};
             }).find("keypoints.nose is [1e+300,0,0], must be [x, y, z], metres"),

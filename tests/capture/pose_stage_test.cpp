@@ -361,6 +361,45 @@ TEST(PoseStage, FeetAreMatchedWithMoreWeightInTheLastRounds) {
   });
 }
 
+// Energies of the steps of a frame whose light is known, of an actor whose skirt is one or cloth that does not hang.
+std::vector<double> energies_with(ocl::DeviceContext& device, bool guessed, bool skirt, const TrackerOptions& given) {
+  Seen seen(device);
+  Actor actor = seen.actor;
+  actor.guessed_weights = guessed;
+  for (float& rigidity : actor.rigidity) rigidity = skirt ? rigidity : std::max(rigidity, 2.0f);
+  TrackerOptions options = given;
+  options.shading.light.least_frames = 0.5;
+  PoseStage stage(device, actor, seen.camera, options, seen.rasterizer, seen.visibility);
+  PoseResult result;
+  for (int frame = 1; frame <= 2; ++frame) {
+    const Pose before = turned(actor, frame - 1), truth = turned(actor, frame);
+    const Silhouette silhouette = seen.take_picture(stage, truth);
+    const Detections detections = test::exact_detections(actor, seen.camera, truth);
+    const PoseStageInput input{detections, silhouette, seen.frame};
+    stage.set_picture(input);
+    result = stage.solve_tracked(input, before, before);
+    stage.learn(input, &before, result.pose);
+  }
+  EXPECT_GT(result.energy.silhouette, 0);
+  EXPECT_GT(result.energy.shading, 0);
+  return result.step_energy;
+}
+
+TEST(PoseStage, OutlineAndShadingCountMoreWhereWeightsAreGuessed) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    TrackerOptions guess, weighted;
+    guess.guessed_silhouette = 3;
+    guess.guessed_shading = 1.5;
+    weighted.pose.weights.silhouette *= 3;
+    weighted.pose.weights.shading *= 1.5;
+    const std::vector<double> as_ever = energies_with(device, false, false, {});
+    EXPECT_EQ(energies_with(device, false, false, guess), as_ever) << "painted weights";
+    EXPECT_EQ(energies_with(device, true, false, guess), energies_with(device, false, false, weighted));
+    EXPECT_NE(energies_with(device, true, false, {}), as_ever);
+    EXPECT_EQ(energies_with(device, true, true, guess), energies_with(device, false, true, {})) << "a skirt";
+  });
+}
+
 // Furthest that a foot is from where it is, mm, in frames whose detections have the legs exchanged from the knees down.
 double exchanged_feet_mm(ocl::DeviceContext& device, bool with_picture, int max_exchanged_frames) {
   Seen seen(device);
@@ -456,6 +495,13 @@ TEST(PoseStage, OptionsAreChecked) {
     never_learns.learning_frames = 0;
     EXPECT_THROW(PoseStage(device, seen.actor, seen.camera, never_learns, seen.rasterizer, seen.visibility),
                  ConfigError);
+    for (double TrackerOptions::*factor : {&TrackerOptions::guessed_silhouette, &TrackerOptions::guessed_shading})
+      for (const double value : {0.0, 101.0, std::nan("")}) {
+        TrackerOptions options;
+        options.*factor = value;
+        EXPECT_THROW(PoseStage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility), ConfigError)
+            << value;
+      }
     EXPECT_NO_THROW(stage_with(1, 9, LC_EXACT_MOST_SHARE));
     for (const float share : {0.9f, 64.5f, std::nanf("")}) EXPECT_THROW(stage_with(1, 9, share), ConfigError) << share;
   });

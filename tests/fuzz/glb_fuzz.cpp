@@ -52,7 +52,8 @@ std::vector<std::string> seeds() {
   rich.livecap = {{"bones", {{"left_shoulder", "mixamorig:LeftArm"}}},
                   {"limits", {{"left_elbow_y", {-120, 2}}}},
                   {"markers", {{"nose", 40}}},
-                  {"keypoints", {{"left_hand", {0.01, 0, 0}}}}};
+                  {"keypoints", {{"left_hand", {0.01, 0, 0}}}},
+                  {"weights", "guessed"}};
   std::vector<std::string> inputs;
   for (const test::FixtureOptions& options : {test::FixtureOptions{}, rich}) {
     const test::Fixture fixture = test::make_fixture(options);

@@ -205,6 +205,7 @@ TEST_P(BuiltinActor, HasLabelsAndMarkers) {
     const int label = static_cast<int>(labels[file.first[i]]);
     if (label >= 14) EXPECT_EQ(file.vertices[i].x() > 0, label % 2 == 0) << "label " << label;
   }
+  EXPECT_FALSE(file.model.meshes.at(0).extras.Get("livecap").Has("weights")) << "painted";
   const auto& markers = file.model.meshes.at(0).extras.Get("livecap").Get("markers");
   const auto marker = [&](const char* name) { return file.vertices.at(markers.Get(name).GetNumberAsInt()); };
   const Vector3d left = marker("left_eye"), right = marker("right_eye"), nose = marker("nose"), chin = marker("chin");

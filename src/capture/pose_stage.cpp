@@ -17,7 +17,6 @@
 namespace livecap {
 namespace {
 
-constexpr int kLearningSolves = 2;  // one after the other
 constexpr double kMostGuessedFactor = 100;
 
 std::vector<float> matched_share(const Actor& actor, const TrackerOptions& options) {
@@ -105,9 +104,6 @@ PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camer
   if (!(options.foot_share >= 1 && options.foot_share <= LC_EXACT_MOST_SHARE))
     throw ConfigError("stage I: foot_share is " + std::to_string(options.foot_share) + ", must be from 1 to " +
                       std::to_string(LC_EXACT_MOST_SHARE));
-  if (options.learning_frames < 1)
-    throw ConfigError("stage I: learning_frames is " + std::to_string(options.learning_frames) +
-                      ", must be at least 1");
   if (options.max_exchanged_frames < 0)
     throw ConfigError("stage I: max_exchanged_frames is " + std::to_string(options.max_exchanged_frames) +
                       ", must be at least 0");
@@ -152,31 +148,13 @@ void PoseStage::reset() {
   shading_.forget();
   floor_.forget();
   leg_bias_.forget();
-  frames_to_learn_ = 0;
 }
 
-// A pose that E_3D and the floor have shaped agrees with them. Without these the picture alone holds the legs, and from
-// straight or bent ones leads to the same place, but slowly and with more noise than a pose may have: the floor, where
-// soles were captured, is learned from both.
-void PoseStage::learn(const PoseStageInput& input, const Pose* previous, const Pose& pose) {
+void PoseStage::learn(const Pose* previous, const Pose& pose, const Detections& detections) {
   shading_.learn(last_skin_);
-  if (previous) learn_floor(input, *previous, pose, 1);
-  if (!counts_feet(input)) return leg_bias_.learn(actor_, input.detections.keypoints, pose);
-  if (!previous || exchanged_frames_ > 0 || frames_to_learn_-- > 0) return;
-  frames_to_learn_ = options_.learning_frames - 1;
-  Pose free = pose;
-  for (int k = 0; k < kLearningSolves; ++k) {
-    const Solution solved = solve_in_rounds(input, input.detections, free, previous, Rounds::kLearning);
-    if (solved.pose.status != SolveStatus::kOk) return;
-    free = solved.pose.pose;
-  }
-  leg_bias_.learn(actor_, input.detections.keypoints, free, options_.learning_frames);
-  learn_floor(input, *previous, free, options_.learning_frames);
-}
-
-void PoseStage::learn_floor(const PoseStageInput& input, const Pose& previous, const Pose& pose, int n_frames) {
-  if (floor_.is_contradicted()) return;
-  floor_.learn(previous, pose, input.detections, n_frames);
+  leg_bias_.learn(actor_, detections.keypoints, pose);
+  if (!previous || floor_.is_contradicted()) return;
+  floor_.learn(*previous, pose, detections);
   if (floor_.is_contradicted())
     log_warning("feet do not rest on the floor of camera.json; was the camera moved since it was measured?");
 }
@@ -223,8 +201,9 @@ const ocl::Buffer<float>& PoseStage::share_in(Rounds rounds, bool refining) cons
 
 int PoseStage::first_of(Rounds rounds, const PoseStageInput& input) const {
   const int n_levels = matches(input) ? int(options_.match_levels.size()) : 0;
-  const bool refines = rounds == Rounds::kRefining || rounds == Rounds::kLearning;
-  const int n_last = refines ? options_.refining_rounds : rounds == Rounds::kFinishing ? 1 : n_levels;
+  const int n_last = rounds == Rounds::kRefining    ? options_.refining_rounds
+                     : rounds == Rounds::kFinishing ? 1
+                                                    : n_levels;
   return std::max(0, n_levels - n_last);
 }
 
@@ -266,16 +245,13 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
 
 PoseInput PoseStage::round_input(const PoseStageInput& input, const Detections& detections, const Pose& initial,
                                  const Pose* previous, int level, Rounds rounds, bool refining) const {
-  const bool learning = rounds == Rounds::kLearning;
-  const double legs_3d = learning ? 0 : refining && counts_feet(rounds) ? options_.on_feet_legs_3d : 1;
   return {.detections = detections,
           .initial = initial,
           .previous = previous,
           .frame = input.silhouette.empty() ? nullptr : &input.frame,
-          .floor = learning ? floor_.measured() : floor_.floor(),
+          .floor = floor_.floor(),
           .arms_3d = refining ? options_.refined_arms_3d : 1,
-          .legs_3d = legs_3d,
-          .legs_temporal = learning ? 0. : 1.,
+          .legs_3d = refining && counts_feet(rounds) ? options_.on_feet_legs_3d : 1,
           .doubt_3d_mm = refining ? options_.refined_doubt_3d_mm : 0,
           .n_steps = previous ? options_.pose.steps : options_.pose.first_steps,
           .settled_px = level == 0 ? options_.settled_last_step_px : options_.settled_step_px};

@@ -47,9 +47,9 @@ class PoseStage {
 
   // Skins the template and renders it.
   void render(const Pose& pose);
-  // The last pose solved, of this picture, is believed: its skin tells of the light, its feet of the floor, its legs of
-  // what the network sees of them. previous: that of the frame before, nullptr after another one.
-  void learn(const PoseStageInput& input, const Pose* previous, const Pose& pose);
+  // The last pose solved is believed: its skin tells of the light, its feet of the floor, its legs of what the network
+  // sees of them. previous: that of the frame before, nullptr after another one.
+  void learn(const Pose* previous, const Pose& pose, const Detections& detections);
 
   // Whether the keypoints of a pose that was solved are near enough to the detections.
   bool believable(const PoseResult& result, const Detections& detections) const;
@@ -79,14 +79,13 @@ class PoseStage {
     bool is_comparable = true;     // false: feet counted foot_share times in its cost
   };
   enum class Rounds {
-    kAll,        // of match_levels
-    kOnFeet,     // the same, in the refining ones feet count foot_share times
-    kRefining,   // those of kAll
-    kFinishing,  // the last one of kOnFeet
-    kLearning    // the refining ones of kOnFeet, by what is not learned and not the network's of legs
+    kAll,       // of match_levels
+    kOnFeet,    // the same, in the refining ones feet count foot_share times
+    kRefining,  // those of kAll
+    kFinishing  // the last one of kOnFeet
   };
   int first_of(Rounds rounds, const PoseStageInput& input) const;  // of match_levels
-  static bool counts_feet(Rounds rounds) { return rounds != Rounds::kAll && rounds != Rounds::kRefining; }
+  static bool counts_feet(Rounds rounds) { return rounds == Rounds::kOnFeet || rounds == Rounds::kFinishing; }
   const ocl::Buffer<float>& share_in(Rounds rounds, bool refining) const;
   Solution solve_in_rounds(const PoseStageInput& input, const Detections& detections, const Pose& initial,
                            const Pose* previous, Rounds rounds = Rounds::kAll);
@@ -102,7 +101,6 @@ class PoseStage {
   PoseResult solve_read(PoseInput& solve, bool matches, bool shades, std::vector<SkinSample>& skin);
   void find_contour(const PoseStageInput& input, const Pose& pose);
   std::vector<int32_t> read_contour(const PoseStageInput& input);
-  void learn_floor(const PoseStageInput& input, const Pose& previous, const Pose& pose, int n_frames);
   bool matches(const PoseStageInput& input) const;
   bool counts_feet(const PoseStageInput& input) const;
   bool shading(const PoseStageInput& input) const;
@@ -146,7 +144,6 @@ class PoseStage {
   ocl::Buffer<float> on_feet_share_;          // [n] and where no starts compete: more for feet
   ocl::Buffer<int32_t> refining_candidates_;  // the same for contour vertices of the last rounds
   std::vector<SkinSample> last_skin_;
-  int frames_to_learn_ = 0;   // until floor and legs are learned again
   int exchanged_frames_ = 0;  // since the detections last agreed with the prediction, or were tried as named
   bool doubted_ = false;      // the last frame's pose was not believable
 };

@@ -59,9 +59,6 @@ struct TrackerOptions {
   float foot_share = 40;
   // There E_3D counts so much less for legs: the network sees bent ones straight, and the shoes tell better.
   double on_feet_legs_3d = 0.1;
-  // How straight the network sees the legs is learned every so many frames, from a pose that is solved on without E_3D
-  // and E_temporal of legs and without a learned floor: what was learned would confirm itself. So is half of the floor.
-  int learning_frames = 10;
   // Of an actor whose skinning weights are guessed: so many times E_silhouette and E_shading in stage I. What is
   // matched near a joint pulls the wrong bones there; where the body ends and how its skin is lit depend less on
   // weights. Not in a skirt, whose outline is not the body's.

@@ -134,7 +134,7 @@ void FloorFinder::forget() {
   floor_.reset();
 }
 
-void FloorFinder::learn(const Pose& previous, const Pose& pose, const Detections& detections, int n_frames) {
+void FloorFinder::learn(const Pose& previous, const Pose& pose, const Detections& detections) {
   if (is_contradicted()) return;
   for (int k : {kNeck, kLeftAnkle, kRightAnkle})
     if (actor_.keypoints[k].bone < 0) return;
@@ -144,7 +144,7 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Detections
   const auto joints = keypoint_positions(actor_, posed);
   const Eigen::Vector3d upright = (joints[kNeck] - (joints[kLeftAnkle] + joints[kRightAnkle]) / 2).normalized();
   if (!(upright.y() < kUprightY)) return;
-  body_up_ += n_frames * upright;
+  body_up_ += upright;
   const Eigen::Vector3d up = floor_ ? floor_->up : body_up_.normalized();
 
   struct Lowest {
@@ -173,9 +173,9 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Detections
       near = near || (rests && std::abs(height) < 3 * options_.outlier_mm);
       weight /= cauchy_doubt(height * height, options_.outlier_mm);
     }
-    if (!is_measured_) add(p, n_frames * weight);
+    if (!is_measured_) add(p, weight);
   }
-  if (floor_ && still) contradicted_frames_ = near ? 0 : contradicted_frames_ + n_frames;
+  if (floor_ && still) contradicted_frames_ = near ? 0 : contradicted_frames_ + 1;
   if (is_measured_) return;
   if (contradicted_frames_ > options_.max_contradicted_frames) return forget();
   fit();

@@ -57,17 +57,13 @@ class FloorFinder {
   // Keeps a reference to the actor. Throws ConfigError.
   FloorFinder(const Actor& actor, const FloorOptions& options, const std::optional<Floor>& measured);
 
-  // Two poses that are believed, a frame apart, and for how many frames they stand; feet whose ankles were not seen
-  // tell nothing.
-  void learn(const Pose& previous, const Pose& pose, const Detections& detections, int n_frames = 1);
+  // Two poses that are believed, a frame apart; feet whose ankles were not seen tell nothing.
+  void learn(const Pose& previous, const Pose& pose, const Detections& detections);
   void forget();
 
   // A measured floor on which no foot has rested for so long that a learned one would have been forgotten: the camera
   // was moved, or it is another camera's. It stays so.
   bool is_contradicted() const { return is_measured_ && contradicted_frames_ > options_.max_contradicted_frames; }
-
-  // A measured floor, else nullptr.
-  const Floor* measured() const { return is_measured_ ? floor() : nullptr; }
 
   // nullptr while it is not known; a measured one is from the beginning.
   const Floor* floor() const { return floor_ ? &*floor_ : nullptr; }

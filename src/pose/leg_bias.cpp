@@ -50,25 +50,23 @@ LegBias::LegBias(const LegBiasOptions& options) : options_(options) {
   options.validate();
 }
 
-void LegBias::learn(const Actor& actor, const KeypointDetections& detected, const Pose& pose, int n_frames) {
+void LegBias::learn(const Actor& actor, const KeypointDetections& detected, const Pose& pose) {
   const auto solved = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
   for (const auto& leg : kLegs) {
-    add(actor, detected, pose, solved, leg[0], leg[1], n_frames, thigh_);
-    add(actor, detected, pose, solved, leg[1], leg[2], n_frames, shin_);
+    add(actor, detected, pose, solved, leg[0], leg[1], thigh_);
+    add(actor, detected, pose, solved, leg[1], leg[2], shin_);
   }
 }
 
 void LegBias::add(const Actor& actor, const KeypointDetections& detected, const Pose& pose,
-                  const std::array<Eigen::Vector3d, kKeypointCount>& solved, int from, int to, int n_frames,
-                  Mean& mean) const {
+                  const std::array<Eigen::Vector3d, kKeypointCount>& solved, int from, int to, Mean& mean) const {
   if (actor.keypoints[from].bone < 0 || actor.keypoints[to].bone < 0) return;
   if (!(detected[from].confidence >= kTrustedDetection) || !(detected[to].confidence >= kTrustedDetection)) return;
   const Eigen::Vector3d seen = limb_mm(detected, from, to), own = solved[to] - solved[from];
   if (!(seen.norm() > kShortestMm) || !(own.norm() > kShortestMm)) return;
   const double missing = own.z() / own.norm() - seen.z() / seen.norm();
-  const double share = double(n_frames) / std::size(kLegs), weight = share * facing(pose) * facing(pose);
-  const double fade = std::exp(-weight / options_.memory);
-  mean.sum = fade * mean.sum + share * facing(pose) * missing;
+  const double weight = facing(pose) * facing(pose) / std::size(kLegs), fade = std::exp(-weight / options_.memory);
+  mean.sum = fade * mean.sum + facing(pose) * missing / std::size(kLegs);
   mean.weight = fade * mean.weight + weight;
 }
 

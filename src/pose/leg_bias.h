@@ -25,9 +25,8 @@ class LegBias {
  public:
   explicit LegBias(const LegBiasOptions& options);  // throws ConfigError
 
-  // A pose that is believed, and what the network saw, of as many frames as it stands for. A part of a leg one of whose
-  // ends was not seen tells nothing.
-  void learn(const Actor& actor, const KeypointDetections& detected, const Pose& pose, int n_frames = 1);
+  // A pose that is believed, and what the network saw. A part of a leg one of whose ends was not seen tells nothing.
+  void learn(const Actor& actor, const KeypointDetections& detected, const Pose& pose);
 
   // The detections with legs that reach as far in depth as those of solved poses do; lengths stay. pose: tells where
   // the person faces, e.g. the last one.
@@ -41,7 +40,7 @@ class LegBias {
     double weight = 0;
   };
   void add(const Actor& actor, const KeypointDetections& detected, const Pose& pose,
-           const std::array<Eigen::Vector3d, kKeypointCount>& solved, int from, int to, int n_frames, Mean& mean) const;
+           const std::array<Eigen::Vector3d, kKeypointCount>& solved, int from, int to, Mean& mean) const;
   double bias(const Mean& mean) const { return mean.sum / (mean.weight + options_.prior); }
 
   LegBiasOptions options_;

@@ -78,10 +78,8 @@ PoseSolver::Prepared PoseSolver::prepare(const PoseInput& input) const {
 void PoseSolver::weigh_limbs(Prepared& prepared, const PoseInput& input) const {
   for (int k : {kLeftElbow, kRightElbow, kLeftWrist, kRightWrist, kLeftHand, kRightHand})
     prepared.targets[k].weight_3d *= input.arms_3d;
-  for (int k : {kLeftKnee, kRightKnee, kLeftAnkle, kRightAnkle, kLeftToe, kRightToe}) {
+  for (int k : {kLeftKnee, kRightKnee, kLeftAnkle, kRightAnkle, kLeftToe, kRightToe})
     prepared.targets[k].weight_3d *= input.legs_3d;
-    prepared.targets[k].weight_temporal *= input.legs_temporal;
-  }
   for (int k = 0; k < kKeypointCount; ++k) prepared.undoubted_3d[k] = prepared.targets[k].weight_3d;
 }
 
@@ -158,7 +156,7 @@ bool PoseSolver::begin_rounds(std::span<const Round> rounds, const SeenVertices&
         soles_before.push_back(float(value));
   }
   PoseInput plain = first;
-  plain.arms_3d = plain.legs_3d = plain.legs_temporal = 1;
+  plain.arms_3d = plain.legs_3d = 1;
   plain.doubt_3d_mm = 0;
   const Prepared same = prepare(plain);  // of all rounds
   for (const Round& round : rounds) {

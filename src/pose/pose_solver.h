@@ -33,7 +33,6 @@ struct PoseInput {
   const Floor* floor = nullptr;  // nullptr: none is known
   double arms_3d = 1;            // factor of lambda_i of E_3D of elbows, wrists and hands
   double legs_3d = 1;            // likewise of knees, ankles and toes
-  double legs_temporal = 1;      // of lambda_i of E_temporal of the same
   double doubt_3d_mm = 0;        // see doubt_far_detections(), at `initial`; 0: detections are not doubted
   int n_steps = 0;               // 0: PoseOptions::steps
   double settled_px = 0;         // no further step after one that moves no keypoint so far in the picture
@@ -83,7 +82,7 @@ class PoseSolver {
              const PoseOptions& options);
 
   // What a solve needs but what the picture shows of vertices: may be made while that is looked for. previous, floor,
-  // initial, detections, arms_3d, legs_3d, legs_temporal and doubt_3d_mm of the input count.
+  // initial, detections, arms_3d, legs_3d and doubt_3d_mm of the input count.
   struct Prepared {
     KeypointTargets targets;
     std::array<double, kKeypointCount> undoubted_3d;  // their weight_3d before doubt

@@ -94,16 +94,6 @@ TEST(Floor, OfOnePlaceIsUprightToTheBody) {
   EXPECT_EQ(finder.floor(), nullptr);
 }
 
-TEST(Floor, OnePoseStandsForAsManyFrames) {
-  const Actor actor = test::make_test_actor();
-  FloorFinder finder(actor, {}, std::nullopt);
-  const Pose stands = test::standing_pose(actor, 0);
-  finder.learn(stands, stands, seen(actor, stands), 14);
-  EXPECT_FALSE(finder.floor());
-  finder.learn(stands, stands, seen(actor, stands), 2);
-  EXPECT_TRUE(finder.floor());
-}
-
 TEST(Floor, FeetThatMoveOrAreNotSeenTellNothing) {
   const Actor actor = test::make_test_actor();
   const Floor truth{kUp, 1200};

@@ -66,19 +66,6 @@ TEST(LegBias, WhatTheNetworkMissesIsAdded) {
   }
 }
 
-TEST(LegBias, OnePoseStandsForAsManyFrames) {
-  const Scene scene;
-  const Pose bent = scene.standing(0, kBend);
-  const KeypointDetections straight = scene.seen(scene.standing(0, 0));
-  const auto added = [&](int n_poses, int n_frames) {
-    LegBias bias({});
-    for (int i = 0; i < n_poses; ++i) bias.learn(scene.actor, straight, bent, n_frames);
-    return depth(bias.corrected(straight, bent), kLeftHip, kLeftKnee) - depth(straight, kLeftHip, kLeftKnee);
-  };
-  EXPECT_NEAR(added(1, 10) / added(10, 1), 1, 0.1) << "but for what is forgotten meanwhile";
-  EXPECT_GT(std::abs(added(1, 10)), 2 * std::abs(added(1, 1)));
-}
-
 // Learned from the front, it holds from behind, where legs reach away from the camera, and asks nothing from the side.
 TEST(LegBias, TurnsWithThePerson) {
   const Scene scene;

@@ -156,11 +156,6 @@ inline constexpr double kEnergyRatio = 1.01;
 // (some 30 mm). Feet that are some 190 mm apart and on the wrong legs, half of that.
 inline constexpr double kTrackedFeetMm = 15;
 inline constexpr double kExchangedFeetMm = 95;
-
-// Of what legs lack in depth that are held straight, once how straight they are seen has been learned for 24 frames:
-// 0.57, where it is learned from poses that are held as well 0.95. Legs that are straight stay so within 5 mm.
-inline constexpr double kLearnedBendShare = 0.75;
-inline constexpr double kStraightLegsMm = 10;
 // Eight decimals of a degree and of a unit along a chain of a metre and a half, in metres.
 inline constexpr double kBvhMetres = 2e-7;
 // Seven significant digits of a few metres.

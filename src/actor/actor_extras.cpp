@@ -35,7 +35,7 @@ void merge_extras(const json& holder, ActorExtras& extras, const GltfReader& fil
   };
   if (own.contains("weights")) {
     if (own["weights"] != "guessed")
-      file.fail("extras.livecap.weights is " + own["weights"].dump().substr(0, 40) + ", must be \"guessed\"");
+      file.fail("extras.livecap.weights is " + one_line(own["weights"].dump(), 40) + ", must be \"guessed\"");
     extras.guessed_weights = true;
   }
   each("bones", "the name of a node", [&](const std::string& key, const json& value) {

@@ -207,8 +207,7 @@ FloorBoard find_floor(const FloorPicture& picture, const Camera& camera) {
   }
   result.n_corners = static_cast<int>(picture.corners.pixels.size());
   result.rms_px = pose.rms_px;
-  result.down_deg = std::asin(std::clamp(-pose.plane.z(), -1.0, 1.0)) * kDegPerRad;
-  result.roll_deg = std::atan2(pose.plane.x(), -pose.plane.y()) * kDegPerRad;
+  result.tilt = tilt_above(result.floor);
   result.away_mm = sight.middle_mm(pose).norm();
   result.sigma_mm = sight.sigma_mm(pose, kAroundMm);
   const char* larger = "a larger board, or one nearer to where the person will be and to the camera, helps";

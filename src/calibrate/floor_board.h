@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "base/camera_tilt.h"
 #include "calibrate/board.h"
 #include "livecap/camera.h"
 
@@ -29,9 +30,8 @@ struct FloorPicture {
 struct FloorBoard {
   FloorPlane floor;
   int n_corners = 0;
-  double rms_px = 0;    // of the reprojection
-  double down_deg = 0;  // how far the camera looks down,
-  double roll_deg = 0;  //   and how far what is upright leans to the right in its picture
+  double rms_px = 0;  // of the reprojection
+  CameraTilt tilt;
   double away_mm = 0;   // the board, from the camera
   double sigma_mm = 0;  // standard deviation of the floor's height a metre from the board, where it is largest
   std::vector<std::string> notes;  // what was corrected or is doubtful, one line each

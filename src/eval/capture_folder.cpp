@@ -45,9 +45,9 @@ Camera load_camera_of(const fs::path& report_path, const std::string& named, con
   if (named.empty()) require_no_pipe(file);
   if (!file.empty()) return load_camera(file);
   const double fov_deg = field<double>(options, "fov_deg", 0);
-  std::error_code ignored;
-  if (const fs::path own = report_path.parent_path() / "camera.json"; fov_deg > 0 && fs::exists(own, ignored))
+  if (const std::string own = own_camera_file(report_path.parent_path()); fov_deg > 0 && !own.empty())
     return load_camera(own);
+  std::error_code ignored;
   if (fov_deg > 0 && fs::is_directory(masks, ignored)) {
     for (const fs::directory_entry& entry : fs::directory_iterator(masks, ignored)) {
       const ImageGray mask = read_image_gray(entry.path());
@@ -131,6 +131,12 @@ CaptureFolder open_capture(const fs::path& folder, const std::string& actor, con
     require_points(*capture.vertices, file, actor_name, capture.actor.n_vertices());
   }
   return capture;
+}
+
+std::string own_camera_file(const fs::path& folder) {
+  std::error_code ignored;
+  const fs::path own = folder / "camera.json";
+  return fs::exists(own, ignored) ? own.string() : std::string();
 }
 
 std::vector<float> to_camera_mm(std::vector<float> positions) {

@@ -44,6 +44,10 @@ Actor load_actor_named(const std::string& name, double height_mm);
 CaptureFolder open_capture(const std::filesystem::path& folder, const std::string& actor, const std::string& camera,
                            const std::filesystem::path& masks);
 
+// The camera.json in the folder itself, whose frame everything in it is in: that of the video without distortion.
+// Empty: an older capture has none.
+std::string own_camera_file(const std::filesystem::path& folder);
+
 // metres, glTF frame -> mm, camera frame.
 std::vector<float> to_camera_mm(std::vector<float> positions);
 

@@ -339,7 +339,7 @@ class CaptureGlb {
     glb_.document["textures"] = json::array({{{"sampler", 0}, {"source", 0}}});
   }
 
-  // What makes the file an actor again: limits and face markers.
+  // What makes the file an actor again: limits, face markers, and whether its weights are guessed.
   json extras() const {
     json own = json::object();
     if (actor_.guessed_weights) own["weights"] = "guessed";

@@ -1,8 +1,7 @@
 #include "level/level_export.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -19,13 +18,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDegPerRad = 180 / std::numbers::pi;
-
 // The rows asked for, in a level frame.
 class LevelClip {
  public:
   explicit LevelClip(const LevelExportOptions& options)
-      : capture_(open_capture(options.capture, options.actor, own_camera(options.capture), {})) {
+      : capture_(open_capture(options.capture, options.actor, own_camera_file(options.capture), {})) {
     if (capture_.angles.empty())
       throw IoError((options.capture / "angles.csv").string() + ": is missing; `livecap capture` writes it");
     for (int64_t row = 0; row < static_cast<int64_t>(capture_.rows.size()); ++row) {
@@ -73,13 +70,6 @@ class LevelClip {
   }
 
  private:
-  // Everything in the folder is in the frame of its camera without distortion.
-  static std::string own_camera(const fs::path& folder) {
-    std::error_code ignored;
-    const fs::path own = folder / "camera.json";
-    return fs::exists(own, ignored) ? own.string() : std::string();
-  }
-
   static FloorPlane floor_of_file(const std::string& path) {
     const Camera camera = load_camera(path);
     if (!camera.floor)
@@ -136,19 +126,23 @@ Eigen::Isometry3d level_from_camera(const Floor& floor, const Eigen::Vector3d& p
 }
 
 LevelExportReport export_level(const LevelExportOptions& options) {
-  const std::string kind = options.out.extension().string();
-  if (kind != ".glb" && kind != ".bvh" && kind != ".pc2")
-    throw ConfigError("--out " + options.out.string() + ": must end with .glb, .bvh or .pc2");
+  for (const fs::path& out : options.out) {
+    const fs::path kind = out.extension();
+    if (kind != ".glb" && kind != ".bvh" && kind != ".pc2")
+      throw ConfigError("--out " + out.string() + ": must end with .glb, .bvh or .pc2");
+  }
   LevelClip clip(options);
-  if (kind == ".glb") write_glb(clip, options.out);
-  if (kind == ".bvh") write_motion(clip, options.out, options.bvh_unit_m);
-  if (kind == ".pc2") write_points(clip, options.out);
+  for (const fs::path& out : options.out) {
+    const fs::path kind = out.extension();
+    if (kind == ".glb") write_glb(clip, out);
+    if (kind == ".bvh") write_motion(clip, out, options.bvh_unit_m);
+    if (kind == ".pc2") write_points(clip, out);
+  }
 
   LevelExportReport report;
   const Floor& floor = clip.floor().floor;
   report.floor = clip.floor().source;
-  report.looks_down_deg = std::asin(std::clamp(-floor.up.z(), -1.0, 1.0)) * kDegPerRad;
-  report.rolled_deg = std::atan2(floor.up.x(), -floor.up.y()) * kDegPerRad;
+  report.tilt = tilt_above({{floor.up.x(), floor.up.y(), floor.up.z()}, floor.offset_mm});
   report.camera_height_mm = floor.offset_mm;
   report.frames = static_cast<int64_t>(clip.poses().size());
   report.tracked = std::ranges::count_if(clip.poses(), [](const CapturedFrame& f) { return f.tracked; });

@@ -6,26 +6,27 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
+#include "base/camera_tilt.h"
 #include "level/capture_floor.h"
 
 namespace livecap {
 
 struct LevelExportOptions {
-  std::filesystem::path capture;  // folder that `livecap capture` wrote
-  std::filesystem::path out;      // .glb, .bvh or .pc2
-  std::string actor;              // empty: what report.json names
-  std::string camera;             // camera.json whose floor counts, e.g. one measured later; empty: the capture's
-  bool level_camera = false;      // take the camera to be level whatever floor is known
-  int64_t first = 0;              // frame of the video
-  int64_t frames = -1;            // at most so many; -1: all
+  std::filesystem::path capture;           // folder that `livecap capture` wrote
+  std::vector<std::filesystem::path> out;  // .glb, .bvh or .pc2 each
+  std::string actor;                       // empty: what report.json names
+  std::string camera;         // camera.json whose floor counts, e.g. one measured later; empty: the capture's
+  bool level_camera = false;  // take the camera to be level whatever floor is known
+  int64_t first = 0;          // frame of the video
+  int64_t frames = -1;        // at most so many; -1: all
   double bvh_unit_m = 0.01;
 };
 
 struct LevelExportReport {
   FloorSource floor = FloorSource::kLevelCamera;
-  double looks_down_deg = 0;  // the camera's axis below the horizon
-  double rolled_deg = 0;      // about its axis, clockwise for who looks through it
+  CameraTilt tilt;
   double camera_height_mm = 0;
   int64_t frames = 0;
   int64_t tracked = 0;
@@ -35,10 +36,10 @@ struct LevelExportReport {
 // origin on the floor where place_mm (camera frame) is above it. mm.
 Eigen::Isometry3d level_from_camera(const Floor& floor, const Eigen::Vector3d& place_mm);
 
-// The file is as `livecap capture` makes it, in a frame whose origin is below the root in the first tracked frame of
-// those asked for. A .glb has the camera that captured it. Throws ConfigError for an ending of another kind or a camera
-// without floor, IoError naming the file of the capture that is missing or does not fit, or when nobody was tracked in
-// what is asked for.
+// The files are as `livecap capture` makes them, in a frame whose origin is below the root in the first tracked frame
+// of those asked for. A .glb has the camera that captured it. Throws ConfigError for an ending of another kind or a
+// camera without floor, IoError naming the file of the capture that is missing or does not fit, or when nobody was
+// tracked in what is asked for.
 LevelExportReport export_level(const LevelExportOptions& options);
 
 }  // namespace livecap

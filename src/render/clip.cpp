@@ -69,11 +69,9 @@ std::vector<float> Clip::vertices(int64_t row) {
 }
 
 Clip open_clip(const RenderOptions& options) {
-  // The folder's own camera is the same without distortion, which only the video has.
-  std::error_code ignored;
-  const fs::path own_camera = fs::path(options.capture) / "camera.json";
-  const bool own = options.camera.empty() && !options.needs_video() && fs::exists(own_camera, ignored);
-  Clip clip{open_capture(options.capture, options.actor, own ? own_camera.string() : options.camera, {})};
+  const bool own = options.camera.empty() && !options.needs_video();  // the video has distortion
+  const std::string camera = own ? own_camera_file(options.capture) : options.camera;
+  Clip clip{open_capture(options.capture, options.actor, camera, {})};
   if (!clip.capture.vertices)
     throw IoError((fs::path(options.capture) / "vertices.pc2").string() +
                   ": is missing; `livecap capture` writes it beside report.json");

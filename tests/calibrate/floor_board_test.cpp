@@ -113,8 +113,8 @@ TEST(FloorBoard, TellsThePlane) {
     const FloorBoard found =
         floor_of(picture.take(test::chessboard_paint(kColumns + 1, kRows + 1), lying(up, middle, turn), ++i));
     expect_floor(found, up, height_mm, middle);
-    EXPECT_NEAR(found.down_deg, down_deg, test::kFloorBoardDeg);
-    EXPECT_NEAR(found.roll_deg, roll_deg, test::kFloorBoardDeg);
+    EXPECT_NEAR(found.tilt.down_deg, down_deg, test::kFloorBoardDeg);
+    EXPECT_NEAR(found.tilt.roll_deg, roll_deg, test::kFloorBoardDeg);
     EXPECT_TRUE(found.notes.empty()) << found.notes[0];
   }
 }

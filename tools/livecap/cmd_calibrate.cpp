@@ -44,7 +44,7 @@ void print(const Calibration& result, const std::string& out) {
 
 void print(const FloorBoard& result, const std::string& out) {
   std::printf("floor: the camera is %.0f mm above it, looks down by %.1f degrees and is rolled by %.1f degrees\n",
-              result.floor.distance_mm, result.down_deg, result.roll_deg);
+              result.floor.distance_mm, result.tilt.down_deg, result.tilt.roll_deg);
   std::printf(
       "  from %d corners %.2f m away, reprojection %.3f px (RMS); a metre from the board uncertain by %.1f mm\n",
       result.n_corners, result.away_mm / 1000, result.rms_px, result.sigma_mm);

@@ -25,21 +25,19 @@ std::string floor_text(const LevelExportReport& report) {
     return "the camera is taken to be level, and the lowest vertex to be on the floor";
   return format("floor %s: the camera is %.2f m above it, looks %.1f degrees %s and is rolled by %.1f",
                 report.floor == FloorSource::kMeasured ? "as camera.json has it" : "as feet at rest show it",
-                report.camera_height_mm / 1000, std::abs(report.looks_down_deg),
-                report.looks_down_deg < 0 ? "up" : "down", report.rolled_deg);
+                report.camera_height_mm / 1000, std::abs(report.tilt.down_deg),
+                report.tilt.down_deg < 0 ? "up" : "down", report.tilt.roll_deg);
 }
 
 int run(const Options& options) {
   LevelExportOptions level = options.level;
   level.capture = options.capture;
   level.bvh_unit_m = bvh_unit_m(options.bvh_unit);
-  LevelExportReport report;
-  for (const std::string& out : options.out) {
-    level.out = out;
-    report = export_level(level);
+  level.out.assign(options.out.begin(), options.out.end());
+  const LevelExportReport report = export_level(level);
+  for (const std::string& out : options.out)
     std::printf("%s: %lld frames, the person in %lld of them\n", out.c_str(), static_cast<long long>(report.frames),
                 static_cast<long long>(report.tracked));
-  }
   std::printf("%s\n", floor_text(report).c_str());
   return kExitOk;
 }

@@ -58,11 +58,13 @@ bool wears_hanging_cloth(const Actor& actor) {
 }
 
 TrackerOptions options_for(const Actor& actor, TrackerOptions options) {
-  for (const double factor : {options.guessed_silhouette, options.guessed_shading})
+  for (const double factor : {options.guessed_keypoint_2d, options.guessed_silhouette, options.guessed_shading})
     if (!(factor > 0 && factor <= kMostGuessedFactor))
-      throw ConfigError("stage I: guessed_silhouette or guessed_shading is " + std::to_string(factor) +
-                        ", must be above 0, at most " + std::to_string(kMostGuessedFactor));
-  if (!actor.guessed_weights || wears_hanging_cloth(actor)) return options;
+      throw ConfigError("stage I: guessed_keypoint_2d, guessed_silhouette or guessed_shading is " +
+                        std::to_string(factor) + ", must be above 0, at most " + std::to_string(kMostGuessedFactor));
+  if (!actor.guessed_weights) return options;
+  options.pose.weights.keypoint_2d *= options.guessed_keypoint_2d;
+  if (wears_hanging_cloth(actor)) return options;
   options.pose.weights.silhouette *= options.guessed_silhouette;
   options.pose.weights.shading *= options.guessed_shading;
   return options;

@@ -59,9 +59,10 @@ struct TrackerOptions {
   float foot_share = 40;
   // There E_3D counts so much less for legs: the network sees bent ones straight, and the shoes tell better.
   double on_feet_legs_3d = 0.1;
-  // Of an actor whose skinning weights are guessed: so many times E_silhouette and E_shading in stage I. What is
-  // matched near a joint pulls the wrong bones there; where the body ends and how its skin is lit depend less on
-  // weights. Not in a skirt, whose outline is not the body's.
+  // Of an actor whose skinning weights are guessed: so many times E_2D, E_silhouette and E_shading in stage I. What is
+  // matched near a joint pulls the wrong bones there; where keypoints lie, the body ends and how its skin is lit depend
+  // less on weights. The last two not in a skirt, whose outline is not the body's.
+  double guessed_keypoint_2d = 2;
   double guessed_silhouette = 2;
   double guessed_shading = 2;
   // Where several starts compete, what could not be matched costs like a match so far away.

@@ -328,18 +328,22 @@ std::vector<double> energies_with(ocl::DeviceContext& device, bool guessed, bool
   return result.step_energy;
 }
 
-TEST(PoseStage, OutlineAndShadingCountMoreWhereWeightsAreGuessed) {
+TEST(PoseStage, KeypointsOutlineAndShadingCountMoreWhereWeightsAreGuessed) {
   test::on_every_device([](ocl::DeviceContext& device) {
-    TrackerOptions guess, weighted;
+    TrackerOptions guess, weighted, weighted_in_a_skirt;
+    guess.guessed_keypoint_2d = 5;
     guess.guessed_silhouette = 3;
     guess.guessed_shading = 1.5;
+    weighted_in_a_skirt.pose.weights.keypoint_2d *= 5;
+    weighted.pose.weights.keypoint_2d *= 5;
     weighted.pose.weights.silhouette *= 3;
     weighted.pose.weights.shading *= 1.5;
     const std::vector<double> as_ever = energies_with(device, false, false, {});
     EXPECT_EQ(energies_with(device, false, false, guess), as_ever) << "painted weights";
     EXPECT_EQ(energies_with(device, true, false, guess), energies_with(device, false, false, weighted));
     EXPECT_NE(energies_with(device, true, false, {}), as_ever);
-    EXPECT_EQ(energies_with(device, true, true, guess), energies_with(device, false, true, {})) << "a skirt";
+    EXPECT_EQ(energies_with(device, true, true, guess), energies_with(device, false, true, weighted_in_a_skirt));
+    EXPECT_NE(energies_with(device, true, true, {}), energies_with(device, false, true, {}));
   });
 }
 
@@ -434,7 +438,8 @@ TEST(PoseStage, OptionsAreChecked) {
     EXPECT_NO_THROW(stage_with(0, 0));
     for (const float share : {-0.1f, 1.1f, std::nanf("")}) EXPECT_THROW(stage_with(share, 9), ConfigError) << share;
     EXPECT_THROW(stage_with(1, -1), ConfigError);
-    for (double TrackerOptions::*factor : {&TrackerOptions::guessed_silhouette, &TrackerOptions::guessed_shading})
+    for (double TrackerOptions::*factor : {&TrackerOptions::guessed_keypoint_2d, &TrackerOptions::guessed_silhouette,
+                                           &TrackerOptions::guessed_shading})
       for (const double value : {0.0, 101.0, std::nan("")}) {
         TrackerOptions options;
         options.*factor = value;

@@ -438,8 +438,8 @@ TEST(PoseStage, OptionsAreChecked) {
     EXPECT_NO_THROW(stage_with(0, 0));
     for (const float share : {-0.1f, 1.1f, std::nanf("")}) EXPECT_THROW(stage_with(share, 9), ConfigError) << share;
     EXPECT_THROW(stage_with(1, -1), ConfigError);
-    for (double TrackerOptions::*factor : {&TrackerOptions::guessed_keypoint_2d, &TrackerOptions::guessed_silhouette,
-                                           &TrackerOptions::guessed_shading})
+    for (double TrackerOptions::*factor :
+         {&TrackerOptions::guessed_keypoint_2d, &TrackerOptions::guessed_silhouette, &TrackerOptions::guessed_shading})
       for (const double value : {0.0, 101.0, std::nan("")}) {
         TrackerOptions options;
         options.*factor = value;

@@ -252,6 +252,7 @@ PoseInput PoseStage::round_input(const PoseStageInput& input, const Detections& 
           .previous = previous,
           .frame = input.silhouette.empty() ? nullptr : &input.frame,
           .floor = floor_.floor(),
+          .share_3d = matches(input) ? options_.matched_3d : 1,
           .arms_3d = refining ? options_.refined_arms_3d : 1,
           .legs_3d = refining && counts_feet(rounds) ? options_.on_feet_legs_3d : 1,
           .doubt_3d_mm = refining ? options_.refined_doubt_3d_mm : 0,

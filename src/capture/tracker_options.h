@@ -44,13 +44,15 @@ struct TrackerOptions {
   // further down it hangs where skinning does not know.
   float min_matched_rigidity = 1.5f;
   float max_matched_leg_weight = 0.3f;
+  // Where the texture is matched E_3D counts so much: the picture then tells depth better than the network does.
+  double matched_3d = 0.3;
   // In the last rounds E_3D counts so much less for arms: which way they point is the network's to say, how far the
   // lengths in the picture tell better.
   int refining_rounds = 2;
   double refined_arms_3d = 0.1;
   // What is not matched because it hangs is no contour in them either, and a detection counts half where it is so far
   // from the body (pose/targets.h); 0: it is not doubted. (An actor without texture has no such rounds.)
-  double refined_doubt_3d_mm = 60;
+  double refined_doubt_3d_mm = 40;
   // In them what is matched of hanging cloth counts so much of its weight: it swings, and would turn hips and legs.
   float refined_hanging_share = 0.3f;
   // In them what is matched of a foot counts so many times its weight: a foot ends its leg, whose depth little else

@@ -27,7 +27,7 @@ namespace livecap {
 
 struct SkinShadingOptions {
   SkinLightOptions light;
-  float min_facing = 0.35f;   // cosine of normal and view; beyond it the limb's edge begins
+  float min_facing = 0.45f;   // cosine of normal and view; beyond it the limb's edge begins
   float depth_range_mm = 25;  // pixels further from their vertex are of another limb
   float limb_area_px = 400;   // a limb that shows so many px or more has weight 1, others less
 

@@ -27,9 +27,9 @@ namespace livecap {
 struct MatchOptions {
   int iterations = 4;
   float variance_floor = 5e-4f;  // of luminance in [0,1]: contrast below is noise
-  float softness = 0.003f;       // contrast^2 per px^2 of normalised pictures whose direction counts half
+  float softness = 0.002f;       // contrast^2 per px^2 of normalised pictures whose direction counts half
   float max_move_px = 4;         // of the level; further away a match is accidental
-  float min_correlation = 0.5f;  // of the two patches
+  float min_correlation = 0.6f;  // of the two patches
   float depth_range_mm = 80;     // pixels of a patch further from its vertex belong to another limb
   float weight_area_px = 25;     // a match that stands for so many pixels has weight 1
 

@@ -12,8 +12,8 @@ namespace livecap {
 struct PoseWeights {
   double keypoint_2d = 460;  // lambda_2D
   double keypoint_3d = 28;   // lambda_3D
-  double silhouette = 850;   // lambda_silhouette; the paper: 200
-  double match = 1000;       // lambda_match; not in the paper
+  double silhouette = 1300;  // lambda_silhouette; the paper: 200
+  double match = 1400;       // lambda_match; not in the paper
   double shading = 3e4;      // lambda_shading; not in the paper
   double floor = 200;        // lambda_floor; not in the paper
   double temporal = 1.5;     // lambda_temporal
@@ -66,10 +66,10 @@ struct PoseOptions {
   // Residual length from which a 2D keypoint or a contour vertex pulls linearly (Huber) instead of quadratically.
   // 0 = never, as in the paper. Keypoints that jump and cloth that left the skinned surface must not take the body
   // along.
-  double keypoint_2d_huber_px = 8;
-  double silhouette_huber_px = 3;
+  double keypoint_2d_huber_px = 12;
+  double silhouette_huber_px = 1.5;
   double match_huber_px = 2;   // patches that were moved onto something similar
-  double shading_huber = 2;    // standard deviations; shadows and highlights
+  double shading_huber = 3;    // standard deviations; shadows and highlights
   double floor_huber_mm = 20;  // a step, a floor thought too high
 
   // Where arms compete, E_temporal of a keypoint grows no further than this far from where it was (pose/targets.h:

@@ -68,14 +68,15 @@ PoseSolver::Prepared PoseSolver::prepare(const PoseInput& input) const {
                     .doubt_3d_mm = input.doubt_3d_mm,
                     .stands = {},
                     .keypoints_mm = keypoints(input.initial)};
-  weigh_limbs(prepared, input);
+  weigh_3d(prepared, input);
   if (input.doubt_3d_mm > 0) doubt_far_detections(prepared.targets, prepared.keypoints_mm, input.doubt_3d_mm);
   if (input.floor)
     prepared.stands = standing(system_.soles(), actor_.skeleton, *input.floor, input.initial, input.previous);
   return prepared;
 }
 
-void PoseSolver::weigh_limbs(Prepared& prepared, const PoseInput& input) const {
+void PoseSolver::weigh_3d(Prepared& prepared, const PoseInput& input) const {
+  for (KeypointTarget& target : prepared.targets) target.weight_3d *= input.share_3d;
   for (int k : {kLeftElbow, kRightElbow, kLeftWrist, kRightWrist, kLeftHand, kRightHand})
     prepared.targets[k].weight_3d *= input.arms_3d;
   for (int k : {kLeftKnee, kRightKnee, kLeftAnkle, kRightAnkle, kLeftToe, kRightToe})
@@ -156,12 +157,12 @@ bool PoseSolver::begin_rounds(std::span<const Round> rounds, const SeenVertices&
         soles_before.push_back(float(value));
   }
   PoseInput plain = first;
-  plain.arms_3d = plain.legs_3d = 1;
+  plain.share_3d = plain.arms_3d = plain.legs_3d = 1;
   plain.doubt_3d_mm = 0;
   const Prepared same = prepare(plain);  // of all rounds
   for (const Round& round : rounds) {
     Prepared prepared = same;
-    weigh_limbs(prepared, *round.input);
+    weigh_3d(prepared, *round.input);
     if (prepared_.empty() && first.doubt_3d_mm > 0)
       doubt_far_detections(prepared.targets, prepared.keypoints_mm, first.doubt_3d_mm);
     prepared.doubt_3d_mm = round.input->doubt_3d_mm;

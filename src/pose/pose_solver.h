@@ -31,6 +31,7 @@ struct PoseInput {
   const ocl::Buffer<float>* displacement_rest =
       nullptr;                   // [3n] mm added to the rest pose before skinning; may be nullptr
   const Floor* floor = nullptr;  // nullptr: none is known
+  double share_3d = 1;           // factor of lambda_3D
   double arms_3d = 1;            // factor of lambda_i of E_3D of elbows, wrists and hands
   double legs_3d = 1;            // likewise of knees, ankles and toes
   double doubt_3d_mm = 0;        // see doubt_far_detections(), at `initial`; 0: detections are not doubted
@@ -82,7 +83,7 @@ class PoseSolver {
              const PoseOptions& options);
 
   // What a solve needs but what the picture shows of vertices: may be made while that is looked for. previous, floor,
-  // initial, detections, arms_3d, legs_3d and doubt_3d_mm of the input count.
+  // initial, detections, share_3d, arms_3d, legs_3d and doubt_3d_mm of the input count.
   struct Prepared {
     KeypointTargets targets;
     std::array<double, kKeypointCount> undoubted_3d;  // their weight_3d before doubt
@@ -121,7 +122,7 @@ class PoseSolver {
  private:
   using KeypointPositions = std::array<Eigen::Vector3d, kKeypointCount>;
   KeypointPositions keypoints(const Pose& pose) const;
-  void weigh_limbs(Prepared& prepared, const PoseInput& input) const;
+  void weigh_3d(Prepared& prepared, const PoseInput& input) const;
   int steps_of(const PoseInput& input) const;
   PoseSteps take_steps(const PoseState& start, int n_steps, double settled_px);
   void take(const PoseSteps& steps, const Prepared& prepared, PoseResult& result) const;

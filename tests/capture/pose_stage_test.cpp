@@ -390,10 +390,12 @@ Pose striding(const Actor& actor, double stride) {
 }
 
 // Furthest that a foot is from where it is, mm, in each of two frames on end that begin with the legs taken for each
-// other. missed: between the two there is a frame that shows nobody.
+// other. E_temporal is so strong that it holds them there. missed: between the two there is a frame that shows nobody.
 std::array<double, 2> taken_for_each_other_mm(ocl::DeviceContext& device, bool missed) {
   Seen seen(device);
-  PoseStage stage(device, seen.actor, seen.camera, TrackerOptions{}, seen.rasterizer, seen.visibility);
+  TrackerOptions options;
+  options.pose.weights.temporal *= 3;
+  PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
   const Pose truth = striding(seen.actor, 1.0);
   const auto wanted = keypoint_positions(seen.actor, forward_kinematics(seen.actor.skeleton, truth));
   Pose before = striding(seen.actor, -1.0);

@@ -96,7 +96,7 @@ TEST(PoseSolver, SixStepsFollowATrackedFrame) {
       test::Doubles::kAlsoWithout);
 }
 
-TEST(PoseSolver, LimbsCountInE3DByTheirFactors) {
+TEST(PoseSolver, KeypointsCountInE3DByTheirFactors) {
   test::on_every_device([](ocl::DeviceContext& device) {
     const Actor actor = test::make_test_actor(0.7);
     const Camera camera = test::portrait_camera();
@@ -105,12 +105,13 @@ TEST(PoseSolver, LimbsCountInE3DByTheirFactors) {
     const Detections detections = exact_detections(actor, camera, pose);
     PoseInput input{.detections = detections, .initial = pose};
     const KeypointTargets whole = solver.prepare(input).targets;
+    input.share_3d = 0.125;
     input.arms_3d = 0.25;
     input.legs_3d = 0.5;
     const KeypointTargets less = solver.prepare(input).targets;
     for (int k = 0; k < kKeypointCount; ++k) {
       const double factor = k >= kLeftElbow && k <= kRightHand ? 0.25 : k >= kLeftKnee && k <= kRightToe ? 0.5 : 1;
-      EXPECT_EQ(less[k].weight_3d, factor * whole[k].weight_3d) << kKeypointNames[k];
+      EXPECT_EQ(less[k].weight_3d, 0.125 * factor * whole[k].weight_3d) << kKeypointNames[k];
       EXPECT_EQ(less[k].weight_2d, whole[k].weight_2d);
     }
   });
@@ -422,7 +423,7 @@ TEST(PoseSolver, DefaultWeightsAreTheTermTables) {
   const PoseWeights weights;
   EXPECT_EQ(weights.keypoint_2d, find_term("keypoint_2d")->paper_weight);
   EXPECT_EQ(weights.keypoint_3d, find_term("keypoint_3d")->paper_weight);
-  EXPECT_EQ(weights.silhouette, 4.25 * find_term("pose_silhouette")->paper_weight);  // see docs/experiments.md
+  EXPECT_EQ(weights.silhouette, 6.5 * find_term("pose_silhouette")->paper_weight);  // see docs/experiments.md
   EXPECT_EQ(weights.temporal, find_term("temporal")->paper_weight);
   EXPECT_EQ(weights.anatomic, 10 * find_term("anatomic")->paper_weight);
 }

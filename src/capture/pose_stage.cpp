@@ -106,6 +106,8 @@ PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camer
   if (!(options.foot_share >= 1 && options.foot_share <= LC_EXACT_MOST_SHARE))
     throw ConfigError("stage I: foot_share is " + std::to_string(options.foot_share) + ", must be from 1 to " +
                       std::to_string(LC_EXACT_MOST_SHARE));
+  if (!(options.matched_3d > 0 && options.matched_3d <= 1))
+    throw ConfigError("stage I: matched_3d is " + std::to_string(options.matched_3d) + ", must be above 0, at most 1");
   if (options.max_exchanged_frames < 0)
     throw ConfigError("stage I: max_exchanged_frames is " + std::to_string(options.max_exchanged_frames) +
                       ", must be at least 0");
@@ -113,7 +115,8 @@ PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camer
 }
 
 bool PoseStage::matches(const PoseStageInput& input) const {
-  return matcher_.usable() && options_.pose.weights.match > 0 && !input.silhouette.empty();
+  return matcher_.usable() && options_.pose.weights.match > 0 && !options_.match_levels.empty() &&
+         !input.silhouette.empty();
 }
 
 bool PoseStage::counts_feet(const PoseStageInput& input) const {

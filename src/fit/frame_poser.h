@@ -53,7 +53,7 @@ class FramePoser {
   const Actor& actor_;
   Camera camera_;
   // The outline counts less than in a capture: while the proportions are wrong, limbs would bend to fill it.
-  PoseOptions options_{.weights = {.silhouette = 400}};
+  PoseOptions options_{.weights = {.silhouette = 400}, .keypoint_2d_huber_px = 8, .silhouette_huber_px = 3};
   PoseSolver solver_;
   Skinner skinner_;
   DepthRasterizer rasterizer_;

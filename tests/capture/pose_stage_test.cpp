@@ -390,7 +390,7 @@ Pose striding(const Actor& actor, double stride) {
 }
 
 // Furthest that a foot is from where it is, mm, in each of two frames on end that begin with the legs taken for each
-// other. E_temporal is so strong that it holds them there. missed: between the two there is a frame that shows nobody.
+// other. With the default E_temporal the picture would decide at once; here it holds them there. missed: between the two there is a frame that shows nobody.
 std::array<double, 2> taken_for_each_other_mm(ocl::DeviceContext& device, bool missed) {
   Seen seen(device);
   TrackerOptions options;
@@ -427,6 +427,26 @@ TEST(PoseStage, AMissedFrameEndsADoubt) {
   });
 }
 
+// A quarter of four times the weight is the weight, but only where the texture is matched.
+TEST(PoseStage, DetectionsInDepthCountLessWhereTheTextureIsMatched) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    TrackerOptions whole, quarter, quarter_of_four_times;
+    whole.matched_3d = 1;
+    quarter.matched_3d = quarter_of_four_times.matched_3d = 0.25;
+    quarter_of_four_times.pose.weights.keypoint_3d *= 4;
+    const std::vector<double> matched = energies_with(device, false, false, whole);
+    EXPECT_EQ(energies_with(device, false, false, quarter_of_four_times), matched);
+    EXPECT_NE(energies_with(device, false, false, quarter), matched);
+    for (TrackerOptions* options : {&whole, &quarter}) options->pose.weights.match = 0;
+    EXPECT_EQ(energies_with(device, false, false, quarter), energies_with(device, false, false, whole));
+    for (TrackerOptions* options : {&whole, &quarter}) {
+      options->pose.weights.match = 1000;
+      options->match_levels.clear();
+    }
+    EXPECT_EQ(energies_with(device, false, false, quarter), energies_with(device, false, false, whole)) << "no rounds";
+  });
+}
+
 TEST(PoseStage, OptionsAreChecked) {
   test::on_every_device([](ocl::DeviceContext& device) {
     Seen seen(device);
@@ -448,6 +468,12 @@ TEST(PoseStage, OptionsAreChecked) {
         EXPECT_THROW(PoseStage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility), ConfigError)
             << value;
       }
+    for (const double share : {0.0, 1.1, std::nan("")}) {
+      TrackerOptions options;
+      options.matched_3d = share;
+      EXPECT_THROW(PoseStage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility), ConfigError)
+          << share;
+    }
     EXPECT_NO_THROW(stage_with(1, 9, LC_EXACT_MOST_SHARE));
     for (const float share : {0.9f, 64.5f, std::nanf("")}) EXPECT_THROW(stage_with(1, 9, share), ConfigError) << share;
   });

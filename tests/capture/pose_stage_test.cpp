@@ -390,7 +390,8 @@ Pose striding(const Actor& actor, double stride) {
 }
 
 // Furthest that a foot is from where it is, mm, in each of two frames on end that begin with the legs taken for each
-// other. With the default E_temporal the picture would decide at once; here it holds them there. missed: between the two there is a frame that shows nobody.
+// other. With the default E_temporal the picture would decide at once; here it holds them there. missed: between the
+// two there is a frame that shows nobody.
 std::array<double, 2> taken_for_each_other_mm(ocl::DeviceContext& device, bool missed) {
   Seen seen(device);
   TrackerOptions options;

@@ -119,24 +119,29 @@ void paint_all(const std::vector<int64_t>& rows, Clip& clip, const Scene& scene,
   const auto n = static_cast<int64_t>(rows.size());
   for (size_t begin = 0; begin < rows.size() && report.complete; begin += at_once) {
     const size_t end = std::min(rows.size(), begin + at_once);
-    std::vector<std::future<ScenePicture>> pictures;
+    struct Painting {
+      bool empty;
+      std::future<ScenePicture> picture;
+    };
+    std::vector<Painting> paintings;
     std::exception_ptr unread;  // thrown when what comes before it is written
     for (size_t i = begin; i < end && !unread; ++i) {
       try {
         SceneFrame frame = scene_frame(clip, rows[i], static_cast<double>(i) / static_cast<double>(n), video);
-        report.empty += frame.vertices.empty();
-        pictures.push_back(
-            std::async(std::launch::async, [&scene, frame = std::move(frame)] { return scene.paint(frame); }));
+        const bool empty = frame.vertices.empty();
+        paintings.push_back(
+            {empty, std::async(std::launch::async, [&scene, frame = std::move(frame)] { return scene.paint(frame); })});
       } catch (...) {
         unread = std::current_exception();
       }
     }
-    for (size_t k = 0; k < pictures.size(); ++k) {
-      sink.write(clip.capture.rows[rows[begin + k]].index, pictures[k].get());
+    for (size_t k = 0; k < paintings.size() && report.complete; ++k) {
+      sink.write(clip.capture.rows[rows[begin + k]].index, paintings[k].picture.get());
       ++report.pictures;
-      if (progress && !progress(report.pictures, n)) report.complete = false;
+      report.empty += paintings[k].empty;
+      if (progress && !progress(report.pictures, n)) report.complete = report.pictures == n;
     }
-    if (unread) std::rethrow_exception(unread);
+    if (unread && report.complete) std::rethrow_exception(unread);
   }
 }
 

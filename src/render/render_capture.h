@@ -15,7 +15,7 @@ struct RenderReport {
   int width = 0;         // of a picture, px
   int height = 0;
   double fps = 0;        // of the film
-  bool complete = true;  // false: stopped early; what was painted until then is written
+  bool complete = true;  // false: stopped early; the pictures before that are written
 };
 
 // After each picture; false stops.

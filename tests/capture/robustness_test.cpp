@@ -173,7 +173,9 @@ TEST_F(Robustness, ALimbLeavesThePicture) {
   expect_unbroken(run);
   EXPECT_GT(run.eval.iou.mean, whole.eval.iou.mean - 0.015);
   EXPECT_GT(worst(run.eval, &FrameEval::iou, false), 0.75);
-  EXPECT_LT(run.eval.vertex_aligned_mm.mean, 1.35 * whole.eval.vertex_aligned_mm.mean);
+  // Nine captures of each whose focal lengths differ by 0.002 %: 27.9 to 28.6 mm, 21.1 to 21.9 with room for the arms
+  // (PoCL 5.0, 2026-11-25); 28.4 to 29.2 and 21.2 to 21.6 on an H100.
+  EXPECT_LT(run.eval.vertex_aligned_mm.mean, 1.45 * whole.eval.vertex_aligned_mm.mean);
 }
 
 TEST_F(Robustness, AMovingShadow) {

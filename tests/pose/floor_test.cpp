@@ -8,7 +8,9 @@
 #include <numbers>
 #include <random>
 #include <utility>
+#include <vector>
 
+#include "base/timer.h"
 #include "livecap/error.h"
 #include "pose/pose_solver.h"
 #include "pose/round_weights.h"
@@ -214,8 +216,8 @@ TEST(Floor, TellsTheDepthOfTheFeet) {
     PoseSolver solver(device, actor, camera, options);
     std::mt19937 rng(3);
     std::normal_distribution<float> noise_px(0, 2);
-    double with = 0, without = 0;  // mm^2
-    for (int i = 0; i < 20; ++i) {
+    std::vector<double> with, without;  // mm^2
+    for (int i = 0; i < 40; ++i) {
       Detections detections = test::exact_detections(actor, camera, truth);
       for (KeypointDetection& keypoint : detections.keypoints) {
         keypoint.x_px += noise_px(rng);
@@ -231,11 +233,14 @@ TEST(Floor, TellsTheDepthOfTheFeet) {
         for (size_t k = 0; k < got.size(); ++k) sum += std::pow(got[k].z() - expected[k].z(), 2);
         return sum;
       };
-      with += squared_mm(&floor);
-      without += squared_mm(nullptr);
+      with.push_back(squared_mm(&floor));
+      without.push_back(squared_mm(nullptr));
     }
-    RecordProperty("share", std::to_string(with / without));
-    EXPECT_LT(with, test::kFloorDepthShare * without);
+    // Medians: about one foot in a hundred is found in the air, several hundred mm off, and on which draw that happens
+    // depends on a device's rounding.
+    const double with_median = median(with), without_median = median(without);
+    RecordProperty("share", std::to_string(with_median / without_median));
+    EXPECT_LT(with_median, test::kFloorDepthShare * without_median);
   });
 }
 

@@ -9,7 +9,7 @@
 #include "base/log.h"
 #include "cloth/hanging_cloth.h"
 #include "livecap/error.h"
-#include "pose/mirrored_arms.h"
+#include "pose/mirrored_forearm.h"
 #include "pose/other_starts.h"
 #include "pose/person_height.h"
 #include "shared/exact_sum.h"
@@ -407,10 +407,7 @@ PoseResult PoseStage::solve_corrected(const PoseStageInput& input, const Pose& p
   try_exchanged_legs(input, predicted, previous, alternatives, best);
   try_turned(input, previous, best);
   try_detected_legs(input, previous, best);
-  try_bent_back(input, previous, best);
-  try_arms_within_limits(input, previous, best);
   try_mirrored_forearms(input, previous, best);
-  try_mirrored_arms(input, previous, best);
   const bool insists = best.exchanged && exchanged_frames_ >= options_.max_exchanged_frames;
   if (insists) try_anew(input, best);
   const bool doubted = input.detected && !believable(best.pose, input.detections);
@@ -494,15 +491,6 @@ void PoseStage::try_mirrored_forearms(const PoseStageInput& input, const Pose& p
   }
 }
 
-void PoseStage::try_mirrored_arms(const PoseStageInput& input, const Pose& previous, Solution& best) {
-  if (!matches(input) || best.pose.status != SolveStatus::kOk || best.exchanged) return;
-  for (Keypoint elbow : {kLeftElbow, kRightElbow}) {
-    for (const Pose& other :
-         mirrored_arms(actor_, best.pose.pose, elbow, input.detections, options_.pose, options_.mirrored_arms))
-      try_refined(input, other, previous, best);
-  }
-}
-
 // From the last rounds on: the rest of the body stays, so that the costs tell the arms apart. Unlike other starts
 // without what was not matched: here that is chance.
 void PoseStage::try_refined(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best) {
@@ -511,19 +499,6 @@ void PoseStage::try_refined(const PoseStageInput& input, const Pose& initial, co
   const auto doubted = [](const PoseEnergies& e) { return e.total() - e.temporal + e.doubted_temporal; };
   if (solved.pose.status == SolveStatus::kOk && doubted(solved.pose.energy) < doubted(best.pose.energy))
     best = std::move(solved);
-}
-
-void PoseStage::try_bent_back(const PoseStageInput& input, const Pose& previous, Solution& best) {
-  if (best.pose.status != SolveStatus::kOk || best.exchanged) return;
-  const std::optional<Pose> bent =
-      with_hinges_bent_back(actor_.skeleton, best.pose.pose, options_.least_past_limit_rad);
-  if (bent) try_from(input, *bent, previous, best);
-}
-
-void PoseStage::try_arms_within_limits(const PoseStageInput& input, const Pose& previous, Solution& best) {
-  if (!matches(input) || best.pose.status != SolveStatus::kOk || best.exchanged) return;
-  const std::optional<Pose> bent = with_arms_within_limits(actor_, best.pose.pose, options_.least_arm_past_limit_rad);
-  if (bent) try_refined(input, *bent, previous, best);
 }
 
 void PoseStage::try_from(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best) {

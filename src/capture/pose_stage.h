@@ -113,10 +113,7 @@ class PoseStage {
                           const std::vector<KeypointDetections>& alternatives, Solution& best);
   void try_turned(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_detected_legs(const PoseStageInput& input, const Pose& previous, Solution& best);
-  void try_bent_back(const PoseStageInput& input, const Pose& previous, Solution& best);
-  void try_arms_within_limits(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_mirrored_forearms(const PoseStageInput& input, const Pose& previous, Solution& best);
-  void try_mirrored_arms(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_refined(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best);
   static void keep_better(Solution other, Solution& best);
   void try_from(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best);

@@ -9,7 +9,6 @@
 #include "match/texture_matcher.h"
 #include "pose/floor.h"
 #include "pose/leg_bias.h"
-#include "pose/mirrored_arms.h"
 #include "pose/pose_options.h"
 #include "raster/visibility.h"
 #include "surface/snap.h"
@@ -74,17 +73,10 @@ struct TrackerOptions {
   // So is one with an ankle so far from its detection, as a share of the person's height in the picture
   // (pose/other_starts.h).
   double strayed_share = 0.04;
-  // So is one with an elbow or knee so far past its limit (pose/other_starts.h): E_anatomic lets hardly any go further.
-  double least_past_limit_rad = 0.015;
-  // And one with an upper arm so far past a limit of its angles. Less is no sign: the twist of a nearly straight arm
-  // that is hidden leans on its limit for a while.
-  double least_arm_past_limit_rad = 0.025;
-  // And so is one with a forearm mirrored in depth, if that turns it by so much and the skin's shading then misfits
-  // less than this share of before (pose/mirrored_arms.h, match/skin_shading.h).
+  // And one with a forearm mirrored in depth, if that turns it by so much and the skin's shading then misfits less than
+  // this share of before (pose/mirrored_forearm.h, match/skin_shading.h).
   double least_mirrored_rad = 0.35;
   double mirrored_misfit = 0.9;
-  // Likewise one with an arm that the detections rather see mirrored.
-  MirroredArmOptions mirrored_arms;
   bool solve_pose = true;          // false: stage I ends with its initialisation from each frame's detections alone
   bool enable_surface = true;      // false: the result is the skinned template of stage I
   bool warp_displacements = true;  // carry the non-rigid displacement to the next frame

@@ -4,10 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
 #include <vector>
 
-#include "pose/arm_chain.h"
 #include "pose/initialize.h"
 #include "pose/targets.h"
 
@@ -69,44 +67,6 @@ std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera,
   Pose bent = pose;
   for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
     if (hangs_on(actor.skeleton, actor.skeleton.dofs[k].bone, strayed)) bent.angles_rad[k] = found->angles_rad[k];
-  }
-  return bent;
-}
-
-std::optional<Pose> with_hinges_bent_back(const Skeleton& skeleton, const Pose& pose, double least_rad) {
-  std::vector<int> n_angles(skeleton.n_bones(), 0);
-  for (const Dof& dof : skeleton.dofs) ++n_angles[dof.bone];
-  Pose bent = pose;
-  bool any = false;
-  for (int k = 0; k < skeleton.n_dofs(); ++k) {
-    const Dof& dof = skeleton.dofs[k];
-    const double limit = std::clamp(pose.angles_rad[k], dof.min_rad, dof.max_rad);
-    if (n_angles[dof.bone] != 1 || !(std::abs(pose.angles_rad[k] - limit) >= least_rad)) continue;
-    bent.angles_rad[k] = std::clamp(2 * limit - pose.angles_rad[k], dof.min_rad, dof.max_rad);
-    any = true;
-  }
-  return any ? std::optional(bent) : std::nullopt;
-}
-
-std::optional<Pose> with_arms_within_limits(const Actor& actor, const Pose& pose, double least_rad) {
-  const Skeleton& skeleton = actor.skeleton;
-  const auto positions = keypoint_positions(actor, forward_kinematics(skeleton, pose));
-  const auto is_past = [&](int k) {
-    const Dof& dof = skeleton.dofs[k];
-    return std::max(dof.min_rad - pose.angles_rad[k], pose.angles_rad[k] - dof.max_rad) >= least_rad;
-  };
-  std::optional<Pose> bent;
-  for (Keypoint elbow : {kLeftElbow, kRightElbow}) {
-    const std::optional<ArmChain> arm = arm_chain(actor, elbow);
-    if (!arm || !(is_past(arm->twist) || std::any_of(arm->aims.begin(), arm->aims.end(), is_past))) continue;
-    Pose start = bent.value_or(pose);
-    const int collarbone = skeleton.bones[arm->upper].parent;
-    for (int k = 0; k < skeleton.n_dofs(); ++k) {
-      const Dof& dof = skeleton.dofs[k];
-      if (dof.bone == collarbone || dof.bone == arm->upper) start.angles_rad[k] = dof.rest_rad;
-    }
-    start = with_elbow_at(actor, *arm, std::move(start), positions[arm->elbow]);
-    bent = with_wrist_at(actor, *arm, start, positions[arm->wrist]);
   }
   return bent;
 }

@@ -1,7 +1,7 @@
 // Poses to start from as well where texture and silhouette may have led astray, as the detections have them: whole
 // bodies that were matched one stripe or check further round, where clothes with a pattern look nearly right, and legs
 // that hold on to the other one's shoe, which the robust E_2D lets them. (The same for arms made two of five sequences
-// worse: the network's elbows are bent too far.) Mirrored arms: pose/mirrored_arms.h.
+// worse: the network's elbows are bent too far.) A mirrored forearm: pose/mirrored_forearm.h.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,16 +24,5 @@ std::optional<Pose> turned_trunk(const Actor& actor, const Pose& pose, const Det
 // nullopt when there is none or the detections do not tell.
 std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera, const Pose& pose,
                                        const Detections& detections, const PoseOptions& options, double least_px);
-
-// `pose` with every hinge (elbow, knee: a bone of one angle) that is past its limit by at least least_rad bent as far
-// to the other side of the limit. In a picture a nearly straight limb that bends towards the camera looks as one that
-// bends away, and the way back leads through the straight limb. nullopt when there is none.
-std::optional<Pose> with_hinges_bent_back(const Skeleton& skeleton, const Pose& pose, double least_rad);
-
-// `pose` with every arm whose upper arm is past a limit of one of its angles by at least least_rad led to the same
-// places of elbow and wrist anew, from rest, as near as limits let it; its collarbone is at rest. An arm that nothing
-// has seen for some frames turns about itself, and comes out on the far side of its limits, where three angles do not
-// lead back. nullopt when there is none.
-std::optional<Pose> with_arms_within_limits(const Actor& actor, const Pose& pose, double least_rad);
 
 }  // namespace livecap

@@ -146,8 +146,6 @@ inline constexpr double kSkinLight = 0.08;
 // Where a twist in steps of 5 degrees puts a wrist, px and mm.
 inline constexpr double kMirroredPx = 5;
 inline constexpr double kMirroredMm = 25;
-// An elbow led by two angles in twenty sweeps, a wrist by a twist searched for in 48 steps.
-inline constexpr double kLedArmMm = 10;
 // The initialisation alone: near enough for Gauss-Newton, mm.
 inline constexpr double kInitializedMm = 80;
 // Energy of the paper's few steps over that of a trusted solver run to convergence.

@@ -1,0 +1,28 @@
+// A forearm as the picture cannot have it apart: one that points as far from the camera as another one points towards
+// it has the same outline. Where it is the likelier one, stage I is solved from there as well.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "actor/actor.h"
+#include "livecap/detections.h"
+
+namespace livecap {
+
+struct MirroredForearm {
+  Keypoint elbow = kLeftElbow;  // or kRightElbow
+  int bone = 0;                 // the forearm's
+  Eigen::Matrix3d turn;         // of the forearm, camera frame
+  Eigen::Vector3d wrist_mm;     // camera frame: the other place on its ray that is as far from the elbow
+};
+
+// nullopt when the forearm would turn by less than least_turn_rad, or the actor has no such arm.
+std::optional<MirroredForearm> mirrored_forearm(const Actor& actor, const Pose& pose, Keypoint elbow,
+                                                double least_turn_rad);
+
+// `pose` with the wrist as near to there as the upper arm's twist (searched for, off its limits) and the elbow's bend
+// bring it.
+Pose with_mirrored_forearm(const Actor& actor, const Pose& pose, const MirroredForearm& mirrored);
+
+}  // namespace livecap

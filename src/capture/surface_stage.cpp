@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace livecap {
 namespace {
@@ -34,6 +35,8 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
     *buffer = ocl::Buffer<float>(device, size_t(3) * actor.n_vertices());
     buffer->fill(0);
   }
+  if (options.enable_surface && hanging_.opening() > 0)
+    folds_.emplace(device, actor, hanging_.hung_weights(), hanging_.opening());
   if (options.enable_surface && options.simulate_cloth) cloth_.emplace(device, actor, options.cloth);
   std::vector<float> share(actor.n_vertices());
   for (int i = 0; i < actor.n_vertices(); ++i)
@@ -86,24 +89,29 @@ void SurfaceStage::launch(const DeviceFrame& picture) {
 }
 
 // Puts the template and the last displacements where the pose is; hanging cloth swings there.
-void SurfaceStage::place(const PosedSkeleton& posed, double seconds) {
+void SurfaceStage::place(const PosedSkeleton& posed, std::span<const float> dual_quats, double seconds) {
   skinner_.skin(zero_, skinned_);
   skinner_.skin(displacement_rest_, start_);
   if (n_history_ >= 2) skinner_.skin(before_displacement_rest_, before_);
+  if (folds_) {
+    skinner_.normals(skinned_, normals_);
+    folds_->open(dual_quats, normals_, skinned_, start_, before_);
+  }
   if (cloth_) cloth_->step(posed, seconds, skinned_, start_, before_);
 }
 
 double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* picture) {
   const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);
-  skinner_.set_pose(hanging_.dual_quats(posed));
+  const std::vector<float> dual_quats = hanging_.dual_quats(posed);
+  skinner_.set_pose(dual_quats);
   const double passed = time_s > last_time_s_ ? time_s - last_time_s_ : kUnknownFrame;
   last_time_s_ = time_s;
   if (cloth_ && passed > kLongestFrame) cloth_->reset();
   const double seconds = std::clamp(passed, kShortestFrame, kLongestFrame);
-  place(posed, seconds);
+  place(posed, dual_quats, seconds);
   if (!picture) {
     if (cloth_) device_.finish();  // gave_up() knows then
-    if (cloth_ && cloth_->gave_up()) place(posed, seconds);
+    if (cloth_ && cloth_->gave_up()) place(posed, dual_quats, seconds);
     vertices_.copy_from(skinned_);
     return 0;
   }
@@ -112,7 +120,7 @@ double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* p
     launch(*picture);
     surface = solver_.result();
     const bool cloth_gave_up = cloth_ && cloth_->gave_up();
-    if (cloth_gave_up) place(posed, seconds);
+    if (cloth_gave_up) place(posed, dual_quats, seconds);
     whole = !snapper_.gave_up() && surface && !cloth_gave_up;
   }
   // The temporal terms compare displacements, not positions (docs/paper_map.md): `previous` is the warped start itself.

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "actor/actor.h"
 #include "actor/skinner.h"
 #include "capture/tracker_options.h"
 #include "cloth/cloth_simulation.h"
+#include "cloth/folded_cloth.h"
 #include "cloth/hanging_cloth.h"
 #include "image/device_frame.h"
 #include "livecap/camera.h"
@@ -39,7 +41,7 @@ class SurfaceStage {
   void reset();
 
  private:
-  void place(const PosedSkeleton& posed, double seconds);
+  void place(const PosedSkeleton& posed, std::span<const float> dual_quats, double seconds);
   void launch(const DeviceFrame& picture);
 
   ocl::DeviceContext& device_;
@@ -47,6 +49,7 @@ class SurfaceStage {
   Camera camera_;
   TrackerOptions options_;
   HangingCloth hanging_;
+  std::optional<FoldedCloth> folds_;      // where they open
   std::optional<ClothSimulation> cloth_;  // where it is simulated
   double last_time_s_ = 0;
   Skinner skinner_;           // of the template with hanging cloth

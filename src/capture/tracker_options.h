@@ -85,9 +85,8 @@ struct TrackerOptions {
   // three sequences with ground truth and left the others as they were.
   float max_carried_rigidity = 3;
   float carried_share = 0.9f;
-  // Of both stages. On a simulated skirt with true keypoints its mean error was 72 mm with the actor's weights, 54 mm
-  // so before anything is fitted; skirts whose weights follow the legs little change little. And with the actor's
-  // weights in stage I a skirt that swings turns the thighs (docs/experiments.md).
+  // Of both stages: with the actor's weights in stage I a skirt that swings turns the thighs, and in stage II the back
+  // of one in folds follows them (docs/experiments.md).
   HangingClothOptions hanging;
   // V^S of hanging cloth in stage II is not where skinning puts it but where it swings to.
   bool simulate_cloth = true;

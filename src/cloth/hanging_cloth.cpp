@@ -3,10 +3,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "cloth/folds.h"
 #include "livecap/error.h"
 
 namespace livecap {
@@ -29,8 +31,9 @@ std::vector<char> leg_bones(const Skeleton& skeleton) {
   return leg;
 }
 
-// The actor's weights with what hanging cloth has too many on the legs given to hanging_bone.
-SkinWeights give_to_hanging_bone(const Actor& actor, float leg_share, int hanging_bone) {
+// The actor's weights with what hanging cloth has too many on the legs given to hanging_bone. kept(L): which share of
+// its weights on the legs a vertex keeps where they sum to L.
+SkinWeights give_to_hanging_bone(const Actor& actor, const std::function<float(float)>& kept, int hanging_bone) {
   SkinWeights out = actor.skin;
   const std::vector<char> leg = leg_bones(actor.skeleton);
   const std::vector<float> leg_weight = leg_weights(actor);
@@ -38,8 +41,8 @@ SkinWeights give_to_hanging_bone(const Actor& actor, float leg_share, int hangin
   for (int i = 0; i < actor.n_vertices(); ++i) {
     if (!hangs(actor, i)) continue;
     const float legs = leg_weight[i];
-    if (legs <= 0 || leg_share == 1) continue;
-    const float scale = leg_share / (leg_share + (1 - leg_share) * legs);
+    const float scale = legs > 0 ? kept(legs) : 1;
+    if (scale == 1) continue;
     influences = {{(1 - scale) * legs, hanging_bone}};
     for (int k = 4 * i; k < 4 * i + 4; ++k) {
       const int bone = actor.skin.bones[k];
@@ -73,7 +76,9 @@ std::optional<Eigen::Vector3d> middle_of_the_hips(const Skeleton& skeleton) {
 
 SkinWeights hanging_weights(const Actor& actor, const HangingClothOptions& options) {
   options.validate();
-  return give_to_hanging_bone(actor, options.leg_share, bone_of_the_hips(actor.skeleton).value_or(0));
+  const float c = options.leg_share;
+  return give_to_hanging_bone(
+      actor, [c](float legs) { return c / (c + (1 - c) * legs); }, bone_of_the_hips(actor.skeleton).value_or(0));
 }
 
 std::vector<float> leg_weights(const Actor& actor) {
@@ -86,8 +91,16 @@ std::vector<float> leg_weights(const Actor& actor) {
 }
 
 void HangingClothOptions::validate() const {
-  if (!(leg_share > 0.0f && leg_share <= 1.0f)) {
-    throw ConfigError("hanging cloth: leg_share is " + std::to_string(leg_share) + ", must be above 0 and at most 1");
+  const auto require_share = [](float value, const char* field) {
+    if (!(value > 0.0f && value <= 1.0f))
+      throw ConfigError(std::string("hanging cloth: ") + field + " is " + std::to_string(value) +
+                        ", must be above 0 and at most 1");
+  };
+  require_share(leg_share, "leg_share");
+  require_share(loose_on_legs, "loose_on_legs");
+  if (!(taut >= 0.0f && taut < loose && std::isfinite(loose))) {
+    throw ConfigError("hanging cloth: taut is " + std::to_string(taut) + " and loose " + std::to_string(loose) +
+                      "; they must be at least 0, and taut the less");
   }
   if (!(gravity_share >= 0.0f && gravity_share <= 1.0f)) {
     throw ConfigError("hanging cloth: gravity_share is " + std::to_string(gravity_share) + ", must be from 0 to 1");
@@ -96,7 +109,14 @@ void HangingClothOptions::validate() const {
 
 HangingCloth::HangingCloth(const Actor& actor, const HangingClothOptions& options) : options_(options) {
   options.validate();
-  weights_ = give_to_hanging_bone(actor, options.leg_share, actor.skeleton.n_bones());
+  const float folds = float(share_in_folds(actor));
+  opening_ = std::clamp((folds - options.taut) / (options.loose - options.taut), 0.0f, 1.0f);
+  const float most = 1 - opening_ * (1 - options.loose_on_legs);
+  const int hanging_bone = actor.skeleton.n_bones();
+  weights_ = give_to_hanging_bone(
+      actor, [most](float legs) { return std::min(1.0f, most / legs); }, hanging_bone);
+  hung_weights_ = give_to_hanging_bone(
+      actor, [](float) { return 0.0f; }, hanging_bone);
   const std::optional<Eigen::Vector3d> pivot = middle_of_the_hips(actor.skeleton);
   if (!pivot) return;
   pivot_rest_ = *pivot;

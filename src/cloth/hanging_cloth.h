@@ -1,7 +1,7 @@
 // How cloth that hangs from the waist follows the body. Its skinning weights come from the nearest leg, but it is not
-// fastened there: when a thigh moves forward, the back of a skirt stays hanging. In stage I the outline of a skirt must
-// not turn the legs as if they were what is seen. In stage II E_smooth keeps the surface close to the skinned one
-// wherever the picture says nothing, so V^S must not carry the back along.
+// fastened there: when a thigh moves forward, the back of a skirt in folds stays hanging. In stage I the outline of a
+// skirt must not turn the legs as if they were what is seen. In stage II E_smooth keeps the surface close to the
+// skinned one wherever the picture says nothing, so V^S must not carry the back along.
 #pragma once
 
 #include <optional>
@@ -12,9 +12,14 @@
 namespace livecap {
 
 struct HangingClothOptions {
-  // A vertex whose weights on the legs sum to L keeps c L / (c + (1 - c) L) of them, c = leg_share in (0,1]: all of a
-  // small L, c of L = 1. The rest goes to the hanging bone. 1 = the actor's own skinning (the paper).
+  // In stage I a vertex whose weights on the legs sum to L keeps c L / (c + (1 - c) L) of them, c = leg_share in (0,1]:
+  // all of a small L, c of L = 1. The rest goes to the hanging bone. 1 = the actor's own skinning (the paper).
   float leg_share = 0.4f;
+  // In stage II cloth with less than `taut` of it in folds (cloth/folds.h) follows the legs as the actor's weights say.
+  // With `loose` or more it is only pushed by them, not pulled, and keeps at most `loose_on_legs` of those weights.
+  float taut = 0.10f;
+  float loose = 0.13f;
+  float loose_on_legs = 0.55f;
   // The hanging bone is the bone the legs hang from, turned this far towards the picture's vertical (0..1): a camera
   // stands about level, and pelvis tilt is what a pose network sees worst.
   float gravity_share = 0.9f;
@@ -39,15 +44,22 @@ class HangingCloth {
   // ConfigError.
   HangingCloth(const Actor& actor, const HangingClothOptions& options);
 
-  // The actor's weights with the hanging bone as bone n_bones.
+  // Where legs carry it: the actor's weights with the hanging bone as bone n_bones.
   const SkinWeights& weights() const { return weights_; }
+
+  // Where no leg touches it.
+  const SkinWeights& hung_weights() const { return hung_weights_; }
+
+  // 0 taut to 1 loose: how little the cloth is pulled by legs that move away from it.
+  float opening() const { return opening_; }
 
   // camera_from_rest of every bone and of the hanging bone as dual quaternions, [8*(n_bones+1)].
   std::vector<float> dual_quats(PosedSkeleton posed) const;
 
  private:
   HangingClothOptions options_;
-  SkinWeights weights_;
+  SkinWeights weights_, hung_weights_;
+  float opening_ = 0;
   int base_ = 0;                                          // the bone the legs hang from
   Eigen::Vector3d pivot_rest_ = Eigen::Vector3d::Zero();  // mm, between the hips
 };

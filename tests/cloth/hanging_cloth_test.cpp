@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "cloth/scene.h"
 #include "livecap/error.h"
 
 namespace livecap {
@@ -14,7 +15,7 @@ namespace {
 
 constexpr int kRoot = 0, kHip = 1, kKnee = 2, kNeck = 3, kOtherHip = 4, kHanging = 5;
 
-// One vertex per row of weights.
+// One vertex per row of weights. They belong to no triangle.
 Actor actor_with(const std::vector<std::array<std::pair<int, float>, 4>>& rows, const std::vector<float>& rigidity) {
   Actor actor;
   actor.skeleton.bones = {{"root", -1, {0, 0, 0}},
@@ -33,8 +34,22 @@ Actor actor_with(const std::vector<std::array<std::pair<int, float>, 4>>& rows, 
   return actor;
 }
 
-SkinWeights weights(const Actor& actor, float leg_share) {
-  return HangingCloth(actor, {.leg_share = leg_share}).weights();
+// As it is, with a skirt in folds after the other vertices.
+Actor with_folds(Actor actor) {
+  const Actor skirt = test::folded_skirt(0.15, 6);
+  for (const int32_t corner : skirt.mesh.triangles) actor.mesh.triangles.push_back(corner + actor.n_vertices());
+  actor.mesh.positions.insert(actor.mesh.positions.end(), skirt.mesh.positions.begin(), skirt.mesh.positions.end());
+  actor.skin.bones.insert(actor.skin.bones.end(), skirt.skin.bones.begin(), skirt.skin.bones.end());
+  actor.skin.weights.insert(actor.skin.weights.end(), skirt.skin.weights.begin(), skirt.skin.weights.end());
+  actor.rigidity.insert(actor.rigidity.end(), skirt.rigidity.begin(), skirt.rigidity.end());
+  return actor;
+}
+
+// Where everything with as much as these folds is loose.
+SkinWeights loose_weights(const Actor& actor, float loose_on_legs) {
+  const HangingCloth hanging(actor, {.taut = 0, .loose = 0.01f, .loose_on_legs = loose_on_legs});
+  EXPECT_EQ(hanging.opening(), 1);
+  return hanging.weights();
 }
 
 std::map<int, float> weights_of(const SkinWeights& skin, int vertex) {
@@ -50,26 +65,30 @@ std::map<int, float> weights_of(const SkinWeights& skin, int vertex) {
   return out;
 }
 
-TEST(HangingCloth, LegsGiveTheirShareToTheHangingBone) {
-  // L = 1 keeps 0.4; L = 0.5 keeps 0.4 / (0.4 + 0.6 * 0.5) = 4/7 of itself.
-  const Actor actor = actor_with({{{{kHip, 0.75f}, {kKnee, 0.25f}, {0, 0}, {0, 0}}},
-                                  {{{kRoot, 0.5f}, {kOtherHip, 0.5f}, {0, 0}, {0, 0}}},
-                                  {{{kNeck, 0.6f}, {kRoot, 0.4f}, {0, 0}, {0, 0}}}},
-                                 {1, 1, 1});
-  const SkinWeights skin = weights(actor, 0.4f);
+TEST(HangingCloth, LegsGiveWhatTheyHaveTooManyOfLooseClothToTheHangingBone) {
+  const Actor taut = actor_with({{{{kHip, 0.75f}, {kKnee, 0.25f}, {0, 0}, {0, 0}}},
+                                 {{{kRoot, 0.5f}, {kOtherHip, 0.5f}, {0, 0}, {0, 0}}},
+                                 {{{kNeck, 0.6f}, {kRoot, 0.4f}, {0, 0}, {0, 0}}}},
+                                {1, 1, 1});
+  EXPECT_EQ(HangingCloth(taut, {}).weights().weights, taut.skin.weights);
+  const Actor actor = with_folds(taut);
+  const SkinWeights skin = loose_weights(actor, 0.6f);
   const auto hem = weights_of(skin, 0), middle = weights_of(skin, 1), waist = weights_of(skin, 2);
   ASSERT_EQ(hem.size(), 3u);
-  EXPECT_NEAR(hem.at(kHanging), 0.6f, 1e-6f);
-  EXPECT_NEAR(hem.at(kHip), 0.3f, 1e-6f);
-  EXPECT_NEAR(hem.at(kKnee), 0.1f, 1e-6f);
-  ASSERT_EQ(middle.size(), 3u);
-  EXPECT_NEAR(middle.at(kRoot), 0.5f, 1e-6f);
-  EXPECT_NEAR(middle.at(kHanging), 1.5f / 7, 1e-6f);
-  EXPECT_NEAR(middle.at(kOtherHip), 2.0f / 7, 1e-6f);
+  EXPECT_NEAR(hem.at(kHanging), 0.4f, 1e-6f);
+  EXPECT_NEAR(hem.at(kHip), 0.45f, 1e-6f);
+  EXPECT_NEAR(hem.at(kKnee), 0.15f, 1e-6f);
+  EXPECT_EQ(middle, (std::map<int, float>{{kRoot, 0.5f}, {kOtherHip, 0.5f}}));
   EXPECT_EQ(waist, (std::map<int, float>{{kNeck, 0.6f}, {kRoot, 0.4f}}));
+
+  const SkinWeights hung = HangingCloth(actor, {}).hung_weights();
+  EXPECT_EQ(weights_of(hung, 0), (std::map<int, float>{{kHanging, 1.0f}}));
+  EXPECT_EQ(weights_of(hung, 1), (std::map<int, float>{{kRoot, 0.5f}, {kHanging, 0.5f}}));
+  EXPECT_EQ(weights_of(hung, 2), waist);
 }
 
-// Stage I has no bone for what hangs: the pelvis takes it, once.
+// Stage I has no bone for what hangs: the pelvis takes it, once. L = 1 keeps 0.4; L = 0.5 keeps 0.4 / (0.4 + 0.6 * 0.5)
+// = 4/7 of itself.
 TEST(HangingCloth, WithoutTheHangingBoneTheHipsBoneTakesTheShare) {
   const Actor actor = actor_with({{{{kHip, 0.75f}, {kKnee, 0.25f}, {0, 0}, {0, 0}}},
                                   {{{kRoot, 0.5f}, {kOtherHip, 0.5f}, {0, 0}, {0, 0}}},
@@ -89,28 +108,28 @@ TEST(HangingCloth, WithoutTheHangingBoneTheHipsBoneTakesTheShare) {
 }
 
 TEST(HangingCloth, FiveInfluencesBecomeTheFourStrongest) {
-  const Actor actor = actor_with({{{{kHip, 0.4f}, {kNeck, 0.3f}, {kKnee, 0.2f}, {kOtherHip, 0.1f}}}}, {1});
-  const auto kept = weights_of(weights(actor, 0.5f), 0);
-  // L = 0.7 keeps 0.5 / 0.85 of itself; the weakest (right hip, 0.1 / 1.7) goes, the others sum to one.
-  const float left = 1 - 0.1f / 1.7f;
+  const Actor actor = with_folds(actor_with({{{{kHip, 0.4f}, {kNeck, 0.3f}, {kKnee, 0.2f}, {kOtherHip, 0.1f}}}}, {1}));
+  const auto kept = weights_of(loose_weights(actor, 0.35f), 0);
+  // L = 0.7 keeps half of itself; the weakest (right hip, 0.05) goes, the others sum to one.
+  const float left = 0.95f;
   ASSERT_EQ(kept.size(), 4u);
   EXPECT_EQ(kept.count(kOtherHip), 0u);
   EXPECT_NEAR(kept.at(kNeck), 0.3f / left, 1e-6f);
-  EXPECT_NEAR(kept.at(kHip), 0.4f / 1.7f / left, 1e-6f);
-  EXPECT_NEAR(kept.at(kKnee), 0.2f / 1.7f / left, 1e-6f);
-  EXPECT_NEAR(kept.at(kHanging), (0.7f - 0.7f / 1.7f) / left, 1e-6f);
+  EXPECT_NEAR(kept.at(kHip), 0.2f / left, 1e-6f);
+  EXPECT_NEAR(kept.at(kKnee), 0.1f / left, 1e-6f);
+  EXPECT_NEAR(kept.at(kHanging), 0.35f / left, 1e-6f);
 }
 
 TEST(HangingCloth, OtherMaterialAndAShareOfOneChangeNothing) {
-  const Actor actor =
-      actor_with({{{{kHip, 1}, {0, 0}, {0, 0}, {0, 0}}}, {{{kHip, 0.5f}, {kKnee, 0.5f}, {0, 0}, {0, 0}}}}, {2.5f, 50});
-  const SkinWeights trousers = weights(actor, 0.4f);
+  const Actor actor = with_folds(
+      actor_with({{{{kHip, 1}, {0, 0}, {0, 0}, {0, 0}}}, {{{kHip, 0.5f}, {kKnee, 0.5f}, {0, 0}, {0, 0}}}}, {2.5f, 50}));
+  const SkinWeights trousers = loose_weights(actor, 0.6f);
   EXPECT_EQ(trousers.bones, actor.skin.bones);
   EXPECT_EQ(trousers.weights, actor.skin.weights);
   Actor skirt = actor;
-  skirt.rigidity = {1, 1};
-  EXPECT_EQ(weights(skirt, 1).weights, actor.skin.weights);
-  EXPECT_NE(weights(skirt, 0.9f).weights, actor.skin.weights);
+  skirt.rigidity[0] = skirt.rigidity[1] = 1;
+  EXPECT_EQ(loose_weights(skirt, 1).weights, actor.skin.weights);
+  EXPECT_NE(loose_weights(skirt, 0.9f).weights, actor.skin.weights);
 }
 
 // Rotation and translation of bone b from its dual quaternion, written out: t = 2 dual conj(real).
@@ -140,7 +159,7 @@ TEST(HangingCloth, TheHangingBoneTurnsTowardsTheVerticalAboutTheHips) {
   for (const double tilt : {0.4, -0.2}) {
     const PosedSkeleton posed = tilted(actor, tilt);
     for (const float share : {0.0f, 0.5f, 1.0f}) {
-      const auto quats = HangingCloth(actor, {.leg_share = 0.4f, .gravity_share = share}).dual_quats(posed);
+      const auto quats = HangingCloth(actor, {.gravity_share = share}).dual_quats(posed);
       ASSERT_EQ(quats.size(), 8u * 6);
       const Eigen::Isometry3d root = motion_of(quats, kRoot), hanging = motion_of(quats, kHanging);
       EXPECT_LT((root.matrix() - posed.camera_from_rest[kRoot].matrix()).norm(), 1e-2);
@@ -165,11 +184,14 @@ TEST(HangingCloth, ABodyUpsideDownIsLeftAsItIs) {
 TEST(HangingCloth, OptionsAreChecked) {
   const Actor actor = actor_with({{{{kHip, 1}, {0, 0}, {0, 0}, {0, 0}}}}, {1});
   for (const float share : {0.0f, -0.1f, 1.01f, std::nanf("")}) {
-    EXPECT_THROW(weights(actor, share), ConfigError) << share;
+    EXPECT_THROW(HangingCloth(actor, {.loose_on_legs = share}), ConfigError) << share;
+    EXPECT_THROW(HangingCloth(actor, {.leg_share = share}), ConfigError) << share;
   }
   for (const float share : {-0.1f, 1.01f, std::nanf("")}) {
     EXPECT_THROW(HangingCloth(actor, {.gravity_share = share}), ConfigError) << share;
   }
+  for (const auto& [taut, loose] : {std::pair{-0.1f, 0.1f}, {0.1f, 0.1f}, {std::nanf(""), 0.1f}, {0.1f, INFINITY}})
+    EXPECT_THROW(HangingCloth(actor, {.taut = taut, .loose = loose}), ConfigError) << taut << " " << loose;
 }
 
 }  // namespace

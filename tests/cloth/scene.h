@@ -50,6 +50,34 @@ inline Actor skirt_actor() {
   return actor;
 }
 
+inline constexpr int kFineAround = 360;
+
+// A cone around both legs whose radius at an angle t is r (1 + depth cos(folds t)), r as above; half of it hangs on the
+// left leg. open: without its last tenth.
+inline Actor folded_skirt(double depth, int folds, bool open = false) {
+  Actor actor;
+  actor.skeleton = legs_only();
+  const int n_around = open ? kFineAround * 9 / 10 : kFineAround;
+  for (int ring = 0; ring < kRings; ++ring) {
+    for (int k = 0; k < n_around; ++k) {
+      const double angle = 2 * M_PI * k / kFineAround;
+      const double radius = (180 + 6.0 * ring) * (1 + depth * std::cos(folds * angle));
+      actor.mesh.positions.insert(actor.mesh.positions.end(), {float(radius * std::sin(angle)), -30.0f * float(ring),
+                                                               float(radius * std::cos(angle))});
+      actor.skin.bones.insert(actor.skin.bones.end(), {1, 0, 0, 0});
+      actor.skin.weights.insert(actor.skin.weights.end(), {0.5f, 0.5f, 0, 0});
+      actor.rigidity.push_back(1.0f);
+    }
+  }
+  for (int ring = 0; ring + 1 < kRings; ++ring) {
+    for (int k = 0; k + (open ? 1 : 0) < n_around; ++k) {
+      const int a = ring * n_around + k, b = ring * n_around + (k + 1) % n_around, c = a + n_around, d = b + n_around;
+      actor.mesh.triangles.insert(actor.mesh.triangles.end(), {a, c, b, b, c, d});
+    }
+  }
+  return actor;
+}
+
 inline Pose pose_of(const Skeleton& skeleton, double left_hip_rad = 0) {
   Pose pose = rest_pose(skeleton);
   pose.angles_rad[0] = left_hip_rad;

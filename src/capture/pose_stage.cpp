@@ -108,6 +108,9 @@ PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camer
                       std::to_string(LC_EXACT_MOST_SHARE));
   if (!(options.matched_3d > 0 && options.matched_3d <= 1))
     throw ConfigError("stage I: matched_3d is " + std::to_string(options.matched_3d) + ", must be above 0, at most 1");
+  if (!(options.cost_of_covering >= 0 && std::isfinite(options.cost_of_covering)))
+    throw ConfigError("stage I: cost_of_covering is " + std::to_string(options.cost_of_covering) +
+                      ", must be finite and not negative");
   if (options.max_exchanged_frames < 0)
     throw ConfigError("stage I: max_exchanged_frames is " + std::to_string(options.max_exchanged_frames) +
                       ", must be at least 0");
@@ -320,6 +323,12 @@ std::optional<PoseStage::Solution> PoseStage::solve_ahead(const PoseStageInput& 
   return solution;
 }
 
+// With E_temporal as doubted_cost() has it (pose/targets.h).
+double PoseStage::cost_with_doubt(const Solution& solution) {
+  const PoseEnergies& energy = solution.pose.energy;
+  return solution.cost - energy.temporal + energy.doubted_temporal;
+}
+
 double PoseStage::cost_of(const PoseResult& pose) const {
   return pose.energy.total() +
          options_.pose.weights.match * pose.missed_weight * options_.missed_px * options_.missed_px;
@@ -473,9 +482,33 @@ void PoseStage::try_detected_legs(const PoseStageInput& input, const Pose& previ
   if (!matches(input) || best.pose.status != SolveStatus::kOk) return;
   const double least_px = options_.strayed_share * keypoints_height_px(input.detections);
   if (!(least_px > 0)) return;
-  const std::optional<Pose> bent =
-      with_detected_legs(actor_, camera_, best.pose.pose, input.detections, options_.pose, least_px);
-  if (bent) try_from(input, *bent, previous, best);
+  const auto bent_to = [&](const Detections& detections) {
+    return with_detected_legs(actor_, camera_, best.pose.pose, detections, options_.pose, least_px);
+  };
+  const std::optional<Pose> bent = bent_to(input.detections);
+  if (!bent) return;
+  bool fits_neither = input.detected;
+  for (bool from_knees : {true, false}) {
+    Detections exchanged;
+    exchanged.person = true;
+    exchanged.keypoints = with_legs_exchanged(input.detections.keypoints, from_knees);
+    fits_neither = fits_neither && bent_to(exchanged);
+  }
+  make_comparable(input, previous, best);
+  Solution other = solve_in_rounds(input, input.detections, *bent, &previous);
+  if (other.pose.status != SolveStatus::kOk) return;
+  if (other.cost < best.cost || (fits_neither && covers_more(input, other, best))) best = std::move(other);
+}
+
+// A leg that crossed the other one may be left on its shoe. What the picture shows of it then is covered by nothing,
+// which costs nothing, and to leave costs E_temporal.
+bool PoseStage::covers_more(const PoseStageInput& input, const Solution& other, const Solution& best) {
+  const auto iou = [&](const Solution& solution) {
+    render(solution.pose.pose);
+    return rasterizer_.intersection_over_union(input.frame.mask);
+  };
+  const double gained = iou(other) - iou(best);
+  return cost_with_doubt(other) < cost_with_doubt(best) * (1 + options_.cost_of_covering * gained);
 }
 
 void PoseStage::try_mirrored_forearms(const PoseStageInput& input, const Pose& previous, Solution& best) {

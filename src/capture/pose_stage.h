@@ -95,6 +95,7 @@ class PoseStage {
                                       const Pose* previous, Rounds rounds);
   PoseInput round_input(const PoseStageInput& input, const Detections& detections, const Pose& initial,
                         const Pose* previous, int level, Rounds rounds, bool refining) const;
+  static double cost_with_doubt(const Solution& solution);
   double cost_of(const PoseResult& pose) const;
   void find_picture(const PoseStageInput& input);
   PoseResult solve_seen(PoseInput& solve, bool matches, bool shades, std::vector<SkinSample>& skin);
@@ -113,6 +114,7 @@ class PoseStage {
                           const std::vector<KeypointDetections>& alternatives, Solution& best);
   void try_turned(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_detected_legs(const PoseStageInput& input, const Pose& previous, Solution& best);
+  bool covers_more(const PoseStageInput& input, const Solution& other, const Solution& best);
   void try_mirrored_forearms(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_refined(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best);
   static void keep_better(Solution other, Solution& best);

@@ -88,7 +88,7 @@ void SurfaceStage::launch(const DeviceFrame& picture) {
                 vertices_);
 }
 
-// Puts the template and the last displacements where the pose is; hanging cloth swings there.
+// Puts the template and the last displacements where the pose is; folds open there, then hanging cloth swings.
 void SurfaceStage::place(const PosedSkeleton& posed, std::span<const float> dual_quats, double seconds) {
   skinner_.skin(zero_, skinned_);
   skinner_.skin(displacement_rest_, start_);

@@ -24,18 +24,6 @@ Eigen::Vector3f vertex(const std::vector<float>& positions, int i) {
   return {positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]};
 }
 
-// Which vertices hang and are seen from outside.
-std::vector<char> outer_cloth(const Actor& actor, const Eigen::Vector3f& hips) {
-  const std::vector<float> normals = vertex_normals(actor.mesh.positions, actor.mesh.triangles);
-  std::vector<char> outer(actor.n_vertices(), 0);
-  for (int i = 0; i < actor.n_vertices(); ++i) {
-    const Eigen::Vector3f normal = vertex(normals, i), from_hips = vertex(actor.mesh.positions, i) - hips;
-    outer[i] =
-        hangs(actor, i) && normal.y() > kDownwards && normal.x() * from_hips.x() + normal.z() * from_hips.z() > 0;
-  }
-  return outer;
-}
-
 // The edges of the triangles of outer cloth and its seam, which is above the hips: each with the vertices opposite.
 std::map<Edge, std::vector<int>> cloth_edges(const Actor& actor, const std::vector<char>& outer, float hips_y) {
   std::map<Edge, std::vector<int>> edges;
@@ -134,12 +122,26 @@ void add_follower(const Actor& actor, int i, const NearestParticles& nearest, Cl
 
 }  // namespace
 
+std::vector<char> outer_cloth(const Actor& actor) {
+  std::vector<char> outer(actor.n_vertices(), 0);
+  const std::optional<Eigen::Vector3d> middle = middle_of_the_hips(actor.skeleton);
+  if (!middle) return outer;
+  const Eigen::Vector3f hips = middle->cast<float>();
+  const std::vector<float> normals = vertex_normals(actor.mesh.positions, actor.mesh.triangles);
+  for (int i = 0; i < actor.n_vertices(); ++i) {
+    const Eigen::Vector3f normal = vertex(normals, i), from_hips = vertex(actor.mesh.positions, i) - hips;
+    outer[i] =
+        hangs(actor, i) && normal.y() > kDownwards && normal.x() * from_hips.x() + normal.z() * from_hips.z() > 0;
+  }
+  return outer;
+}
+
 ClothGraph make_cloth_graph(const Actor& actor, float max_held_leg_weight) {
   ClothGraph graph;
   const std::optional<Eigen::Vector3d> hips = middle_of_the_hips(actor.skeleton);
   if (!hips) return graph;
   const std::vector<float> legs = leg_weights(actor);
-  const std::vector<char> outer = outer_cloth(actor, hips->cast<float>());
+  const std::vector<char> outer = outer_cloth(actor);
   const Links links = links_of(actor.n_vertices(), cloth_edges(actor, outer, float(hips->y())));
 
   std::vector<char> held(actor.n_vertices(), 0);

@@ -10,6 +10,10 @@
 
 namespace livecap {
 
+// [n_vertices] 1 for hanging cloth (cloth/hanging_cloth.h) whose normals in the rest pose point away from the line
+// through the middle of the hips and not downwards: what is seen from outside. None for a skeleton without hips.
+std::vector<char> outer_cloth(const Actor& actor);
+
 struct ClothGraph {
   std::vector<int32_t> vertices;  // [n_particles] of the template
   std::vector<char> held;         // [n_particles] fastened to the skinned surface
@@ -24,8 +28,7 @@ struct ClothGraph {
   int n_particles() const { return static_cast<int>(vertices.size()); }
 };
 
-// Particles are the vertices of hanging cloth (cloth/hanging_cloth.h) whose normals in the rest pose point away from
-// the line through the middle of the hips and not downwards, and the seam they are sewn to. Held are the seam and what
+// Particles are the outer cloth and the seam it is sewn to. Held are the seam and what
 // has weights of at most max_held_leg_weight on the legs; what is linked to nothing held is no particle. Empty without
 // any, or for a skeleton without hips.
 ClothGraph make_cloth_graph(const Actor& actor, float max_held_leg_weight);

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
 #include "actor/actor.h"
 #include "actor/skinner.h"
@@ -18,7 +17,8 @@ class FoldedCloth {
   FoldedCloth(ocl::DeviceContext& device, const Actor& actor, const SkinWeights& hung_weights, float opening);
 
   // dual_quats: of HangingCloth. carried: [3n] mm, camera frame, the template skinned with HangingCloth::weights, with
-  // its unit normals [3n]; its cloth is moved to where it hangs. start, start_before [3n]: moved by as much. Enqueued.
+  // its unit normals [3n]; cloth that legs move away from is moved back towards where it hangs. start, start_before
+  // [3n]: moved by as much. Enqueued.
   void open(std::span<const float> dual_quats, const ocl::Buffer<float>& normals, ocl::Buffer<float>& carried,
             ocl::Buffer<float>& start, ocl::Buffer<float>& start_before);
 
@@ -28,6 +28,7 @@ class FoldedCloth {
   int n_;
   Skinner hung_skinner_;
   ocl::Buffer<float> zero_, hung_;  // [3n]
+  ocl::Buffer<float> side_;         // [n] -1 where normals point to the legs (linings), 1 elsewhere
   ocl::Kernel open_;
 };
 

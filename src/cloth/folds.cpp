@@ -14,7 +14,7 @@ namespace livecap {
 namespace {
 
 constexpr int kSections = 16;
-constexpr float kLeastOnLegs = 0.05f;  // of its weights: above, legs do not move it
+constexpr float kLeastOnLegs = 0.05f;  // sum of a vertex's weights on them; with less, legs do not move it
 
 // Where a plane cuts an edge of the mesh.
 struct Cut {
@@ -69,7 +69,7 @@ Section section_at(const Actor& actor, const std::vector<const int32_t*>& triang
     ++n_lines[i], ++n_lines[j];
   }
   for (int i = 0; i < int(places.size()); ++i)
-    if (n_lines[i] != 2) around[root(i)] = 0;
+    if (n_lines[i] != 2) around[root(i)] = 0;  // it ends or branches
   if (places.empty()) return {};
   const int longest = int(std::max_element(around.begin(), around.end()) - around.begin());
   if (around[longest] == 0) return {};

@@ -114,7 +114,7 @@ HangingCloth::HangingCloth(const Actor& actor, const HangingClothOptions& option
   const float most = 1 - opening_ * (1 - options.loose_on_legs);
   const int hanging_bone = actor.skeleton.n_bones();
   weights_ = give_to_hanging_bone(
-      actor, [most](float legs) { return std::min(1.0f, most / legs); }, hanging_bone);
+      actor, [most](float legs) { return legs <= most ? 1.0f : most / legs; }, hanging_bone);
   hung_weights_ = give_to_hanging_bone(
       actor, [](float) { return 0.0f; }, hanging_bone);
   const std::optional<Eigen::Vector3d> pivot = middle_of_the_hips(actor.skeleton);

@@ -16,7 +16,7 @@ struct HangingClothOptions {
   // all of a small L, c of L = 1. The rest goes to the hanging bone. 1 = the actor's own skinning (the paper).
   float leg_share = 0.4f;
   // In stage II cloth with less than `taut` of it in folds (cloth/folds.h) follows the legs as the actor's weights say.
-  // With `loose` or more it is only pushed by them, not pulled, and keeps at most `loose_on_legs` of those weights.
+  // With `loose` or more it is only pushed by them, not pulled, and its weights on them sum to at most `loose_on_legs`.
   float taut = 0.10f;
   float loose = 0.13f;
   float loose_on_legs = 0.55f;

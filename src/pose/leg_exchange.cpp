@@ -15,7 +15,17 @@ constexpr Sides kLeg[] = {{kLeftKnee, kRightKnee}, {kLeftAnkle, kRightAnkle}, {k
 // Share of the hips' distance that must lie across the picture.
 constexpr double kLeastAcross = 0.5;
 
+std::span<const Sides> from_knees_or_ankles(bool from_knees) {
+  return std::span(kLeg).subspan(from_knees ? 0 : 1);
+}
+
 }  // namespace
+
+KeypointDetections with_legs_exchanged(const KeypointDetections& detected, bool from_knees) {
+  KeypointDetections exchanged = detected;
+  for (const auto& [left, right] : from_knees_or_ankles(from_knees)) std::swap(exchanged[left], exchanged[right]);
+  return exchanged;
+}
 
 std::vector<KeypointDetections> exchanged_legs(const Actor& actor, const Camera& camera, const Pose& predicted,
                                                const KeypointDetections& detected) {
@@ -29,15 +39,13 @@ std::vector<KeypointDetections> exchanged_legs(const Actor& actor, const Camera&
     if (actor.keypoints[model].bone < 0 || !(p.z() > 0)) return 0.0;
     return (project_px(camera, p) - Eigen::Vector2d(detected[seen].x_px, detected[seen].y_px)).norm();
   };
-  for (size_t from : {0, 1}) {
+  for (bool from_knees : {true, false}) {
     double as_named = 0, exchanged = 0;
-    KeypointDetections alternative = detected;
-    for (const auto& [left, right] : std::span(kLeg).subspan(from)) {
+    for (const auto& [left, right] : from_knees_or_ankles(from_knees)) {
       as_named += distance_px(left, left) + distance_px(right, right);
       exchanged += distance_px(left, right) + distance_px(right, left);
-      std::swap(alternative[left], alternative[right]);
     }
-    if (exchanged < as_named) alternatives.push_back(alternative);
+    if (exchanged < as_named) alternatives.push_back(with_legs_exchanged(detected, from_knees));
   }
   return alternatives;
 }

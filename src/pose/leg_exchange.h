@@ -14,6 +14,9 @@ namespace livecap {
 
 using KeypointDetections = std::array<KeypointDetection, kKeypointCount>;
 
+// With left and right exchanged from the knees or from the ankles downward.
+KeypointDetections with_legs_exchanged(const KeypointDetections& detected, bool from_knees);
+
 // The detections with left and right exchanged from the knees or from the ankles downward, each where that continues
 // the predicted pose in the picture better than the detections as they are; usually neither does. Seen from the side
 // the legs cover each other and prediction cannot tell them apart: none then.

@@ -31,10 +31,10 @@ std::optional<Arm> find_arm(const Actor& actor, Keypoint elbow) {
     if (skeleton.dofs[k].bone == arm.lower) arm.bend = k;
   }
   const bool has_both = actor.keypoints[arm.elbow].bone >= 0 && actor.keypoints[arm.wrist].bone >= 0;
-  return upper >= 0 && arm.bend >= 0 && n_upper > 1 && has_both ? std::optional(arm) : std::nullopt;
+  return upper >= 0 && arm.bend >= 0 && n_upper > 0 && has_both ? std::optional(arm) : std::nullopt;
 }
 
-// The other point on the ray of `end` that is as far from `start`, or as near to that as one is.
+// The other point on the ray of `end` that is as far from `start`.
 Eigen::Vector3d mirrored_end(const Eigen::Vector3d& start, const Eigen::Vector3d& end) {
   const Eigen::Vector3d ray = end.normalized();
   return (2 * start.dot(ray) - end.norm()) * ray;

@@ -1,5 +1,5 @@
-// A forearm as the picture cannot have it apart: one that points as far from the camera as another one points towards
-// it has the same outline. Where it is the likelier one, stage I is solved from there as well.
+// A forearm that the picture cannot tell from its mirror image in depth: one that points as far from the camera as
+// another one points towards it has the same outline. Where that is the likelier one, stage I is solved from there too.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,8 +21,8 @@ struct MirroredForearm {
 std::optional<MirroredForearm> mirrored_forearm(const Actor& actor, const Pose& pose, Keypoint elbow,
                                                 double least_turn_rad);
 
-// `pose` with the wrist as near to there as the upper arm's twist (searched for, off its limits) and the elbow's bend
-// bring it.
+// `pose` with the wrist as near to mirrored.wrist_mm as the upper arm's twist (searched for, off its limits) and the
+// elbow's bend bring it.
 Pose with_mirrored_forearm(const Actor& actor, const Pose& pose, const MirroredForearm& mirrored);
 
 }  // namespace livecap

@@ -420,6 +420,37 @@ TEST(PoseStage, LegsTakenForEachOtherAreFoundAnew) {
   });
 }
 
+// Facing the camera, the left leg aside by so much, rad.
+Pose aside(const Actor& actor, double rad) {
+  Pose pose = test::standing_pose(actor, 0);
+  for (int k = 0; k < actor.skeleton.n_dofs(); ++k)
+    if (actor.skeleton.dofs[k].name == "left_hip_z") pose.angles_rad[k] = rad;
+  return pose;
+}
+
+// Legs crossed, and the left one was left on the right one's shoe: E_temporal holds it there, though by either name the
+// detections are elsewhere.
+TEST(PoseStage, ALegLeftOnTheOtherOnesShoeIsFound) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    Seen seen(device);
+    TrackerOptions options;
+    options.pose.weights.temporal *= 4;
+    PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
+    const auto ankles = [&](const Pose& pose) {
+      return keypoint_positions(seen.actor, forward_kinematics(seen.actor.skeleton, pose));
+    };
+    const auto apart_mm = [&](double rad) {
+      const auto at = ankles(aside(seen.actor, rad));
+      return (at[kLeftAnkle] - at[kRightAnkle]).norm();
+    };
+    const double outwards = apart_mm(0.2) > apart_mm(-0.2) ? 1 : -1;
+    const Pose truth = aside(seen.actor, 0.25 * outwards), before = aside(seen.actor, -0.22 * outwards);
+    EXPECT_LT(apart_mm(-0.22 * outwards), 60);
+    const auto wanted = ankles(truth), found = ankles(seen.track(stage, before, truth).pose);
+    for (int k : {kLeftAnkle, kRightAnkle}) EXPECT_LT((found[k] - wanted[k]).norm(), test::kExchangedFeetMm) << k;
+  });
+}
+
 TEST(PoseStage, AMissedFrameEndsADoubt) {
   test::on_every_device([](ocl::DeviceContext& device) {
     const auto [first, second] = taken_for_each_other_mm(device, true);
@@ -474,6 +505,12 @@ TEST(PoseStage, OptionsAreChecked) {
       options.matched_3d = share;
       EXPECT_THROW(PoseStage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility), ConfigError)
           << share;
+    }
+    for (const double cost : {-0.1, std::nan(""), double(INFINITY)}) {
+      TrackerOptions options;
+      options.cost_of_covering = cost;
+      EXPECT_THROW(PoseStage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility), ConfigError)
+          << cost;
     }
     EXPECT_NO_THROW(stage_with(1, 9, LC_EXACT_MOST_SHARE));
     for (const float share : {0.9f, 64.5f, std::nanf("")}) EXPECT_THROW(stage_with(1, 9, share), ConfigError) << share;

@@ -22,23 +22,27 @@ constexpr float kAsideMm = 60;
 // The built-in skirt without a picture: the surface is what the pose and the simulation make of it.
 class Scene {
  public:
-  Scene(ocl::DeviceContext& device, bool simulate)
+  Scene(ocl::DeviceContext& device, bool simulate, bool loose = false)
       : rasterizer_(device, actor_.mesh, camera_.width, camera_.height),
         visibility_(device, actor_.mesh, {}),
-        stage_(device, actor_, camera_, options(simulate), rasterizer_, visibility_) {}
+        stage_(device, actor_, camera_, options(simulate, loose), rasterizer_, visibility_) {}
 
-  std::vector<float> at(float x_mm, double time_s) {
+  std::vector<float> at(float x_mm, double time_s, double lifted_rad = 0) {
     Pose pose = test::standing_pose(actor_, 0.5);
     pose.root_translation_mm.x() += x_mm;
+    for (int k = 0; k < actor_.skeleton.n_dofs(); ++k)
+      if (actor_.skeleton.dofs[k].name == "left_hip_x") pose.angles_rad[k] = -lifted_rad;
     stage_.solve(pose, time_s, nullptr);
     return stage_.vertices().read_all();
   }
   void reset() { stage_.reset(); }
 
  private:
-  static TrackerOptions options(bool simulate) {
+  // loose: as if all of the skirt lay in folds.
+  static TrackerOptions options(bool simulate, bool loose) {
     TrackerOptions options;
     options.simulate_cloth = simulate;
+    if (loose) options.hanging.taut = 0, options.hanging.loose = 0.005f;
     return options;
   }
 
@@ -72,6 +76,34 @@ TEST(SurfaceStage, ASkirtStaysBehindWhoStepsAside) {
     EXPECT_LT(furthest_behind(later, here), kAsideMm / 8);
     simulated.reset();
     EXPECT_LT(furthest_behind(simulated.at(2 * kAsideMm, 3), skinned.at(2 * kAsideMm, 3)), kAsideMm / 8);
+  });
+}
+
+// A lifted thigh takes a skirt in folds less far along, and where it would swing to is there too.
+TEST(SurfaceStage, ASkirtInFoldsIsNotPulled) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const Actor& actor = test::builtin_actor("skirt");
+    for (const bool simulate : {false, true}) {
+      Scene taut(device, simulate), loose(device, simulate, true);
+      const std::vector<float> rest = taut.at(0, 0), loose_rest = loose.at(0, 0);
+      std::vector<float> pulled, opened;
+      for (int frame = 1; frame < 30; ++frame) {
+        pulled = taut.at(0, frame * kFrame, 0.6);
+        opened = loose.at(0, frame * kFrame, 0.6);
+      }
+      double moved_taut = 0, moved_loose = 0, elsewhere = 0;
+      for (int k = 0; k < 3 * actor.n_vertices(); ++k) {
+        if (hangs(actor, k / 3)) {
+          moved_taut += std::abs(pulled[k] - rest[k]);
+          moved_loose += std::abs(opened[k] - loose_rest[k]);
+        } else {
+          elsewhere = std::max<double>(elsewhere, std::abs(pulled[k] - opened[k]));
+        }
+      }
+      EXPECT_LT(moved_loose, 0.8 * moved_taut) << simulate;
+      EXPECT_GT(moved_loose, 0.1 * moved_taut) << simulate;
+      EXPECT_EQ(elsewhere, 0) << simulate;
+    }
   });
 }
 

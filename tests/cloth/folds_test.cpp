@@ -21,7 +21,7 @@ TEST(Folds, AConeHasNone) {
 // Around it is the integral of sqrt(r^2 + r'^2). The hull of six deep folds goes from crest to crest and is a little
 // longer than the hexagon of the crests' tips.
 TEST(Folds, MoreThanTheHullNeeds) {
-  for (const double depth : {0.05, 0.1, 0.15}) {
+  for (const double depth : {0.15, 0.2, 0.3}) {
     constexpr int kFolds = 6, kSteps = 100000;
     double around = 0;
     for (int k = 0; k < kSteps; ++k) {
@@ -31,13 +31,16 @@ TEST(Folds, MoreThanTheHullNeeds) {
     const double hexagon = (1 + depth) * 2 * kFolds * std::sin(M_PI / kFolds);
     const double share = share_in_folds(test::folded_skirt(depth, kFolds));
     EXPECT_LT(share, around / hexagon - 1) << depth;
-    EXPECT_GT(share, around / (2 * M_PI * (1 + depth)) - 1) << depth;
+    const double least = around / (2 * M_PI * (1 + depth)) - 1;  // the hull is within the circle of the tips
+    if (depth > 0.15) EXPECT_GT(least, 0);
+    EXPECT_GT(share, least) << depth;
   }
   EXPECT_GT(share_in_folds(test::folded_skirt(0.15, 6)), 2 * share_in_folds(test::folded_skirt(0.1, 6)));
 }
 
 TEST(Folds, WhatIsOpenOrDoesNotHangHasNone) {
-  EXPECT_EQ(share_in_folds(test::folded_skirt(0.02, 6, true)), 0);
+  EXPECT_GT(share_in_folds(test::folded_skirt(0.15, 24)), 0.5);
+  EXPECT_EQ(share_in_folds(test::folded_skirt(0.15, 24, true)), 0);
   Actor trousers = test::folded_skirt(0.15, 6);
   std::fill(trousers.rigidity.begin(), trousers.rigidity.end(), 2.0f);
   EXPECT_EQ(share_in_folds(trousers), 0);

@@ -56,6 +56,12 @@ TEST_F(LegExchange, WhatWasPredictedHasNoAlternative) {
   }
 }
 
+TEST_F(LegExchange, FromTheKneesOrTheAnklesDownward) {
+  const KeypointDetections k = seen(test::standing_pose(actor_, 0.3));
+  EXPECT_TRUE(same(with_legs_exchanged(k, true), exchanged(k, {kLeftKnee, kLeftAnkle, kLeftToe})));
+  EXPECT_TRUE(same(with_legs_exchanged(k, false), exchanged(k, {kLeftAnkle, kLeftToe})));
+}
+
 TEST_F(LegExchange, ExchangedFeetArePutBack) {
   for (double facing_deg : {0, 40, 140, 180, 220, 320}) {
     const Pose pose = test::standing_pose(actor_, facing_deg * kRad);

@@ -1,4 +1,4 @@
-// Forearms that the picture cannot have apart.
+// Forearms that the picture cannot tell from their mirror images in depth.
 #include "pose/mirrored_forearm.h"
 
 #include <gtest/gtest.h>

@@ -3,10 +3,9 @@
 //
 #include "cloth/layout.h"
 
-// A vertex that legs carry by d = carried - hung, at an angle a with its normal times its side, is left at hung + s d with
-// s = 1 - opening (1 - cos a) / 2: all of d where they push it outwards, 1 - opening of it where they leave it. `start`
-// and `start_before` move by as much. All [3n] mm but normals, [3n]
-// unit, and side, [n] 1 or -1.
+// A vertex that legs carry by d = carried - hung, at an angle a with its normal times its side, is left at hung + s d
+// with s = 1 - opening (1 - cos a) / 2: all of d where they push it outwards, 1 - opening of it where they leave it.
+// `start` and `start_before` move by as much. All [3n] mm but normals, [3n] unit, and side, [n] 1 or -1.
 kernel void open_folds(int n, float opening, global const float* restrict hung, global const float* restrict normals,
                        global const float* restrict side, global float* restrict carried, global float* restrict start,
                        global float* restrict start_before) {

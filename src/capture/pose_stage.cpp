@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
@@ -482,22 +483,31 @@ void PoseStage::try_detected_legs(const PoseStageInput& input, const Pose& previ
   if (!matches(input) || best.pose.status != SolveStatus::kOk) return;
   const double least_px = options_.strayed_share * keypoints_height_px(input.detections);
   if (!(least_px > 0)) return;
-  const auto bent_to = [&](const Detections& detections) {
-    return with_detected_legs(actor_, camera_, best.pose.pose, detections, options_.pose, least_px);
+  struct Start {
+    Detections detections;
+    std::optional<Pose> bent;
   };
-  const std::optional<Pose> bent = bent_to(input.detections);
-  if (!bent) return;
-  bool fits_neither = input.detected;
-  for (bool from_knees : {true, false}) {
-    Detections exchanged;
-    exchanged.person = true;
-    exchanged.keypoints = with_legs_exchanged(input.detections.keypoints, from_knees);
-    fits_neither = fits_neither && bent_to(exchanged);
-  }
+  const auto start_from = [&](const KeypointDetections& keypoints) {
+    Start start;
+    start.detections.person = true;
+    start.detections.keypoints = keypoints;
+    start.bent = with_detected_legs(actor_, camera_, best.pose.pose, start.detections, options_.pose, least_px);
+    return start;
+  };
+  std::vector<Start> starts = {start_from(input.detections.keypoints)};
+  if (!starts[0].bent) return;
+  const Start others[] = {start_from(with_legs_exchanged(input.detections.keypoints, true)),
+                          start_from(with_legs_exchanged(input.detections.keypoints, false))};
+  const bool fits_none = input.detected && others[0].bent && others[1].bent;
+  const bool exchanged = fits_none && best.exchanged;  // by the names that it goes by
+  if (exchanged) starts.assign(std::begin(others), std::end(others));
   make_comparable(input, previous, best);
-  Solution other = solve_in_rounds(input, input.detections, *bent, &previous);
-  if (other.pose.status != SolveStatus::kOk) return;
-  if (other.cost < best.cost || (fits_neither && covers_more(input, other, best))) best = std::move(other);
+  for (const Start& start : starts) {
+    Solution other = solve_in_rounds(input, start.detections, *start.bent, &previous);
+    other.exchanged = exchanged;
+    if (other.pose.status != SolveStatus::kOk) continue;
+    if (fits_none ? covers_more(input, other, best) : other.cost < best.cost) best = std::move(other);
+  }
 }
 
 // A leg that crossed the other one may be left on its shoe. What the picture shows of it then is covered by nothing,

@@ -73,8 +73,9 @@ struct TrackerOptions {
   // So is one with an ankle so far from its detection, as a share of the person's height in the picture
   // (pose/other_starts.h).
   double strayed_share = 0.04;
-  // Where the legs are so far from the detections by either name, a start that covers more of the silhouette counts
-  // even if it costs more: by this share for all of it, in proportion for less (IoU).
+  // Where the legs are so far from the detections by either name, the start is bent by the names the pose goes by, and
+  // counts where it covers more of the silhouette even if it costs more: by this share for all of it, in proportion for
+  // less (IoU).
   double cost_of_covering = 3.3;
   // And one with a forearm mirrored in depth, if that turns it by so much and the skin's shading then misfits less than
   // this share of before (pose/mirrored_forearm.h, match/skin_shading.h).

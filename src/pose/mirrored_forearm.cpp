@@ -25,13 +25,12 @@ std::optional<Arm> find_arm(const Actor& actor, Keypoint elbow) {
   const Skeleton& skeleton = actor.skeleton;
   const int upper = skeleton.bone_index(left ? "left_shoulder" : "right_shoulder");
   Arm arm{elbow, left ? kLeftWrist : kRightWrist, skeleton.bone_index(left ? "left_elbow" : "right_elbow"), -1, -1};
-  int n_upper = 0;
   for (int k = 0; k < skeleton.n_dofs(); ++k) {
-    if (skeleton.dofs[k].bone == upper) arm.twist = k, ++n_upper;
+    if (skeleton.dofs[k].bone == upper) arm.twist = k;
     if (skeleton.dofs[k].bone == arm.lower) arm.bend = k;
   }
   const bool has_both = actor.keypoints[arm.elbow].bone >= 0 && actor.keypoints[arm.wrist].bone >= 0;
-  return upper >= 0 && arm.bend >= 0 && n_upper > 0 && has_both ? std::optional(arm) : std::nullopt;
+  return arm.twist >= 0 && arm.bend >= 0 && has_both ? std::optional(arm) : std::nullopt;
 }
 
 // The other point on the ray of `end` that is as far from `start`.

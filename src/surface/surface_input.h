@@ -38,7 +38,8 @@ struct SurfaceOptions {
   // Of what does not hang (actor.h:hangs). Nearly a constraint: from 5 on, captures hardly differ.
   float w_depth = 30.0f;
   float w_velocity = 0.25f;
-  float w_acceleration = 1;                        // the paper: 0.1
+  // The paper: 0.1. Cloth that follows the legs trembles as they do.
+  float w_acceleration = 1.0f;
   std::vector<int> gaussian_kernels = {15, 9, 3};  // odd, 1..15; one Gauss-Newton step each
   // The paper's 4 end long before the minimum.
   int pcg_iterations = 12;

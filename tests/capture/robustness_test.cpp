@@ -154,8 +154,9 @@ TEST_F(Robustness, TwoPeople) {
   record("alone", alone);
   record("two_people", run);
   expect_unbroken(run);
-  EXPECT_GT(run.eval.iou.mean, alone.eval.iou.mean - 0.045);
-  EXPECT_GT(worst(run.eval, &FrameEval::iou, false), 0.75);
+  // 0.020 below and 0.87; with strangers left in the silhouette 0.042 and 0.77 (PoCL 3.1, 2026-11-25).
+  EXPECT_GT(run.eval.iou.mean, alone.eval.iou.mean - 0.033);
+  EXPECT_GT(worst(run.eval, &FrameEval::iou, false), 0.80);
   // Six captures of each whose focal lengths differ by 0.002 %: 31.6 to 39.6 mm, 28.8 to 30.6 alone (PoCL 3.1,
   // 2026-11-25); 37.3 and 30.2 on an H100. In some the left arm is wrong from when he is behind it to the end.
   EXPECT_LT(run.eval.vertex_aligned_mm.mean, 1.45 * alone.eval.vertex_aligned_mm.mean);

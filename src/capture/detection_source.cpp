@@ -6,6 +6,9 @@
 namespace livecap {
 namespace {
 
+// Between the first crops of two draws of the network's detections, px.
+constexpr double kBetweenDraws = 0.01;
+
 ImageRgb black_picture(const Camera& camera) {
   return {camera.width, camera.height, std::vector<uint8_t>(size_t(3) * camera.width * camera.height, 0)};
 }
@@ -21,6 +24,7 @@ DetectionSource::DetectionSource(const DetectionOptions& options, ocl::DeviceCon
   detect::PoseDetectorOptions detector;
   detector.model = options.model;
   detector.lay_mask = false;
+  detector.first_crop_aside_px = kBetweenDraws * options.draw;
   network_.emplace(device, detector);
 }
 

@@ -16,6 +16,7 @@ struct DetectionOptions {
   std::string model;        // lite | full | heavy | path of a .tflite file
   std::string recorded;     // detections.jsonl instead of the network; empty: the network
   double missed_share = 0;  // of frames, chosen at random, in which the network is shown nothing: a test
+  int draw = 0;             // of the network's detections: CaptureOptions::draw
 };
 
 class DetectionSource {

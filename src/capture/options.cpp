@@ -63,6 +63,9 @@ void CaptureOptions::validate() const {
         "--detections needs --background or --background-frames: without the network there is no person mask");
   if (!(missed_detections >= 0 && missed_detections <= 1))
     throw ConfigError(format("--miss-detections %g: must be between 0 and 1", missed_detections));
+  if (draw < 0 || draw > 99) throw ConfigError(format("--draw %d: must be between 0 and 99", draw));
+  if (draw > 0 && !detections.empty())
+    throw ConfigError("--draw is of the network's detections: not with --detections, which are as they are");
   if (sequential && realtime) throw ConfigError("--sequential and --pace realtime exclude each other");
   if (decoded && is_webcam(video))
     throw ConfigError(video + ": frames of a webcam cannot be decoded before it is captured");

@@ -92,6 +92,7 @@ std::string report_json(const CaptureOptions& options, const CaptureReport& repo
   o["model"] = options.model;
   o["detections"] = path_json(options.detections);
   o["missed_detections"] = options.missed_detections;
+  o["draw"] = options.draw;
   o["surface"] = options.surface;
   o["sequential"] = options.sequential;
   o["pace"] = options.realtime ? "realtime" : "every frame";

@@ -25,8 +25,8 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   BackgroundModel background;
   for (const ImageRgb& plate : reader.empty_plates()) background.train(plate);
   CaptureOutput output(options, who.actor, who.glb, reader.camera(), reader.info().fps);
-  CaptureEngine engine(options, {options.model, options.detections, options.missed_detections}, devices, who.actor,
-                       reader.camera(), background);
+  CaptureEngine engine(options, {options.model, options.detections, options.missed_detections, options.draw}, devices,
+                       who.actor, reader.camera(), background);
 
   PipelineStages stages = engine.stages();
   stages.read = [&](WorkItem& item) {

@@ -48,7 +48,7 @@ std::filesystem::path find_model(const std::string& model) {
   std::string places;
   for (const fs::path& folder : folders) {
     if (fs::exists(folder / name, code)) return folder / name;
-    places += " " + folder.string();
+    places.append(" ").append(folder.string());
   }
   throw IoError("network model \"" + model + "\": " + name + " is not in" + places +
                 "; run tools/setup.sh, or set LIVECAP_MODEL_DIR");

@@ -195,9 +195,10 @@ Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camer
     detections.crop_mask = std::make_shared<const CropMask>(
         place_mask(network_.mask_probability(), estimate_.crop, undistorted.width, undistorted.height));
   }
+  followed_ = next_crop_;
+  if (!tracking_) followed_.center_x_px += options_.first_crop_aside_px;
   tracking_ = true;
   missed_ = 0;
-  followed_ = next_crop_;
   last_time_s_ = time_s;
   return detections;
 }

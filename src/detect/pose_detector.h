@@ -40,6 +40,9 @@ struct PoseDetectorOptions {
   JumpGateOptions jumps;
   bool correct_posture = true;
   PostureOptions posture;
+  // Moves the first crop of a person aside. A hundredth of a pixel changes what the network sees in it by next to
+  // nothing and all that follows by as much as chance does (docs/evaluation.md#draws): a test.
+  double first_crop_aside_px = 0;
   bool filter = true;  // 1 euro filters on the keypoints
   // Cut-off and beta as VNect has them. 2D speed is in px of the network's 256 px crop per second, so that the video's
   // size does not matter; 3D speed in cm per second. With the usual 1 Hz on the speed itself quick limbs lag by several

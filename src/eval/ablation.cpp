@@ -1,6 +1,8 @@
 #include "eval/ablation.h"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -24,10 +26,6 @@ double jitter(const Jitter& jitter) {
   return jitter.n > 0 && jitter.truth > 0 ? jitter.error / jitter.truth : std::numeric_limits<double>::quiet_NaN();
 }
 
-double worst_iou(const EvalReport& report) {
-  return report.iou.n > 0 ? report.iou.min : std::numeric_limits<double>::quiet_NaN();
-}
-
 // Face and hair, translation-aligned: what too soft a surface distorts.
 double head_mm(const EvalReport& report) {
   double sum = 0;
@@ -40,89 +38,140 @@ double head_mm(const EvalReport& report) {
   return n > 0 ? sum / static_cast<double>(n) : std::numeric_limits<double>::quiet_NaN();
 }
 
+double mean_of(const std::vector<EvalReport>& draws, const std::function<double(const EvalReport&)>& figure) {
+  double sum = 0;
+  for (const EvalReport& report : draws) sum += figure(report);
+  return sum / static_cast<double>(draws.size());
+}
+
+// The figures of a row, as all three forms of the table show them. NaN: it has none.
+struct RowFigures {
+  double iou, worst_iou, vertex_mm, deviation_mm, change, loose_mm, head_mm, joint_mm, vertex_jitter, joint_jitter;
+  int64_t n_lost;
+};
+
+RowFigures figures_of(const AblationRow& row, const AblationRow& full) {
+  RowFigures f{};
+  f.iou = mean_of(row.draws, [](const EvalReport& r) { return mean(r.iou); });
+  f.worst_iou = std::numeric_limits<double>::quiet_NaN();
+  for (const EvalReport& report : row.draws) {
+    if (report.iou.n > 0) f.worst_iou = std::fmin(f.worst_iou, report.iou.min);
+    f.n_lost += report.n_lost;
+  }
+  const DrawnError vertices = vertex_error(row);
+  f.vertex_mm = vertices.mean_mm;
+  f.deviation_mm = vertices.deviation_mm;
+  f.change = relative_change(row, full);
+  f.loose_mm = mean_of(row.draws, [](const EvalReport& r) { return mean(r.loose_aligned_mm); });
+  f.head_mm = mean_of(row.draws, head_mm);
+  f.joint_mm = mean_of(row.draws, [](const EvalReport& r) { return mean(r.joint_aligned_mm); });
+  f.vertex_jitter = mean_of(row.draws, [](const EvalReport& r) { return jitter(r.vertex_jitter); });
+  f.joint_jitter = mean_of(row.draws, [](const EvalReport& r) { return jitter(r.joint_jitter); });
+  return f;
+}
+
 std::string change_text(double change, const char* unknown) {
   return std::isfinite(change) ? format("%+.1f %%", 100 * change) : unknown;
 }
 
+// Whether a row has several draws; the table has a column for how far they are apart.
+bool is_drawn(const Ablation& ablation) {
+  return std::any_of(ablation.rows.begin(), ablation.rows.end(), [](const auto& row) { return row.draws.size() > 1; });
+}
+
 }  // namespace
 
-double relative_change(const Summary& row, const Summary& full) {
-  if (row.n == 0 || full.n == 0 || !(full.mean > 0)) return std::numeric_limits<double>::quiet_NaN();
-  return row.mean / full.mean - 1;
+double relative_change(const AblationRow& row, const AblationRow& full) {
+  const double of_full = vertex_error(full).mean_mm;
+  return of_full > 0 ? vertex_error(row).mean_mm / of_full - 1 : std::numeric_limits<double>::quiet_NaN();
+}
+
+DrawnError vertex_error(const AblationRow& row) {
+  const auto error = [](const EvalReport& report) { return mean(report.vertex_aligned_mm); };
+  DrawnError drawn{mean_of(row.draws, error), std::numeric_limits<double>::quiet_NaN()};
+  if (row.draws.size() < 2) return drawn;
+  const double variance = mean_of(row.draws, [&](const EvalReport& r) {
+    const double d = error(r) - drawn.mean_mm;
+    return d * d;
+  });
+  const auto n = static_cast<double>(row.draws.size());
+  drawn.deviation_mm = std::sqrt(variance * n / (n - 1));
+  return drawn;
 }
 
 std::string ablation_text(const Ablation& ablation) {
-  const EvalReport& full = ablation.rows[ablation.full].report;
-  std::string text = format("%-45s %6s %6s %8s %8s %8s %8s %8s %7s %5s  %s\n", "", "IoU", "worst", "vertex", "change",
-                            "loose", "head", "joints", "jitter", "lost", "the paper");
+  const AblationRow& full = ablation.rows[ablation.full];
+  const bool drawn = is_drawn(ablation);
+  const auto apart = [&](const std::string& text) { return drawn ? format(" %6s", text.c_str()) : std::string(); };
+  std::string text = format("%-45s %6s %6s %8s%s %8s %8s %8s %8s %7s %5s  %s\n", "", "IoU", "worst", "vertex",
+                            apart("+-").c_str(), "change", "loose", "head", "joints", "jitter", "lost", "the paper");
   std::string group;
   for (const AblationRow& row : ablation.rows) {
     if (row.group != group) text += (group = row.group) + "\n";
-    const EvalReport& report = row.report;
-    text += format("  %-43s %6s %6s %8s %8s %8s %8s %8s %7s %5lld  %s\n", row.name.c_str(),
-                   number(mean(report.iou), 3, "-").c_str(), number(worst_iou(report), 3, "-").c_str(),
-                   number(mean(report.vertex_aligned_mm), 1, "-").c_str(),
-                   change_text(relative_change(report.vertex_aligned_mm, full.vertex_aligned_mm), "-").c_str(),
-                   number(mean(report.loose_aligned_mm), 1, "-").c_str(), number(head_mm(report), 1, "-").c_str(),
-                   number(mean(report.joint_aligned_mm), 1, "-").c_str(),
-                   number(jitter(report.vertex_jitter), 2, "-").c_str(), static_cast<long long>(report.n_lost),
-                   row.paper.c_str());
+    const RowFigures f = figures_of(row, full);
+    text += format("  %-43s %6s %6s %8s%s %8s %8s %8s %8s %7s %5lld  %s\n", row.name.c_str(),
+                   number(f.iou, 3, "-").c_str(), number(f.worst_iou, 3, "-").c_str(),
+                   number(f.vertex_mm, 1, "-").c_str(), apart(number(f.deviation_mm, 1, "-")).c_str(),
+                   change_text(f.change, "-").c_str(), number(f.loose_mm, 1, "-").c_str(),
+                   number(f.head_mm, 1, "-").c_str(), number(f.joint_mm, 1, "-").c_str(),
+                   number(f.vertex_jitter, 2, "-").c_str(), static_cast<long long>(f.n_lost), row.paper.c_str());
   }
   return text;
 }
 
 std::string ablation_json(const Ablation& ablation) {
-  const EvalReport& full = ablation.rows[ablation.full].report;
+  const AblationRow& full = ablation.rows[ablation.full];
   const auto value = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
   Json rows = Json::array();
   for (const AblationRow& row : ablation.rows) {
-    const EvalReport& report = row.report;
-    rows.push_back(
-        {{"name", row.name},
-         {"group", row.group},
-         {"options", row.options},
-         {"paper", row.paper},
-         {"iou_mean", value(mean(report.iou))},
-         {"iou_worst", value(worst_iou(report))},
-         {"vertex_translation_aligned_mm", value(mean(report.vertex_aligned_mm))},
-         {"change_of_vertex_error", value(relative_change(report.vertex_aligned_mm, full.vertex_aligned_mm))},
-         {"loose_translation_aligned_mm", value(mean(report.loose_aligned_mm))},
-         {"head_translation_aligned_mm", value(head_mm(report))},
-         {"joint_similarity_aligned_mm", value(mean(report.joint_aligned_mm))},
-         {"vertex_jitter_ratio", value(jitter(report.vertex_jitter))},
-         {"joint_jitter_ratio", value(jitter(report.joint_jitter))},
-         {"frames_lost", report.n_lost}});
+    const RowFigures f = figures_of(row, full);
+    rows.push_back({{"name", row.name},
+                    {"group", row.group},
+                    {"options", row.options},
+                    {"paper", row.paper},
+                    {"draws", row.draws.size()},
+                    {"iou_mean", value(f.iou)},
+                    {"iou_worst", value(f.worst_iou)},
+                    {"vertex_translation_aligned_mm", value(f.vertex_mm)},
+                    {"vertex_standard_deviation_of_draws_mm", value(f.deviation_mm)},
+                    {"change_of_vertex_error", value(f.change)},
+                    {"loose_translation_aligned_mm", value(f.loose_mm)},
+                    {"head_translation_aligned_mm", value(f.head_mm)},
+                    {"joint_similarity_aligned_mm", value(f.joint_mm)},
+                    {"vertex_jitter_ratio", value(f.vertex_jitter)},
+                    {"joint_jitter_ratio", value(f.joint_jitter)},
+                    {"frames_lost", f.n_lost}});
   }
   return Json{{"video", ablation.video}, {"rows", rows}}.dump(2);
 }
 
 std::string ablation_html(const Ablation& ablation) {
-  const EvalReport& full = ablation.rows[ablation.full].report;
-  std::string html =
-      "<table class=\"numbers\"><tr><th>run</th><th>IoU</th><th>worst</th><th>vertices, mm</th><th>change</th>"
-      "<th>loose, mm</th><th>head, mm</th><th>joints, mm</th><th>jitter / truth</th><th>lost</th><th>the "
-      "paper</th></tr>\n";
+  const AblationRow& full = ablation.rows[ablation.full];
+  const bool drawn = is_drawn(ablation);
+  std::string html = std::string("<table class=\"numbers\"><tr><th>run</th><th>IoU</th><th>worst</th>") +
+                     "<th>vertices, mm</th>" + (drawn ? "<th>&plusmn;</th>" : "") +
+                     "<th>change</th><th>loose, mm</th><th>head, mm</th><th>joints, mm</th><th>jitter / truth</th>"
+                     "<th>lost</th><th>the paper</th></tr>\n";
   std::string group;
   for (size_t i = 0; i < ablation.rows.size(); ++i) {
     const AblationRow& row = ablation.rows[i];
-    const EvalReport& report = row.report;
     if (row.group != group) {
       group = row.group;
-      html += "<tr class=\"group\"><td colspan=\"11\">" + html_escaped(group) + "</td></tr>\n";
+      html += format("<tr class=\"group\"><td colspan=\"%d\">", drawn ? 12 : 11) + html_escaped(group) + "</td></tr>\n";
     }
-    const double change = relative_change(report.vertex_aligned_mm, full.vertex_aligned_mm);
-    const char* kind = !std::isfinite(change) || std::abs(change) < 0.0005 ? "" : change > 0 ? "worse" : "better";
+    const RowFigures f = figures_of(row, full);
+    const char* kind = !std::isfinite(f.change) || std::abs(f.change) < 0.0005 ? "" : f.change > 0 ? "worse" : "better";
     html += std::string("<tr") + (i == ablation.full ? " class=\"full\"" : "") + "><td title=\"" +
             html_escaped(row.options) + "\">" + html_escaped(row.name) + "</td>";
-    for (const std::string& cell :
-         {number(mean(report.iou), 3, "&ndash;"), number(worst_iou(report), 3, "&ndash;"),
-          number(mean(report.vertex_aligned_mm), 1, "&ndash;"),
-          std::string("<span class=\"") + kind + "\">" + change_text(change, "&ndash;") + "</span>",
-          number(mean(report.loose_aligned_mm), 1, "&ndash;"), number(head_mm(report), 1, "&ndash;"),
-          number(mean(report.joint_aligned_mm), 1, "&ndash;"), number(jitter(report.vertex_jitter), 2, "&ndash;"),
-          format("%lld", static_cast<long long>(report.n_lost)), html_escaped(row.paper)}) {
-      html += "<td>" + cell + "</td>";
-    }
+    std::vector<std::string> cells = {number(f.iou, 3, "&ndash;"), number(f.worst_iou, 3, "&ndash;"),
+                                      number(f.vertex_mm, 1, "&ndash;")};
+    if (drawn) cells.push_back(number(f.deviation_mm, 1, "&ndash;"));
+    cells.push_back(std::string("<span class=\"") + kind + "\">" + change_text(f.change, "&ndash;") + "</span>");
+    for (const double mm : {f.loose_mm, f.head_mm, f.joint_mm}) cells.push_back(number(mm, 1, "&ndash;"));
+    cells.push_back(number(f.vertex_jitter, 2, "&ndash;"));
+    cells.push_back(format("%lld", static_cast<long long>(f.n_lost)));
+    cells.push_back(html_escaped(row.paper));
+    for (const std::string& cell : cells) html += "<td>" + cell + "</td>";
     html += "</tr>\n";
   }
   return html + "</table>";

@@ -8,13 +8,13 @@
 
 namespace livecap {
 
-// A capture of the table, or the network alone.
+// Captures of the table that differ by their draws only (docs/evaluation.md#draws), or the network alone.
 struct AblationRow {
-  std::string name;     // "without snapping"
-  std::string group;    // rows of one group stand together under its name
-  std::string options;  // what to give `livecap capture`, for the reader
-  std::string paper;    // what the paper says about it; empty: nothing
-  EvalReport report;
+  std::string name;               // "without snapping"
+  std::string group;              // rows of one group stand together under its name
+  std::string options;            // what to give `livecap capture`, for the reader
+  std::string paper;              // what the paper says about it; empty: nothing
+  std::vector<EvalReport> draws;  // one at least
 };
 
 struct Ablation {
@@ -24,8 +24,16 @@ struct Ablation {
   size_t pose_only = 0;  // the row of the skinned pose
 };
 
-// How much worse than the full method a row is: its mean over the full one's, minus 1. NaN without either.
-double relative_change(const Summary& row, const Summary& full);
+// How much worse than the full method a row is: its mean vertex error over the full one's, minus 1. NaN without either.
+double relative_change(const AblationRow& row, const AblationRow& full);
+
+// Mean vertex error of a row's draws (translation-aligned, mm) and the standard deviation of that of one draw; the
+// latter is NaN with one draw, both without true vertices.
+struct DrawnError {
+  double mean_mm = 0;
+  double deviation_mm = 0;
+};
+DrawnError vertex_error(const AblationRow& row);
 
 std::string ablation_text(const Ablation& ablation);
 std::string ablation_json(const Ablation& ablation);

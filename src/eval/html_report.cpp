@@ -156,7 +156,7 @@ std::string stage_curves(const Ablation& ablation, const Frames& frames) {
   for (const AblationRow& row : ablation.rows) {
     if (row.group != ablation.rows[ablation.full].group) continue;
     chart.series.push_back({row.name, kColors[chart.series.size() % std::size(kColors)],
-                            values_at(frames, row.report, &FrameEval::vertex_aligned_mm)});
+                            values_at(frames, row.draws.front(), &FrameEval::vertex_aligned_mm)});
   }
   return svg_chart(chart);
 }
@@ -368,11 +368,12 @@ std::string html_report(const HtmlReport& input) {
                   "<div class=\"columns\"><div>" + bars_table(input.bars) + "</div><div>" +
                       figures_table(input.report) + motion_table(input.report) + "</div></div>");
   if (input.ablation) {
-    html +=
-        section("What each part is worth",
-                "Means over all frames. The change is that of the translation-aligned vertex error against the full "
-                "method: positive when leaving the part out makes it worse.",
-                ablation_html(*input.ablation));
+    html += section(
+        "What each part is worth",
+        "Means over all frames, and over draws of the network's detections where there are several (&plusmn;: their "
+        "standard deviation; the worst overlap and the frames lost are those of all). The change is that of the "
+        "translation-aligned vertex error against the full method: positive when leaving the part out makes it worse.",
+        ablation_html(*input.ablation));
   }
   html += section("Frame by frame",
                   "Dashed: what the mean is held to. Shaded: not tracked. Point at a frame for its values.",

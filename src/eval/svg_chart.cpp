@@ -98,7 +98,7 @@ std::string columns(const Chart& chart, const Axes& axes) {
     const double width = axes.x(axes.first + 1) - axes.x(axes.first);
     std::string tip = format("frame %lld", static_cast<long long>(chart.frames[i]));
     for (const ChartSeries& series : chart.series) {
-      tip += "\n" + html_escaped(series.name) + ": " + value_text(chart, series.values[i]);
+      tip.append("\n").append(html_escaped(series.name)).append(": ").append(value_text(chart, series.values[i]));
     }
     const bool lost = !chart.tracked.empty() && !chart.tracked[i];
     svg += format("<rect class=\"%s\" x=\"%.1f\" y=\"%g\" width=\"%.2f\" height=\"%g\"><title>",

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <utility>
@@ -73,16 +74,21 @@ TEST(PoseDetector, LandmarksAreTheNetworksOwn) {
   });
 }
 
-// The same person in a larger picture: found, followed, and the same answer again after a reset.
-TEST(PoseDetector, FindsThePersonAndRepeatsExactly) {
-  LIVECAP_MODEL_OR_SKIP(model, "lite");
-  LIVECAP_DATA_OR_SKIP(data, "network");
+// The person of crop.png in a larger picture.
+ImageRgb person_in_scene(const std::filesystem::path& data) {
   const cv::Mat crop = cv::imread((data / "crop.png").string());
   cv::Mat scene(480, 400, CV_8UC3, cv::Scalar(90, 100, 110));
   cv::Mat large;
   cv::resize(crop, large, cv::Size(384, 384), 0, 0, cv::INTER_CUBIC);
   large.copyTo(scene(cv::Rect(8, 60, 384, 384)));
-  const ImageRgb image = from_mat(scene);
+  return from_mat(scene);
+}
+
+// The same person in a larger picture: found, followed, and the same answer again after a reset.
+TEST(PoseDetector, FindsThePersonAndRepeatsExactly) {
+  LIVECAP_MODEL_OR_SKIP(model, "lite");
+  LIVECAP_DATA_OR_SKIP(data, "network");
+  const ImageRgb image = person_in_scene(data);
   const Camera camera = camera_from_fov(400, 480, 50);
   test::on_every_device([&](ocl::DeviceContext& device) {
     detect::PoseDetector detector(device, lite());
@@ -128,6 +134,30 @@ cv::Mat blobs(int width, int height) {
   cv::line(bgr, {132, 170}, {110, 235}, {90, 50, 30}, 20, cv::LINE_AA);
   cv::line(bgr, {148, 170}, {160, 235}, {90, 50, 30}, 20, cv::LINE_AA);
   return bgr;
+}
+
+// Another draw of the detections: the same in the frame that the person is found in, then through a crop aside by what
+// was asked.
+TEST(PoseDetector, FirstCropIsAsideByWhatWasAsked) {
+  LIVECAP_MODEL_OR_SKIP(model, "lite");
+  LIVECAP_DATA_OR_SKIP(data, "network");
+  const ImageRgb image = person_in_scene(data);
+  const Camera camera = camera_from_fov(400, 480, 50);
+  test::on_every_device([&](ocl::DeviceContext& device) {
+    detect::PoseDetectorOptions options = lite();
+    detect::PoseDetector usual(device, options);
+    options.first_crop_aside_px = 0.25;
+    detect::PoseDetector aside(device, options);
+    for (int i = 0; i < 2; ++i) {
+      const Detections expected = usual.detect(image, camera, i, i / 30.0);
+      const Detections seen = aside.detect(image, camera, i, i / 30.0);
+      ASSERT_TRUE(expected.person && seen.person);
+      EXPECT_NEAR(aside.crop().center_x_px - usual.crop().center_x_px, i == 0 ? 0 : 0.25, test::kDoubleExact);
+      EXPECT_EQ(aside.crop().center_y_px, usual.crop().center_y_px);
+      EXPECT_EQ(aside.raw_landmarks()[0].x_px != usual.raw_landmarks()[0].x_px, i > 0);
+      EXPECT_NEAR(seen.keypoints[kNose].x_px, expected.keypoints[kNose].x_px, 3);
+    }
+  });
 }
 
 // GPUs crop the picture, look at the outputs and make the mask's bytes on the device: the same as the host's.

@@ -25,19 +25,41 @@ EvalReport with_vertex_error(double mm) {
 Ablation table() {
   Ablation ablation;
   ablation.video = "seq/video.mp4";
-  ablation.rows = {{"2D + 3D", "Stages", "--no-surface", "", with_vertex_error(30)},
-                   {"everything", "Stages", "", "", with_vertex_error(20)},
-                   {"without <snapping>", "Parts", "--without snapping", "1.7 %", with_vertex_error(20.34)},
-                   {"network only", "Parts", "", "", EvalReport()}};
+  ablation.rows = {{"2D + 3D", "Stages", "--no-surface", "", {with_vertex_error(30)}},
+                   {"everything", "Stages", "", "", {with_vertex_error(20)}},
+                   {"without <snapping>", "Parts", "--without snapping", "1.7 %", {with_vertex_error(20.34)}},
+                   {"network only", "Parts", "", "", {EvalReport()}}};
   ablation.full = 1;
   return ablation;
 }
 
 TEST(Ablation, ChangeIsRelativeToTheFullMethod) {
-  EXPECT_NEAR(relative_change({1, 20.34, 0, 0, 0, 0, 0}, {1, 20, 0, 0, 0, 0, 0}), 0.017, test::kDoubleExact);
-  EXPECT_NEAR(relative_change({1, 10, 0, 0, 0, 0, 0}, {1, 20, 0, 0, 0, 0, 0}), -0.5, test::kDoubleExact);
-  EXPECT_TRUE(std::isnan(relative_change({}, {1, 20, 0, 0, 0, 0, 0})));
-  EXPECT_TRUE(std::isnan(relative_change({1, 20, 0, 0, 0, 0, 0}, {})));
+  const auto change = [](const EvalReport& row, const EvalReport& full) {
+    return relative_change({"", "", "", "", {row}}, {"", "", "", "", {full}});
+  };
+  EXPECT_NEAR(change(with_vertex_error(20.34), with_vertex_error(20)), 0.017, test::kDoubleExact);
+  EXPECT_NEAR(change(with_vertex_error(10), with_vertex_error(20)), -0.5, test::kDoubleExact);
+  EXPECT_TRUE(std::isnan(change({}, with_vertex_error(20))));
+  EXPECT_TRUE(std::isnan(change(with_vertex_error(20), {})));
+}
+
+// Three draws, one of them bad: their mean, how far one is from another, the worst overlap and all lost frames.
+TEST(Ablation, DrawsAreAveraged) {
+  Ablation ablation = table();
+  ablation.rows[0].draws = {with_vertex_error(20), with_vertex_error(23), with_vertex_error(29)};
+  ablation.rows[0].draws[1].iou.min = 0.7;
+  ablation.rows[0].draws[0].n_lost = 1;
+  ablation.rows[0].draws[2].n_lost = 3;
+  const DrawnError error = vertex_error(ablation.rows[0]);
+  EXPECT_NEAR(error.mean_mm, 24, test::kDoubleExact);
+  EXPECT_NEAR(error.deviation_mm, std::sqrt(21.0), test::kDoubleExact);  // (16 + 1 + 25) / 2
+  const nlohmann::json row = nlohmann::json::parse(ablation_json(ablation))["rows"][0];
+  EXPECT_EQ(row["draws"], 3);
+  EXPECT_NEAR(row["vertex_translation_aligned_mm"].get<double>(), 24, test::kDoubleExact);
+  EXPECT_NEAR(row["change_of_vertex_error"].get<double>(), 0.2, test::kDoubleExact);
+  EXPECT_NEAR(row["iou_worst"].get<double>(), 0.7, test::kDoubleExact);
+  EXPECT_EQ(row["frames_lost"], 4);
+  EXPECT_NE(ablation_text(ablation).find("24.0    4.6  +20.0 %"), std::string::npos) << ablation_text(ablation);
 }
 
 TEST(Ablation, Text) {
@@ -46,6 +68,7 @@ TEST(Ablation, Text) {
   EXPECT_NE(text.find("+1.7 %"), std::string::npos) << text;
   EXPECT_NE(text.find("Stages\n"), std::string::npos);
   EXPECT_EQ(text.find("nan"), std::string::npos);
+  EXPECT_EQ(text.find("+-"), std::string::npos);  // one draw of each
 }
 
 TEST(Ablation, Json) {
@@ -55,6 +78,7 @@ TEST(Ablation, Json) {
   EXPECT_NEAR(json["rows"][0]["vertex_jitter_ratio"].get<double>(), 1.5, test::kDoubleExact);
   EXPECT_NEAR(json["rows"][0]["head_translation_aligned_mm"].get<double>(), 7, test::kDoubleExact);
   EXPECT_TRUE(json["rows"][3]["vertex_translation_aligned_mm"].is_null());
+  EXPECT_TRUE(json["rows"][0]["vertex_standard_deviation_of_draws_mm"].is_null());  // one draw has none
   EXPECT_EQ(json["rows"][2]["paper"], "1.7 %");
 }
 

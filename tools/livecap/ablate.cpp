@@ -82,50 +82,64 @@ std::string options_text(const Variant& variant) {
 }
 
 // The network's own joints as a row: only the joint errors mean anything.
-AblationRow network_row(const EvalReport& full) {
+AblationRow network_row(const AblationRow& full) {
   AblationRow row{"network only: re-boned 3D placed by 2D", kBaseline, "", "", {}};
-  row.report.n_person = full.n_person;
-  for (const FrameEval& frame : full.frames) {
-    row.report.n_lost += std::isfinite(frame.joint_mm) && !std::isfinite(frame.network_aligned_mm);
+  for (const EvalReport& draw : full.draws) {
+    EvalReport& report = row.draws.emplace_back();
+    report.n_person = draw.n_person;
+    for (const FrameEval& frame : draw.frames) {
+      report.n_lost += std::isfinite(frame.joint_mm) && !std::isfinite(frame.network_aligned_mm);
+    }
+    report.joint_mm = draw.network_joint_mm;
+    report.joint_aligned_mm = draw.network_joint_aligned_mm;
   }
-  row.report.joint_mm = full.network_joint_mm;
-  row.report.joint_aligned_mm = full.network_joint_aligned_mm;
   return row;
+}
+
+std::filesystem::path capture_folder(const CaptureOptions& capture, std::string_view row, int draw) {
+  std::string name(row);
+  if (draw > 0) name += "_draw" + std::to_string(draw);
+  return std::filesystem::path(capture.out) / name;
 }
 
 }  // namespace
 
 std::filesystem::path full_capture_folder(const CaptureOptions& capture) {
-  return std::filesystem::path(capture.out) / kFullFolder;
+  return capture_folder(capture, kFullFolder, 0);
 }
 
-Ablation run_ablation(const CaptureOptions& capture, const EvalOptions& eval) {
+Ablation run_ablation(const CaptureOptions& capture, const EvalOptions& eval, int draws) {
   capture.validate();
   open_truth(eval.truth, 0);  // complain before anything is captured
   catch_interrupt();
   Progress progress("eval");
   Ablation ablation;
   ablation.video = capture.video;
-  const int64_t n_runs = static_cast<int64_t>(variants().size());
+  const int64_t n_runs = static_cast<int64_t>(variants().size()) * draws;
   int64_t done = 0;
   for (const Variant& variant : variants()) {
-    CaptureOptions options = capture;
-    options.out = (std::filesystem::path(capture.out) / variant.folder).string();
-    options.surface = variant.surface;
-    options.rigidity = variant.rigidity;
-    options.without.insert(options.without.end(), variant.without.begin(), variant.without.end());
-    run_capture(options, [](const FrameReport&, int64_t) { return !interrupted(); });
-    if (interrupted())
-      throw Error("interrupted after " + std::to_string(done) + " of " + std::to_string(n_runs) + " runs");
-    EvalOptions against = eval;
-    against.capture = options.out;
     if (variant.folder == kFullFolder) ablation.full = ablation.rows.size();
     if (!variant.surface && variant.without.empty()) ablation.pose_only = ablation.rows.size();
-    ablation.rows.push_back({variant.name, variant.group, options_text(variant), variant.paper, evaluate(against)});
-    progress.update(++done, n_runs, variant.name);
+    AblationRow& row =
+        ablation.rows.emplace_back(AblationRow{variant.name, variant.group, options_text(variant), variant.paper, {}});
+    for (int draw = 0; draw < draws; ++draw) {
+      CaptureOptions options = capture;
+      options.out = capture_folder(capture, variant.folder, draw).string();
+      options.draw = draw;
+      options.surface = variant.surface;
+      options.rigidity = variant.rigidity;
+      options.without.insert(options.without.end(), variant.without.begin(), variant.without.end());
+      run_capture(options, [](const FrameReport&, int64_t) { return !interrupted(); });
+      if (interrupted())
+        throw Error("interrupted after " + std::to_string(done) + " of " + std::to_string(n_runs) + " runs");
+      EvalOptions against = eval;
+      against.capture = options.out;
+      row.draws.push_back(evaluate(against));
+      progress.update(++done, n_runs, variant.name);
+    }
   }
   progress.finish();
-  ablation.rows.insert(ablation.rows.begin(), network_row(ablation.rows[ablation.full].report));
+  ablation.rows.insert(ablation.rows.begin(), network_row(ablation.rows[ablation.full]));
   ++ablation.full;
   ++ablation.pose_only;
   return ablation;

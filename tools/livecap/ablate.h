@@ -10,11 +10,12 @@
 
 namespace livecap::tools {
 
-// capture: the full method; `out` is the folder that gets one capture folder per row. truth, views: as in eval. Throws
-// what run_capture and evaluate throw, Error when interrupted.
-Ablation run_ablation(const CaptureOptions& capture, const EvalOptions& eval);
+// capture: the full method; `out` is the folder that gets the capture folders. truth, views: as in eval. draws:
+// captures of each row, which differ by CaptureOptions::draw. Throws what run_capture and evaluate throw, Error when
+// interrupted.
+Ablation run_ablation(const CaptureOptions& capture, const EvalOptions& eval, int draws);
 
-// Folder of the full method's capture below capture.out.
+// Folder of the full method's first capture below capture.out.
 std::filesystem::path full_capture_folder(const CaptureOptions& capture);
 
 }  // namespace livecap::tools

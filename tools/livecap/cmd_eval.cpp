@@ -32,6 +32,7 @@ struct Options {
   std::string out;
   bool json = false;
   bool ablate = false;
+  int draws = 1;           // of each row of --ablate
   CaptureOptions capture;  // of --ablate; its video also of --html
 };
 
@@ -109,11 +110,11 @@ int run_all(Options options) {
   options.capture.out = options.out.empty() ? scratch.path().string() : options.out;
   options.capture.camera = options.eval.camera;
   options.capture.actor = options.eval.actor;
-  const Ablation ablation = run_ablation(options.capture, options.eval);
+  const Ablation ablation = run_ablation(options.capture, options.eval, options.draws);
   EvalOptions pictured = options.eval;
   pictured.capture = full_capture_folder(options.capture);
-  return finish(options, pictured, ablation.rows[ablation.full].report, &ablation.rows[ablation.pose_only].report,
-                &ablation);
+  return finish(options, pictured, ablation.rows[ablation.full].draws.front(),
+                &ablation.rows[ablation.pose_only].draws.front(), &ablation);
 }
 
 int run(Options options) {
@@ -148,6 +149,13 @@ void add_eval_command(CLI::App& app, Action& action) {
   CLI::Option* const ablate =
       command->add_flag("--ablate", options->ablate, "capture --video with parts of the method off, print one table");
   ablate->group(group);
+  command
+      ->add_option("--draws", options->draws,
+                   "capture each row so often with other draws of the network's detections; the table has the means")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str()
+      ->group(group)
+      ->needs(ablate);
   command->add_option("--fov", capture.fov_deg, "instead of --camera: field of view of the longer side, degrees")
       ->group(group)
       ->needs(ablate);

@@ -10,6 +10,8 @@
 #include "actor/actor.h"
 #include "actor/inspect.h"
 #include "base/text.h"
+#include "cloth/folds.h"
+#include "cloth/hanging_cloth.h"
 #include "eval/capture_folder.h"
 #include "eval/compare_actors.h"
 #include "ocl/context.h"
@@ -45,9 +47,22 @@ int compare(const Options& options) {
   return kExitOk;
 }
 
+// How capture takes what hangs off the legs; empty for who wears nothing like it.
+std::string hanging_cloth_text(const Actor& actor) {
+  int n = 0;
+  for (int i = 0; i < actor.n_vertices(); ++i) n += hangs(actor, i);
+  if (n == 0) return {};
+  const float opening = HangingCloth(actor, {}).opening();
+  return format("\nhanging cloth: %d vertices, %.1f %% of its girth lies in folds; %s\n", n,
+                100 * share_in_folds(actor),
+                opening == 0   ? "taken for taut: the legs carry it as their weights say"
+                : opening == 1 ? "taken for loose: legs push it and do not pull it"
+                               : "between taut and loose: legs push it and hardly pull it");
+}
+
 int inspect(const Options& options) {
   const Actor actor = load_actor_named(options.file, options.height_m * 1000);
-  std::fputs(inspect_actor(actor).c_str(), stdout);
+  std::fputs((inspect_actor(actor) + hanging_cloth_text(actor)).c_str(), stdout);
   return kExitOk;
 }
 

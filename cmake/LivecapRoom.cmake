@@ -20,6 +20,7 @@ function(livecap_room name)
            $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
     PRIVATE ${PROJECT_SOURCE_DIR}/kernels)
   livecap_warnings(livecap_${name})
+  livecap_precompiled(livecap_${name} rooms)
   foreach(room ${ARG_DEPENDS})
     target_link_libraries(livecap_${name} PUBLIC livecap_${room})
   endforeach()

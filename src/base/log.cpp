@@ -21,7 +21,7 @@ std::string lines_of(std::string_view message) {
   std::string lines;
   for (size_t begin = 0; begin <= message.size();) {
     const size_t end = std::min(message.find('\n', begin), message.size());
-    lines += (begin > 0 ? "\n" : "") + one_line(message.substr(begin, end - begin));
+    lines.append(begin > 0 ? "\n" : "").append(one_line(message.substr(begin, end - begin)));
     begin = end + 1;
   }
   return lines;

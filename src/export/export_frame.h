@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "geometry/shortest_turn.h"
+
 namespace livecap {
 
 inline constexpr double kMetresPerMm = 1e-3;
@@ -17,7 +19,7 @@ inline Eigen::Matrix3d gltf_axes_from_camera() {
 
 // The shortest turn, camera axes, after which `up` (unit) points straight up, which is -y there.
 inline Eigen::Quaterniond upright_from_camera(const Eigen::Vector3d& up) {
-  return Eigen::Quaterniond::FromTwoVectors(up, -Eigen::Vector3d::UnitY());
+  return shortest_turn(up, -Eigen::Vector3d::UnitY());
 }
 
 // The same turn in glTF's axes.

@@ -288,7 +288,7 @@ std::vector<Out> values_of(const OnnxTensor& tensor) {
 std::string to_string(const Dims& dims) {
   std::string text = "[";
   for (size_t i = 0; i < dims.size(); ++i)
-    text += (i ? "," : "") + (dims[i] == -1 ? std::string("?") : std::to_string(dims[i]));
+    text.append(i ? "," : "").append(dims[i] == -1 ? "?" : std::to_string(dims[i]));
   return text + "]";
 }
 

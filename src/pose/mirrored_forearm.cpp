@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "geometry/shortest_turn.h"
 #include "pose/targets.h"
 
 namespace livecap {
@@ -61,7 +62,7 @@ std::optional<MirroredForearm> mirrored_forearm(const Actor& actor, const Pose& 
   const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
   const Eigen::Vector3d &elbow = positions[arm->elbow], &wrist = positions[arm->wrist];
   const Eigen::Vector3d mirrored = mirrored_end(elbow, wrist);
-  const auto turn = Eigen::Quaterniond::FromTwoVectors(wrist - elbow, mirrored - elbow);
+  const Eigen::Quaterniond turn = shortest_turn(wrist - elbow, mirrored - elbow);
   if (!(Eigen::AngleAxisd(turn).angle() >= least_turn_rad)) return std::nullopt;
   return MirroredForearm{elbow_name, arm->lower, turn.toRotationMatrix(), mirrored};
 }

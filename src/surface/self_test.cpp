@@ -68,9 +68,9 @@ class Bench {
     std::string detail;
     if (!ok) {
       detail = "expected";
-      for (const float x : expected) detail += " " + std::to_string(x);
+      for (const float x : expected) detail.append(" ").append(std::to_string(x));
       detail += ", found";
-      for (const float x : found) detail += " " + std::to_string(x);
+      for (const float x : found) detail.append(" ").append(std::to_string(x));
     }
     results_.push_back({"surface/" + name, ok, detail});
   }

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "export/motion_fixture.h"
+#include "geometry/shortest_turn.h"
 #include "support/tolerances.h"
 
 namespace livecap {
@@ -187,7 +188,7 @@ TEST(Vmc, AKnownFloorIsLevel) {
   const Eigen::Vector3d up(0, std::cos(pitch), std::sin(pitch)), ahead(0, std::sin(pitch), -std::cos(pitch));
   const Eigen::Vector3d hips = 3 * ahead + (0.9 - 1.5) * up;
   person.bones[0].position_m = {float(hips.x()), float(hips.y()), float(hips.z())};
-  const Eigen::Quaternionf upright = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitY(), up).cast<float>();
+  const Eigen::Quaternionf upright = shortest_turn(Eigen::Vector3d::UnitY(), up).cast<float>();
   person.bones[0].rotation = {upright.x(), upright.y(), upright.z(), upright.w()};
 
   const Transform sent = hear(encoder.packet(person)).bones.at("Hips");

@@ -86,20 +86,21 @@ TEST(Layers, Convolutions) {
   }
 }
 
+// Every number of channels at every width; the six kernels and strides are dealt round, so that each meets every width
+// and most numbers of channels. (All 168 take a minute to compile where a size is compiled in.)
 TEST(Layers, DepthwiseConvolutions) {
   std::mt19937 rng(2);
-  for (int channels : {1, 8, 15, 16, 17, 24, 65}) {
-    for (int kernel : {2, 3, 5}) {
-      for (int stride : {1, 2}) {
-        for (int width : {1, 2, 9, 22}) {
-          const int before = (kernel - 1) / 2, after = kernel - 1 - before;
-          nn::Graph graph = input_graph(7, width, channels);
-          add_depthwise(graph, 0, kernel, kernel, window(stride, 1, before, before, after, after), Activation::kRelu6,
-                        rng);
-          expect_device_agrees(graph, "DEPTHWISE_CONV_2D kernel " + std::to_string(kernel) + " stride " +
-                                          std::to_string(stride) + " " + nn::to_string(graph.tensors[0].shape));
-        }
-      }
+  constexpr int kKernels[] = {2, 3, 5};
+  int dealt = 0;
+  for (const int width : {1, 2, 9, 22}) {
+    for (const int channels : {1, 8, 15, 16, 17, 24, 65}) {
+      const int kernel = kKernels[dealt % 3], stride = 1 + dealt / 3 % 2;
+      const int before = (kernel - 1) / 2, after = kernel - 1 - before;
+      nn::Graph graph = input_graph(7, width, channels);
+      add_depthwise(graph, 0, kernel, kernel, window(stride, 1, before, before, after, after), Activation::kRelu6, rng);
+      expect_device_agrees(graph, "DEPTHWISE_CONV_2D kernel " + std::to_string(kernel) + " stride " +
+                                      std::to_string(stride) + " " + nn::to_string(graph.tensors[0].shape));
+      ++dealt;
     }
   }
   nn::Graph graph = input_graph(12, 11, 20);
@@ -108,7 +109,7 @@ TEST(Layers, DepthwiseConvolutions) {
 }
 
 TEST(Layers, OperatorsWithoutWeights) {
-  for (int channels : {1, 5, 16, 39, 64}) {
+  for (int channels : {1, 16, 39}) {
     for (const nn::Attributes& attributes :
          {nn::Attributes(nn::MaxPool2d{window(2, 1, 0, 0, 1, 1), 2, 2}),
           nn::Attributes(nn::Pad{{1, 2}, {3, 0}, {2, 5}}), nn::Attributes(nn::ResizeBilinear{14, 22, false, true}),

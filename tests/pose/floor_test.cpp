@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/timer.h"
+#include "geometry/shortest_turn.h"
 #include "livecap/error.h"
 #include "pose/pose_solver.h"
 #include "pose/round_weights.h"
@@ -35,7 +36,7 @@ std::vector<Eigen::Vector3d> soles_of(const Actor& actor, const Pose& pose) {
 Pose on_floor(const Actor& actor, double x_mm, double z_mm, const Floor& floor) {
   Pose pose = test::standing_pose(actor, 0);
   const Eigen::Vector3d upright = -Eigen::Vector3d::UnitY();
-  pose.root_rotation = Eigen::Quaterniond::FromTwoVectors(upright, floor.up) * pose.root_rotation;
+  pose.root_rotation = shortest_turn(upright, floor.up) * pose.root_rotation;
   pose.root_translation_mm = {x_mm, 0, z_mm};
   double lowest = std::numeric_limits<double>::infinity();
   for (const Eigen::Vector3d& p : soles_of(actor, pose)) lowest = std::min(lowest, floor.height_mm(p));

@@ -247,6 +247,9 @@ if compgen -G 'film.*' >/dev/null || ! "$livecap" -q render --capture good --out
   failures=$((failures + 1))
 fi
 expect 2 '--video' eval --ablate --truth seq/truth
+expect 2 '--draws 0' eval --ablate --draws 0 --truth seq/truth --video seq/video.mp4
+expect_capture 2 '--draw 100 99' --draw 100
+expect_capture 2 '--draw --detections' --draw 1 --detections good/detections.jsonl
 expect 2 '--capture --video' eval --ablate --truth seq/truth --capture good
 expect 2 'nowhere folder' eval --ablate --truth nowhere --video seq/video.mp4 --camera seq/camera.json --actor seq/actor.glb
 expect 2 'none.mp4' eval --ablate --truth seq/truth --video none.mp4 --camera seq/camera.json --actor seq/actor.glb

@@ -2,6 +2,9 @@
 # for all targets of a KIND, which share their compile options. Only headers of others: what ours forget to include shows
 # with -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON.
 function(livecap_precompiled target kind)
+  if(CMAKE_DISABLE_PRECOMPILE_HEADERS)
+    return()
+  endif()
   cmake_parse_arguments(ARG "" "" "HEADERS;LIBS" ${ARGN})
   set(read livecap_precompiled_${kind})
   if(NOT TARGET ${read})
@@ -20,7 +23,8 @@ function(livecap_precompiled target kind)
       <optional> <string> <unordered_map> <vector> <Eigen/Dense> ${ARG_HEADERS})
   endif()
   target_precompile_headers(${target} REUSE_FROM ${read})
-  # A compiler that refuses what was read, for a macro that differs, reads the headers again.
+  # Where a macro differs GCC refuses what was read, and reads the headers again: slower, but no reason to warn.
+  set_target_properties(${target} PROPERTIES PCH_WARN_INVALID OFF)
   target_include_directories(${target} SYSTEM PRIVATE
     $<BUILD_INTERFACE:$<TARGET_PROPERTY:Eigen3::Eigen,INTERFACE_INCLUDE_DIRECTORIES>>)
 endfunction()

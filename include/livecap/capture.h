@@ -51,7 +51,7 @@ struct CaptureOptions : MethodOptions {
   bool decoded = false;          // decode all frames before the first is processed: 3 bytes a pixel and frame
   bool smooth = false;           // filter the result with [0.15, 0.7, 0.15] over time once more
   double missed_detections = 0;  // share of frames, chosen at random, in which the network is shown nothing: a test
-  int draw = 0;                  // which of the equally good detections the network can make of a video: a test
+  int draw = 0;                  // 0..99: moves the network's first crop aside by as many hundredths of a px: a test
   int64_t first = 0;             // first input frame to process
   int64_t frames = -1;           // at most this many; -1: all
   double bvh_unit_m = 0.01;      // length of one BVH unit in metres

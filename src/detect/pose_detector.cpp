@@ -40,6 +40,8 @@ Matrix3 rotation_from_axis_to(double dx, double dy, double dz) {
 void PoseDetectorOptions::validate() const {
   if (!(score_threshold >= 0 && score_threshold <= 1))
     throw ConfigError(format("score threshold %g must be in 0..1", double(score_threshold)));
+  if (!std::isfinite(first_crop_aside_px))
+    throw ConfigError(format("first crop aside by %g px: must be finite", first_crop_aside_px));
   if (!(refine_threshold >= 0))
     throw ConfigError(format("heatmap threshold %g must not be negative", double(refine_threshold)));
   if (max_missed_frames < 0) throw ConfigError(format("max_missed_frames %d must not be negative", max_missed_frames));

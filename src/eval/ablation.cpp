@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "base/html_text.h"
 #include "base/text.h"
@@ -38,6 +39,16 @@ double head_mm(const EvalReport& report) {
   return n > 0 ? sum / static_cast<double>(n) : std::numeric_limits<double>::quiet_NaN();
 }
 
+// Of a sample; NaN of less than two values.
+double standard_deviation(const std::vector<double>& values) {
+  if (values.size() < 2) return std::numeric_limits<double>::quiet_NaN();
+  const auto n = static_cast<double>(values.size());
+  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+  double sum = 0;
+  for (const double value : values) sum += (value - mean) * (value - mean);
+  return std::sqrt(sum / (n - 1));
+}
+
 double mean_of(const std::vector<EvalReport>& draws, const std::function<double(const EvalReport&)>& figure) {
   double sum = 0;
   for (const EvalReport& report : draws) sum += figure(report);
@@ -46,7 +57,9 @@ double mean_of(const std::vector<EvalReport>& draws, const std::function<double(
 
 // The figures of a row, as all three forms of the table show them. NaN: it has none.
 struct RowFigures {
-  double iou, worst_iou, vertex_mm, deviation_mm, change, loose_mm, head_mm, joint_mm, vertex_jitter, joint_jitter;
+  double iou, worst_iou, vertex_mm, deviation_mm;
+  VertexChange change;
+  double loose_mm, head_mm, joint_mm, vertex_jitter, joint_jitter;
   int64_t n_lost;
 };
 
@@ -61,7 +74,7 @@ RowFigures figures_of(const AblationRow& row, const AblationRow& full) {
   const DrawnError vertices = vertex_error(row);
   f.vertex_mm = vertices.mean_mm;
   f.deviation_mm = vertices.deviation_mm;
-  f.change = relative_change(row, full);
+  f.change = vertex_change(row, full);
   f.loose_mm = mean_of(row.draws, [](const EvalReport& r) { return mean(r.loose_aligned_mm); });
   f.head_mm = mean_of(row.draws, head_mm);
   f.joint_mm = mean_of(row.draws, [](const EvalReport& r) { return mean(r.joint_aligned_mm); });
@@ -70,8 +83,11 @@ RowFigures figures_of(const AblationRow& row, const AblationRow& full) {
   return f;
 }
 
-std::string change_text(double change, const char* unknown) {
-  return std::isfinite(change) ? format("%+.1f %%", 100 * change) : unknown;
+std::string change_text(const VertexChange& change, const char* unknown, const char* plus_minus) {
+  if (!std::isfinite(change.change)) return unknown;
+  std::string text = format("%+.1f %%", 100 * change.change);
+  if (std::isfinite(change.standard_error)) text += format(" %s %.1f", plus_minus, 100 * change.standard_error);
+  return text;
 }
 
 // Whether a row has several draws; the table has a column for how far they are apart.
@@ -81,38 +97,42 @@ bool is_drawn(const Ablation& ablation) {
 
 }  // namespace
 
-double relative_change(const AblationRow& row, const AblationRow& full) {
+VertexChange vertex_change(const AblationRow& row, const AblationRow& full) {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   const double of_full = vertex_error(full).mean_mm;
-  return of_full > 0 ? vertex_error(row).mean_mm / of_full - 1 : std::numeric_limits<double>::quiet_NaN();
+  if (!(of_full > 0)) return {kUnknown, kUnknown};
+  const double change = vertex_error(row).mean_mm / of_full - 1;
+  if (row.draws.size() != full.draws.size()) return {change, kUnknown};
+  std::vector<double> differences;
+  for (size_t i = 0; i < row.draws.size(); ++i)
+    differences.push_back(mean(row.draws[i].vertex_aligned_mm) - mean(full.draws[i].vertex_aligned_mm));
+  const auto n = static_cast<double>(differences.size());
+  return {change, standard_deviation(differences) / std::sqrt(n) / of_full};
 }
 
 DrawnError vertex_error(const AblationRow& row) {
-  const auto error = [](const EvalReport& report) { return mean(report.vertex_aligned_mm); };
-  DrawnError drawn{mean_of(row.draws, error), std::numeric_limits<double>::quiet_NaN()};
-  if (row.draws.size() < 2) return drawn;
-  const double variance = mean_of(row.draws, [&](const EvalReport& r) {
-    const double d = error(r) - drawn.mean_mm;
-    return d * d;
-  });
-  const auto n = static_cast<double>(row.draws.size());
-  drawn.deviation_mm = std::sqrt(variance * n / (n - 1));
-  return drawn;
+  std::vector<double> errors;
+  for (const EvalReport& report : row.draws) errors.push_back(mean(report.vertex_aligned_mm));
+  return {std::accumulate(errors.begin(), errors.end(), 0.0) / static_cast<double>(errors.size()),
+          standard_deviation(errors)};
 }
 
 std::string ablation_text(const Ablation& ablation) {
   const AblationRow& full = ablation.rows[ablation.full];
   const bool drawn = is_drawn(ablation);
   const auto apart = [&](const std::string& text) { return drawn ? format(" %6s", text.c_str()) : std::string(); };
-  std::string text = format("%-45s %6s %6s %8s%s %8s %8s %8s %8s %7s %5s  %s\n", "", "IoU", "worst", "vertex",
-                            apart("+-").c_str(), "change", "loose", "head", "joints", "jitter", "lost", "the paper");
+  const int change_width = drawn ? 15 : 8;
+  std::string text =
+      format("%-45s %6s %6s %8s%s %*s %8s %8s %8s %7s %5s  %s\n", "", "IoU", "worst", "vertex", apart("+-").c_str(),
+             change_width, "change", "loose", "head", "joints", "jitter", "lost", "the paper");
   std::string group;
   for (const AblationRow& row : ablation.rows) {
     if (row.group != group) text += (group = row.group) + "\n";
     const RowFigures f = figures_of(row, full);
-    text += format("  %-43s %6s %6s %8s%s %8s %8s %8s %8s %7s %5lld  %s\n", row.name.c_str(),
+    text += format("  %-43s %6s %6s %8s%s %*s %8s %8s %8s %7s %5lld  %s\n", row.name.c_str(),
                    number(f.iou, 3, "-").c_str(), number(f.worst_iou, 3, "-").c_str(),
-                   number(f.vertex_mm, 1, "-").c_str(), apart(number(f.deviation_mm, 1, "-")).c_str(),
-                   change_text(f.change, "-").c_str(), number(f.loose_mm, 1, "-").c_str(),
+                   number(f.vertex_mm, 1, "-").c_str(), apart(number(f.deviation_mm, 1, "-")).c_str(), change_width,
+                   change_text(f.change, "-", "+-").c_str(), number(f.loose_mm, 1, "-").c_str(),
                    number(f.head_mm, 1, "-").c_str(), number(f.joint_mm, 1, "-").c_str(),
                    number(f.vertex_jitter, 2, "-").c_str(), static_cast<long long>(f.n_lost), row.paper.c_str());
   }
@@ -134,7 +154,8 @@ std::string ablation_json(const Ablation& ablation) {
                     {"iou_worst", value(f.worst_iou)},
                     {"vertex_translation_aligned_mm", value(f.vertex_mm)},
                     {"vertex_standard_deviation_of_draws_mm", value(f.deviation_mm)},
-                    {"change_of_vertex_error", value(f.change)},
+                    {"change_of_vertex_error", value(f.change.change)},
+                    {"standard_error_of_change", value(f.change.standard_error)},
                     {"loose_translation_aligned_mm", value(f.loose_mm)},
                     {"head_translation_aligned_mm", value(f.head_mm)},
                     {"joint_similarity_aligned_mm", value(f.joint_mm)},
@@ -160,13 +181,15 @@ std::string ablation_html(const Ablation& ablation) {
       html += format("<tr class=\"group\"><td colspan=\"%d\">", drawn ? 12 : 11) + html_escaped(group) + "</td></tr>\n";
     }
     const RowFigures f = figures_of(row, full);
-    const char* kind = !std::isfinite(f.change) || std::abs(f.change) < 0.0005 ? "" : f.change > 0 ? "worse" : "better";
+    const double change = f.change.change;
+    const char* kind = !std::isfinite(change) || std::abs(change) < 0.0005 ? "" : change > 0 ? "worse" : "better";
     html += std::string("<tr") + (i == ablation.full ? " class=\"full\"" : "") + "><td title=\"" +
             html_escaped(row.options) + "\">" + html_escaped(row.name) + "</td>";
     std::vector<std::string> cells = {number(f.iou, 3, "&ndash;"), number(f.worst_iou, 3, "&ndash;"),
                                       number(f.vertex_mm, 1, "&ndash;")};
     if (drawn) cells.push_back(number(f.deviation_mm, 1, "&ndash;"));
-    cells.push_back(std::string("<span class=\"") + kind + "\">" + change_text(f.change, "&ndash;") + "</span>");
+    cells.push_back(std::string("<span class=\"") + kind + "\">" + change_text(f.change, "&ndash;", "&plusmn;") +
+                    "</span>");
     for (const double mm : {f.loose_mm, f.head_mm, f.joint_mm}) cells.push_back(number(mm, 1, "&ndash;"));
     cells.push_back(number(f.vertex_jitter, 2, "&ndash;"));
     cells.push_back(format("%lld", static_cast<long long>(f.n_lost)));

@@ -24,8 +24,13 @@ struct Ablation {
   size_t pose_only = 0;  // the row of the skinned pose
 };
 
-// How much worse than the full method a row is: its mean vertex error over the full one's, minus 1. NaN without either.
-double relative_change(const AblationRow& row, const AblationRow& full);
+// How much worse than the full method a row is: its mean vertex error over the full one's, minus 1; and the standard
+// error of that, paired by draw. NaN without either; the latter also with one draw or another number of them.
+struct VertexChange {
+  double change = 0;
+  double standard_error = 0;
+};
+VertexChange vertex_change(const AblationRow& row, const AblationRow& full);
 
 // Mean vertex error of a row's draws (translation-aligned, mm) and the standard deviation of that of one draw; the
 // latter is NaN with one draw, both without true vertices.

@@ -370,9 +370,10 @@ std::string html_report(const HtmlReport& input) {
   if (input.ablation) {
     html += section(
         "What each part is worth",
-        "Means over all frames, and over draws of the network's detections where there are several (&plusmn;: their "
-        "standard deviation; the worst overlap and the frames lost are those of all). The change is that of the "
-        "translation-aligned vertex error against the full method: positive when leaving the part out makes it worse.",
+        "Means over all frames. The change is that of the translation-aligned vertex error against the full method: "
+        "positive when leaving the part out makes it worse. Where there are several draws of the network's detections, "
+        "means over all of them, how far one is from another (&plusmn;, standard deviation), the standard error of the "
+        "change, the worst overlap and the lost frames of all; everything below is of the first draw.",
         ablation_html(*input.ablation));
   }
   html += section("Frame by frame",

@@ -35,7 +35,7 @@ Ablation table() {
 
 TEST(Ablation, ChangeIsRelativeToTheFullMethod) {
   const auto change = [](const EvalReport& row, const EvalReport& full) {
-    return relative_change({"", "", "", "", {row}}, {"", "", "", "", {full}});
+    return vertex_change({"", "", "", "", {row}}, {"", "", "", "", {full}}).change;
   };
   EXPECT_NEAR(change(with_vertex_error(20.34), with_vertex_error(20)), 0.017, test::kDoubleExact);
   EXPECT_NEAR(change(with_vertex_error(10), with_vertex_error(20)), -0.5, test::kDoubleExact);
@@ -59,7 +59,24 @@ TEST(Ablation, DrawsAreAveraged) {
   EXPECT_NEAR(row["change_of_vertex_error"].get<double>(), 0.2, test::kDoubleExact);
   EXPECT_NEAR(row["iou_worst"].get<double>(), 0.7, test::kDoubleExact);
   EXPECT_EQ(row["frames_lost"], 4);
-  EXPECT_NE(ablation_text(ablation).find("24.0    4.6  +20.0 %"), std::string::npos) << ablation_text(ablation);
+  EXPECT_TRUE(row["standard_error_of_change"].is_null());  // the full method has one draw
+  EXPECT_NE(ablation_text(ablation).find("24.0    4.6         +20.0 %"), std::string::npos) << ablation_text(ablation);
+  const std::string html = ablation_html(ablation);
+  EXPECT_NE(html.find("<th>&plusmn;</th>"), std::string::npos);
+  EXPECT_NE(html.find("colspan=\"12\""), std::string::npos);
+  EXPECT_NE(html.find("<td>4.6</td>"), std::string::npos);
+}
+
+// Draws that are far apart, and a part that costs each of them nearly the same.
+TEST(Ablation, TheChangeIsPairedByDraw) {
+  const AblationRow full{"", "", "", "", {with_vertex_error(20), with_vertex_error(40), with_vertex_error(30)}};
+  const AblationRow row{"", "", "", "", {with_vertex_error(22), with_vertex_error(43), with_vertex_error(34)}};
+  const VertexChange change = vertex_change(row, full);
+  EXPECT_NEAR(change.change, 0.1, test::kDoubleExact);
+  EXPECT_NEAR(change.standard_error, 1 / std::sqrt(3.0) / 30, test::kDoubleExact);  // of 2, 3 and 4 mm
+  Ablation ablation;
+  ablation.rows = {full, row};
+  EXPECT_NE(ablation_text(ablation).find("+10.0 % +- 1.9"), std::string::npos) << ablation_text(ablation);
 }
 
 TEST(Ablation, Text) {
@@ -69,6 +86,7 @@ TEST(Ablation, Text) {
   EXPECT_NE(text.find("Stages\n"), std::string::npos);
   EXPECT_EQ(text.find("nan"), std::string::npos);
   EXPECT_EQ(text.find("+-"), std::string::npos);  // one draw of each
+  EXPECT_EQ(ablation_html(table()).find("&plusmn;"), std::string::npos);
 }
 
 TEST(Ablation, Json) {

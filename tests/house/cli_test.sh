@@ -123,6 +123,12 @@ sed -E 's/"name":"Left/"name":"Zzza/g; s/"name":"Right/"name":"Zzzzb/g; s/"Hips"
 [[ $(stat -c %s boneless.glb) -eq $(stat -c %s seq/actor.glb) ]] || { echo "the test's own GLB is broken"; exit 1; }
 expect_capture 2 'boneless.glb' --actor boneless.glb
 expect 2 'boneless.glb' actor inspect boneless.glb
+cases=$((cases + 1))
+if ! "$livecap" actor inspect builtin:skirt | grep -q '^hanging cloth: .* taut' ||
+  "$livecap" actor inspect builtin:trousers | grep -q 'hanging cloth'; then
+  echo "FAILED: actor inspect, of hanging cloth"
+  failures=$((failures + 1))
+fi
 
 # Output that cannot be written.
 touch file
@@ -182,6 +188,15 @@ expect 2 'half/report.json JSON' eval --capture half --truth seq/truth
 mapfile -t args < <(capture --out good)
 "$livecap" -q capture "${args[@]}" >/dev/null || exit 1
 expect 2 '--capture' eval --truth seq/truth
+# Another draw has other detections, and its report says so.
+cases=$((cases + 1))
+mapfile -t args < <(capture --out drawn)
+if ! "$livecap" -q capture "${args[@]}" --no-surface --draw 7 2>err.txt ||
+  ! grep -q '"draw": 7' drawn/report.json || cmp -s good/detections.jsonl drawn/detections.jsonl; then
+  echo "FAILED: capture --draw"
+  failures=$((failures + 1))
+fi
+rm -rf drawn
 expect 2 'nowhere folder' eval --capture good --truth nowhere
 mkdir -p nothing
 expect 2 'nothing vertices.pc2 joints.json masks' eval --capture good --truth nothing

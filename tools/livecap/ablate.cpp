@@ -108,7 +108,7 @@ std::filesystem::path full_capture_folder(const CaptureOptions& capture) {
   return capture_folder(capture, kFullFolder, 0);
 }
 
-Ablation run_ablation(const CaptureOptions& capture, const EvalOptions& eval, int draws) {
+Ablation run_ablation(const CaptureOptions& capture, const EvalOptions& eval, int draws, bool keep) {
   capture.validate();
   open_truth(eval.truth, 0);  // complain before anything is captured
   catch_interrupt();
@@ -135,6 +135,7 @@ Ablation run_ablation(const CaptureOptions& capture, const EvalOptions& eval, in
       EvalOptions against = eval;
       against.capture = options.out;
       row.draws.push_back(evaluate(against));
+      if (!keep && options.out != full_capture_folder(capture)) std::filesystem::remove_all(options.out);
       progress.update(++done, n_runs, variant.name);
     }
   }

@@ -10,10 +10,10 @@
 
 namespace livecap::tools {
 
-// capture: the full method; `out` is the folder that gets the capture folders. truth, views: as in eval. draws:
-// captures of each row, which differ by CaptureOptions::draw. Throws what run_capture and evaluate throw, Error when
-// interrupted.
-Ablation run_ablation(const CaptureOptions& capture, const EvalOptions& eval, int draws);
+// capture: the full method; `out` is the folder that gets the capture folders. eval: truth and views. draws: captures
+// of each row, which differ by CaptureOptions::draw. keep: not only the full method's first. Throws what run_capture
+// and evaluate throw, Error when interrupted.
+Ablation run_ablation(const CaptureOptions& capture, const EvalOptions& eval, int draws, bool keep);
 
 // Folder of the full method's first capture below capture.out.
 std::filesystem::path full_capture_folder(const CaptureOptions& capture);

@@ -53,11 +53,12 @@ std::string hanging_cloth_text(const Actor& actor) {
   for (int i = 0; i < actor.n_vertices(); ++i) n += hangs(actor, i);
   if (n == 0) return {};
   const float opening = HangingCloth(actor, {}).opening();
-  return format("\nhanging cloth: %d vertices, %.1f %% of its girth lies in folds; %s\n", n,
-                100 * share_in_folds(actor),
-                opening == 0   ? "taken for taut: the legs carry it as their weights say"
-                : opening == 1 ? "taken for loose: legs push it and do not pull it"
-                               : "between taut and loose: legs push it and hardly pull it");
+  const std::string taken = opening == 0 ? "taken for taut: the legs carry it as their weights say"
+                            : opening == 1
+                                ? "taken for loose, in folds: legs push it and do not pull it"
+                                : format("taken for %.0f %% loose: legs pull it that much less", 100 * opening);
+  return format("\nhanging cloth: %d vertices, its girth is %.1f %% more than the shortest way around; %s\n", n,
+                100 * share_in_folds(actor), taken.c_str());
 }
 
 int inspect(const Options& options) {

@@ -84,7 +84,7 @@ void add_capture_command(CLI::App& app, Action& action) {
   command->add_option("--miss-detections", capture.missed_detections,
                       "test of robustness: show the network nothing in this share of the frames, chosen at random");
   command->add_option("--draw", capture.draw,
-                      "test of chance: the Nth of the equally good detections the network can make of a video");
+                      "test of chance: move the network's first crop aside by N hundredths of a pixel, 0 to 99");
   command->add_flag("--no-surface", options->no_surface, "stage I only: the skinned pose");
   command->add_option("--without", capture.without, "energy terms and components to switch off, comma-separated")
       ->delimiter(',');

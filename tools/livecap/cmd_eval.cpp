@@ -110,7 +110,7 @@ int run_all(Options options) {
   options.capture.out = options.out.empty() ? scratch.path().string() : options.out;
   options.capture.camera = options.eval.camera;
   options.capture.actor = options.eval.actor;
-  const Ablation ablation = run_ablation(options.capture, options.eval, options.draws);
+  const Ablation ablation = run_ablation(options.capture, options.eval, options.draws, !options.out.empty());
   EvalOptions pictured = options.eval;
   pictured.capture = full_capture_folder(options.capture);
   return finish(options, pictured, ablation.rows[ablation.full].draws.front(),
@@ -150,8 +150,10 @@ void add_eval_command(CLI::App& app, Action& action) {
       command->add_flag("--ablate", options->ablate, "capture --video with parts of the method off, print one table");
   ablate->group(group);
   command
-      ->add_option("--draws", options->draws,
-                   "capture each row so often with other draws of the network's detections; the table has the means")
+      ->add_option(
+          "--draws", options->draws,
+          "capture each row so often, with other draws of the network's detections; the table has the means, all "
+          "else is of the first")
       ->check(CLI::Range(1, 100))
       ->capture_default_str()
       ->group(group)

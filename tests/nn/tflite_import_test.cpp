@@ -43,7 +43,7 @@ TEST(TfliteImport, GarbageIsRefused) {
   EXPECT_FALSE(loads(""));
   EXPECT_FALSE(loads("TFL3"));
   EXPECT_FALSE(loads(std::string(1000, 'x')));
-  EXPECT_FALSE(loads(std::string("\x10\0\0\0TFL3", 8) + std::string(100, '\xff')));
+  EXPECT_FALSE(loads(std::string("\x10\0\0\0TFL3", 8).append(100, '\xff')));
   std::mt19937 rng(5);
   for (int i = 0; i < 100; ++i) {
     std::string bytes(200 + i, '\0');

@@ -39,14 +39,14 @@ double head_mm(const EvalReport& report) {
   return n > 0 ? sum / static_cast<double>(n) : std::numeric_limits<double>::quiet_NaN();
 }
 
-// Of a sample; NaN of less than two values.
-double standard_deviation(const std::vector<double>& values) {
-  if (values.size() < 2) return std::numeric_limits<double>::quiet_NaN();
+// Mean of a sample of at least one value, and its standard deviation; the latter is NaN of one value.
+DrawnError spread_of(const std::vector<double>& values) {
   const auto n = static_cast<double>(values.size());
   const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+  if (values.size() < 2) return {mean, std::numeric_limits<double>::quiet_NaN()};
   double sum = 0;
   for (const double value : values) sum += (value - mean) * (value - mean);
-  return std::sqrt(sum / (n - 1));
+  return {mean, std::sqrt(sum / (n - 1))};
 }
 
 double mean_of(const std::vector<EvalReport>& draws, const std::function<double(const EvalReport&)>& figure) {
@@ -107,14 +107,13 @@ VertexChange vertex_change(const AblationRow& row, const AblationRow& full) {
   for (size_t i = 0; i < row.draws.size(); ++i)
     differences.push_back(mean(row.draws[i].vertex_aligned_mm) - mean(full.draws[i].vertex_aligned_mm));
   const auto n = static_cast<double>(differences.size());
-  return {change, standard_deviation(differences) / std::sqrt(n) / of_full};
+  return {change, spread_of(differences).deviation_mm / std::sqrt(n) / of_full};
 }
 
 DrawnError vertex_error(const AblationRow& row) {
   std::vector<double> errors;
   for (const EvalReport& report : row.draws) errors.push_back(mean(report.vertex_aligned_mm));
-  return {std::accumulate(errors.begin(), errors.end(), 0.0) / static_cast<double>(errors.size()),
-          standard_deviation(errors)};
+  return spread_of(errors);
 }
 
 std::string ablation_text(const Ablation& ablation) {

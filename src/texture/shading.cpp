@@ -6,7 +6,6 @@
 #include <random>
 
 #include "base/luminance.h"
-#include "geometry/reference.h"
 #include "meshing/surface_parts.h"
 
 namespace livecap {
@@ -15,22 +14,28 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using Basis = Eigen::Vector<double, 8>;
+using Basis = Eigen::Vector<double, Shading::kTerms>;
 
 constexpr double kDarkest = 0.02;  // of 1; below it a logarithm is noise
 constexpr double kMostLog = 0.69;  // a factor of two
 constexpr double kLeastScale = 0.01;
 constexpr size_t kFewestPairs = 200;
-constexpr int kRounds = 10;
-constexpr int kSmoothings = 1;
+constexpr int kRounds = 6;  // with the first two orders, and as many with all
+constexpr int kTermsToBegin = 8;
+constexpr int kSmoothings = 2;
 constexpr int kPartners = 60;          // drawn for every vertex
 constexpr double kSameChroma = 0.06;   // of red and blue by the mean of the three
 constexpr double kNoMaterial = 0.013;  // added to the mean, in [0,1]: what dark pixels tell of their colour is noise
 
-// All but the constant.
+// Spherical harmonics of orders 1, 2 and 3, not scaled.
 Basis basis_at(const Vector3d& n) {
-  const reference::Harmonics h = reference::harmonics(reference::vec3(n.x(), n.y(), n.z()));
-  return Basis(h.of + 1);
+  const double x = n.x(), y = n.y(), z = n.z(), xx = x * x, yy = y * y, zz = z * z;
+  Basis basis;
+  basis << x, y, z,                                                    //
+      x * y, y * z, x * z, xx - yy, 3 * zz - 1,                        //
+      x * y * z, x * (xx - 3 * yy), y * (3 * xx - yy), z * (xx - yy),  //
+      x * (5 * zz - 1), y * (5 * zz - 1), z * (5 * zz - 3);
+  return basis;
 }
 
 double log_light(const Vector3d& color) {
@@ -81,19 +86,24 @@ Shading find_shading(const meshing::Surface& surface, const std::vector<Vector3d
   Shading shading;
   if (pairs.size() < kFewestPairs) return shading;
   std::vector<double> sizes(pairs.size());
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < 2 * kRounds; ++round) {
+    // A pattern would be taken for light of the third order, were it not known by then to be none.
+    const int n = round < kRounds ? kTermsToBegin : Shading::kTerms;
     const auto residual = [&](size_t p) { return pairs[p].light - shading.coefficients.dot(pairs[p].basis); };
     for (size_t p = 0; p < pairs.size(); ++p) sizes[p] = std::abs(residual(p));
     std::nth_element(sizes.begin(), sizes.begin() + sizes.size() / 2, sizes.end());
     const double scale = std::max(kLeastScale, 1.4826 * sizes[sizes.size() / 2]);
-    Eigen::Matrix<double, 8, 8> normal_matrix = 1e-3 * Eigen::Matrix<double, 8, 8>::Identity();
+    Eigen::Matrix<double, Shading::kTerms, Shading::kTerms> normal_matrix;
+    normal_matrix.setIdentity();
+    normal_matrix *= 1e-3;
     Basis right = Basis::Zero();
     for (size_t p = 0; p < pairs.size(); ++p) {
       const double share = residual(p) / scale, weight = 1 / (1 + share * share);
-      normal_matrix += weight * pairs[p].basis * pairs[p].basis.transpose();
+      normal_matrix.selfadjointView<Eigen::Lower>().rankUpdate(pairs[p].basis, weight);
       right += weight * pairs[p].light * pairs[p].basis;
     }
-    shading.coefficients = normal_matrix.ldlt().solve(right);
+    shading.coefficients.head(n) =
+        normal_matrix.topLeftCorner(n, n).selfadjointView<Eigen::Lower>().ldlt().solve(right.head(n));
   }
   double sum = 0, area = 0;
   for (const auto& t : surface.triangles) {

@@ -10,10 +10,12 @@
 
 namespace livecap {
 
-// Lambertian surfaces in distant light: a polynomial of second order in the normal (Ramamoorthi and Hanrahan, "An
-// Efficient Representation for Irradiance Environment Maps", 2001), here of the logarithm, so that it stays positive.
+// A polynomial of third order in the normal, of the logarithm, so that it stays positive. Lambertian surfaces in
+// distant light need only the second order (Ramamoorthi and Hanrahan, "An Efficient Representation for Irradiance
+// Environment Maps", 2001), but its logarithm bends more sharply where a lamp's side ends.
 struct Shading {
-  Eigen::Vector<double, 8> coefficients = Eigen::Vector<double, 8>::Zero();
+  static constexpr int kTerms = 15;
+  Eigen::Vector<double, kTerms> coefficients = Eigen::Vector<double, kTerms>::Zero();
   double mean_log = 0;  // over the surface it was found on
 
   // By how much a surface that faces there (unit normal) is brighter than the mean of all; within 0.5..2.

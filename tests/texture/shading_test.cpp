@@ -61,6 +61,25 @@ TEST_F(Shading, IsToldFromThePattern) {
   EXPECT_LT(worst(striped, light), test::kShadingLeft);
 }
 
+// The logarithm of a strong lamp's light bends more than a polynomial of second order does.
+TEST_F(Shading, IsThatOfAStrongLamp) {
+  const Vector3d lamp = Vector3d(1, 1, 2).normalized();
+  const auto light = [&](const Vector3d& n) { return 1 + 0.5 * n.dot(lamp); };
+  std::vector<Vector3d> colors;
+  for (const Vector3d& n : normals_) colors.push_back(light(n) * Vector3d(0.5, 0.35, 0.3));
+  const livecap::Shading found = find_shading(surface_, colors, known_);
+  const double n = static_cast<double>(normals_.size());
+  double sum = 0, squares = 0;
+  for (const Vector3d& normal : normals_) {
+    const double left = std::log(found.at(normal) / light(normal));
+    sum += left / n;
+    squares += left * left / n;
+  }
+  const double deviation = std::sqrt(squares - sum * sum);
+  std::printf("strong lamp: light left %.4f\n", deviation);
+  EXPECT_LT(deviation, test::kStrongShadingLeft);
+}
+
 // A carved surface is rough: its normals lie 7 degrees off, the light falls on what it stands for.
 TEST_F(Shading, IsWholeOnARoughSurface) {
   const Vector3d lamp = Vector3d(1, 1, 2).normalized();

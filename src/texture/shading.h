@@ -10,9 +10,9 @@
 
 namespace livecap {
 
-// A polynomial of third order in the normal, of the logarithm, so that it stays positive. Lambertian surfaces in
-// distant light need only the second order (Ramamoorthi and Hanrahan, "An Efficient Representation for Irradiance
-// Environment Maps", 2001), but its logarithm bends more sharply where a lamp's side ends.
+// A polynomial of third order in the normal, of the logarithm, so that it stays positive. Light on Lambertian surfaces
+// needs only the second order (Ramamoorthi and Hanrahan, "An Efficient Representation for Irradiance Environment Maps",
+// 2001), but its logarithm bends more, most on the side turned away from a lamp.
 struct Shading {
   static constexpr int kTerms = 15;
   Eigen::Vector<double, kTerms> coefficients = Eigen::Vector<double, kTerms>::Zero();

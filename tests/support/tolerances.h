@@ -187,8 +187,8 @@ inline constexpr double kShadingLeft = 0.03;
 // The same of a lamp that makes one side three times as bright, root mean square of the logarithm: the third order
 // leaves 0.0017, the second 0.0073.
 inline constexpr double kStrongShadingLeft = 0.004;
-// What smoothing leaves of the noise of normals: 0.4 of one where neighbours had noise of their own, more since they
-// share vertices.
+// What smoothing leaves of the noise of normals: one would leave 0.4 where neighbours had noise of their own, more
+// since they share vertices.
 inline constexpr double kSmoothedNormals = 0.75;
 // Of a chin's weight the head's share, of a heel's the foot's; seen 0.96 to 0.99.
 inline constexpr double kChinAndHeelShare = 0.85;

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "base/luminance.h"
+#include "geometry/reference.h"
 #include "meshing/surface_parts.h"
 
 namespace livecap {
@@ -20,8 +21,8 @@ constexpr double kDarkest = 0.02;  // of 1; below it a logarithm is noise
 constexpr double kMostLog = 0.69;  // a factor of two
 constexpr double kLeastScale = 0.01;
 constexpr size_t kFewestPairs = 200;
-constexpr int kRounds = 6;  // with the first two orders, and as many with all
-constexpr int kTermsToBegin = 8;
+constexpr int kRounds = 6;        // with the first two orders, and as many with all
+constexpr int kTermsToBegin = 8;  // of the first two orders
 constexpr int kSmoothings = 2;
 constexpr int kPartners = 60;          // drawn for every vertex
 constexpr double kSameChroma = 0.06;   // of red and blue by the mean of the three
@@ -29,11 +30,11 @@ constexpr double kNoMaterial = 0.013;  // added to the mean, in [0,1]: what dark
 
 // Spherical harmonics of orders 1, 2 and 3, not scaled.
 Basis basis_at(const Vector3d& n) {
+  const reference::Harmonics h = reference::harmonics(reference::vec3(n.x(), n.y(), n.z()));
   const double x = n.x(), y = n.y(), z = n.z(), xx = x * x, yy = y * y, zz = z * z;
   Basis basis;
-  basis << x, y, z,                                                    //
-      x * y, y * z, x * z, xx - yy, 3 * zz - 1,                        //
-      x * y * z, x * (xx - 3 * yy), y * (3 * xx - yy), z * (xx - yy),  //
+  basis.head<kTermsToBegin>() = Eigen::Vector<double, kTermsToBegin>(h.of + 1);
+  basis.tail<Shading::kTerms - kTermsToBegin>() << x * y * z, x * (xx - 3 * yy), y * (3 * xx - yy), z * (xx - yy),
       x * (5 * zz - 1), y * (5 * zz - 1), z * (5 * zz - 3);
   return basis;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
@@ -118,6 +119,10 @@ class CaptureGlb {
   CaptureGlb(const Actor& actor, std::span<const CapturedFrame> frames, const CaptureGlbOptions& options)
       : actor_(actor), frames_(frames), options_(options), skinning_(actor) {
     if (!(options.fps > 0)) throw ConfigError(format("capture.glb: fps is %g, must be positive", options.fps));
+    if (!options.times_s.empty() && options.times_s.size() != frames.size())
+      throw ConfigError(format("capture.glb: %zu times for %zu frames", options.times_s.size(), frames.size()));
+    if (std::ranges::adjacent_find(options.times_s, std::ranges::greater_equal()) != options.times_s.end())
+      throw ConfigError("capture.glb: the frames' times do not grow");
     if (options.max_morph_targets < 0 || options.max_morph_targets > 1024)
       throw ConfigError(format("capture.glb: %d morph targets, must be 0 to 1024", options.max_morph_targets));
     for (size_t i = 0; i < frames.size(); ++i) {
@@ -369,7 +374,7 @@ class CaptureGlb {
     std::vector<std::vector<float>> rotations(skeleton.n_bones());
     std::vector<Eigen::Quaterniond> previous(skeleton.n_bones(), Eigen::Quaterniond::Identity());
     for (int frame : keys_) {
-      times.push_back(static_cast<float>(frame / options_.fps));
+      times.push_back(static_cast<float>(options_.times_s.empty() ? frame / options_.fps : options_.times_s[frame]));
       const PosedSkeleton posed = forward_kinematics(skeleton, frames_[frame].pose);
       const Eigen::Vector3d t = gltf_from_camera(posed.camera_from_bone[0].translation());
       for (int k = 0; k < 3; ++k) root_translation.push_back(static_cast<float>(t[k]));

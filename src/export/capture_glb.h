@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "actor/actor.h"
 #include "livecap/camera.h"
@@ -20,7 +21,8 @@ struct CapturedFrame {
 };
 
 struct CaptureGlbOptions {
-  double fps = 30;                 // of the input; frame i is keyed at i / fps seconds
+  double fps = 30;                 // of the input; frame i is keyed at i / fps seconds, or
+  std::vector<double> times_s{};   // at times_s[i]: one for each frame, growing
   int max_morph_targets = 64;      // 0 or 1: skeleton only
   double tolerance_mm = 0.02;      // shapes stop when what they leave out is below this (root mean square)
   std::optional<Camera> camera{};  // becomes a node; glTF knows its fields of view, the rest is in its extras

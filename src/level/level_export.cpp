@@ -11,6 +11,7 @@
 #include "export/bvh.h"
 #include "export/capture_glb.h"
 #include "export/export_frame.h"
+#include "export/frame_times.h"
 #include "livecap/error.h"
 
 namespace livecap {
@@ -58,6 +59,13 @@ class LevelClip {
   const Eigen::Isometry3d& level() const { return level_; }
   const std::vector<CapturedFrame>& poses() const { return poses_; }
 
+  // Of the frames asked for; empty where they are evenly spaced.
+  std::vector<double> uneven_times_s() const {
+    std::vector<double> pts_ms;
+    for (int64_t row : rows_) pts_ms.push_back(capture_.rows[row].pts_ms);
+    return livecap::uneven_times_s(pts_ms, capture_.fps);
+  }
+
   // [3*n] metres, glTF axes, of a tracked frame; NaN where the capture has none.
   void vertices(int frame, std::span<float> vertices_m) {
     std::vector<float> points = captured_vertices(capture_, rows_[frame]);
@@ -87,6 +95,7 @@ class LevelClip {
 void write_glb(LevelClip& clip, const fs::path& path) {
   CaptureGlbOptions options;
   options.fps = clip.capture().fps;
+  options.times_s = clip.uneven_times_s();
   options.camera = clip.capture().camera;
   options.frame_from_camera = clip.level();
   FrameVertices vertices;

@@ -300,6 +300,26 @@ TEST(CaptureGlb, AStiffTrunkComesBackStiff) {
   EXPECT_EQ(load_actor(path).skeleton.n_dofs(), actor.skeleton.n_dofs());
 }
 
+// Of a phone, say.
+TEST(CaptureGlb, FramesThatDoNotComeEvenlyAreKeyedWhenTheyWereTaken) {
+  const Actor actor = test::small_actor();
+  const auto path = scratch("uneven.glb");
+  std::vector<CapturedFrame> frames = tracked(test::smooth_motion(actor.skeleton, 3));
+  frames[1].tracked = false;
+  CaptureGlbOptions options;
+  options.times_s = {0, 0.02, 0.5};
+  write_capture_glb(path, actor, frames, FrameVertices{}, options);
+  const tinygltf::Model model = Viewer(path).model();
+  const tinygltf::Accessor& times = model.accessors[model.animations.at(0).samplers.at(0).input];
+  EXPECT_EQ(times.count, 2u);
+  EXPECT_FLOAT_EQ(static_cast<float>(times.minValues.at(0)), 0);
+  EXPECT_FLOAT_EQ(static_cast<float>(times.maxValues.at(0)), 0.5f);
+  options.times_s = {0, 0.5, 0.5};
+  EXPECT_THROW(write_capture_glb(path, actor, frames, FrameVertices{}, options), ConfigError);
+  options.times_s = {0, 0.5};
+  EXPECT_THROW(write_capture_glb(path, actor, frames, FrameVertices{}, options), ConfigError);
+}
+
 TEST(CaptureGlb, AnEmptyCaptureIsStillAFile) {
   const Actor actor = test::small_actor();
   const auto path = scratch("empty.glb");

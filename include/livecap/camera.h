@@ -36,9 +36,10 @@ struct Camera {
 Camera load_camera(const std::filesystem::path& path);
 
 // A camera without distortion from its vertical or horizontal field of view, whichever side is longer.
-// fov_deg: degrees, in (1, 170).
+// fov_deg: degrees, in (1, 170). Throws ConfigError.
 Camera camera_from_fov(int width, int height, double fov_deg);
 
+// Throws IoError naming the file.
 void save_camera(const Camera& camera, const std::filesystem::path& path);
 
 }  // namespace livecap

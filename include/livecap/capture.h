@@ -67,12 +67,12 @@ const char* stage_name(CaptureStage stage);
 
 struct FrameReport {
   int64_t index = 0;  // of the input
-  double pts_ms = 0;
+  double pts_ms = 0;  // since the video's first frame
   TrackStatus status = TrackStatus::kNobody;
-  double score = 0;        // network's person probability
-  double iou = 0;          // rendered mesh against the segmented silhouette
-  double pose_energy = 0;  // of the pose as it was solved, as is keypoint_error_px; the others of the published result
-  double surface_energy = 0;
+  double score = 0;              // network's person probability, 0..1
+  double iou = 0;                // rendered mesh against the segmented silhouette, 0..1
+  double pose_energy = 0;        // weighted, without unit; of the pose as it was solved, as is keypoint_error_px
+  double surface_energy = 0;     // likewise, of the published result
   double keypoint_error_px = 0;  // mean over the detected keypoints
   std::array<double, kStageCount> stage_ms{};
   double latency_ms = 0;  // from having been read to having been published
@@ -94,11 +94,13 @@ struct CaptureReport {
   std::string glb, pc2, bvh, overlay, report;  // paths; empty when not written
 };
 
-// Called after each published frame from the output thread; return false to stop early (what was written stays valid).
-// n_frames: expected number of frames, 0 when unknown.
+// Called after each published frame by the thread that called run_capture; return false to stop early (what was written
+// stays valid). n_frames: expected number of frames, 0 when unknown.
 using CaptureProgress = std::function<bool(const FrameReport&, int64_t n_frames)>;
 
-// Throws ConfigError, IoError (bad options, inputs or output folder) or OclError (no device, a failed call).
+// Nothing in `out` is touched before all inputs have been opened. While it runs OpenCV uses one thread in this process
+// (cv::setNumThreads). Throws ConfigError, IoError (bad options, inputs or output folder), OclError (no device, a
+// failed call), Error when the system allows no further thread, and whatever `progress` throws.
 CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& progress = {});
 
 }  // namespace livecap

@@ -81,7 +81,7 @@ struct LiveBonePose {
 };
 
 // One for each picture that was pushed, in their order; report.index counts them from 0, report.pts_ms is their time,
-// report.latency_ms runs from push() until on_result is called.
+// report.latency_ms runs from push() until on_result is called (0 for one that was dropped).
 struct LiveResult {
   FrameReport report;
   // Empty unless is_tracked(report.status).

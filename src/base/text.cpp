@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -32,7 +33,10 @@ void require_no_pipe(const std::filesystem::path& path) {
 }
 
 void write_file_atomically(const std::filesystem::path& path, const std::string& bytes) {
-  const std::filesystem::path temporary = path.string() + format(".tmp%d", static_cast<int>(::getpid()));
+  // Neither another process nor another thread writes there.
+  static std::atomic<unsigned> n_written = 0;
+  const std::filesystem::path temporary =
+      path.string() + format(".tmp%d.%u", static_cast<int>(::getpid()), n_written.fetch_add(1));
   {
     std::ofstream out(temporary, std::ios::binary);
     out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));

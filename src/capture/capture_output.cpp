@@ -1,11 +1,17 @@
 #include "capture/capture_output.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 
 #include "base/log.h"
+#include "base/require_apart.h"
 #include "base/text.h"
 #include "capture/report_json.h"
 #include "export/export_frame.h"
+#include "export/frame_times.h"
 #include "livecap/error.h"
 #include "picture/overlay.h"
 
@@ -14,6 +20,8 @@ namespace {
 
 // What a run makes at its end; a folder from an earlier run must not look finished while this one is going on.
 constexpr const char* kFinalFiles[] = {"capture.glb", "report.json", "overlay.mp4"};
+constexpr const char* kGrowingFiles[] = {"actor.glb",  "camera.json", "vertices.pc2", "motion.bvh",
+                                         "frames.csv", "joints.csv",  "angles.csv",   "detections.jsonl"};
 
 std::vector<std::string> stage_names() {
   std::vector<std::string> names;
@@ -23,13 +31,30 @@ std::vector<std::string> stage_names() {
 
 }  // namespace
 
+void CaptureOutput::make_folder(const CaptureOptions& options) {
+  const std::filesystem::path folder = options.out;
+  std::vector<std::filesystem::path> results;
+  for (const char* name : kFinalFiles) results.push_back(folder / name);
+  for (const char* name : kGrowingFiles) results.push_back(folder / name);
+  if (!options.trace.empty()) results.emplace_back(options.trace);
+  require_apart({{"--video", options.video},
+                 {"--camera", options.camera},
+                 {"--actor", options.actor},
+                 {"--background", options.background},
+                 {"--detections", options.detections}},
+                results);
+  std::error_code code;
+  std::filesystem::create_directories(folder, code);
+  if (code || !std::filesystem::is_directory(folder))
+    throw IoError(options.out + ": cannot be made a folder" + (code ? ": " + code.message() : ""));
+  if (::access(folder.c_str(), W_OK) != 0)
+    throw IoError(options.out + ": cannot be written to: " + std::strerror(errno));
+}
+
 CaptureOutput::CaptureOutput(const CaptureOptions& options, const Actor& actor, const std::string& actor_glb,
                              const Camera& camera, double fps)
     : options_(options), actor_(actor), camera_(camera), fps_(fps > 0 ? fps : 30), folder_(options.out) {
   std::error_code code;
-  std::filesystem::create_directories(folder_, code);
-  if (code || !std::filesystem::is_directory(folder_))
-    throw IoError(options.out + ": cannot be made a folder" + (code ? ": " + code.message() : ""));
   for (const char* name : kFinalFiles) std::filesystem::remove(in_folder(name), code);
 
   write_file_atomically(in_folder("actor.glb"), actor_glb);
@@ -83,6 +108,7 @@ FrameReport CaptureOutput::publish(WorkItem& item) {
     nobody.frame_index = dropped.index;
     write_result(dropped, {}, nobody);
     write_row(dropped);
+    if (overlay_) overlay_->skip(1);
   }
   Timer timer;
   if (overlay_) {
@@ -104,7 +130,8 @@ FrameReport CaptureOutput::publish(WorkItem& item) {
   return item.report;
 }
 
-CaptureReport CaptureOutput::finish(const ocl::DevicePair& devices, const RunEnd& end) {
+CaptureReport CaptureOutput::finish(const ocl::DevicePair& devices, const std::string& model_sha256,
+                                    const RunEnd& end) {
   CaptureReport report;
   report.complete = !end.stopped_early;
   report.input_complete = end.input_complete;
@@ -134,6 +161,15 @@ CaptureReport CaptureOutput::finish(const ocl::DevicePair& devices, const RunEnd
     overlay_->close();
     report.overlay = in_folder("overlay.mp4").string();
   }
+  std::vector<double> pts_ms;
+  for (const FrameReport& frame : reports_) pts_ms.push_back(frame.pts_ms);
+  const std::vector<double> times_s = uneven_times_s(pts_ms, fps_);
+  if (!times_s.empty())
+    report.warnings.push_back(
+        options_.video +
+        format(": its frames do not come evenly at %g a second; capture.glb has their times, in motion.bvh%s they "
+               "follow each other at that rate",
+               fps_, overlay_ ? " and overlay.mp4" : ""));
   pc2_.reset();
   report.pc2 = in_folder("vertices.pc2").string();
   report.bvh = in_folder("motion.bvh").string();
@@ -141,12 +177,13 @@ CaptureReport CaptureOutput::finish(const ocl::DevicePair& devices, const RunEnd
   if (report.tracked > 0) {
     CaptureGlbOptions glb_options;
     glb_options.fps = fps_;
+    glb_options.times_s = times_s;
     glb_options.camera = camera_;
     glb = write_capture_glb(in_folder("capture.glb"), actor_, poses_, in_folder("vertices.pc2"), glb_options);
     report.glb = in_folder("capture.glb").string();
   }
   report.report = in_folder("report.json").string();
-  write_file_atomically(report.report, report_json(options_, report, devices, glb, actor_));
+  write_file_atomically(report.report, report_json(options_, report, devices, model_sha256, glb, actor_));
   return report;
 }
 

@@ -32,16 +32,21 @@ struct RunEnd {
 
 class CaptureOutput {
  public:
-  // Creates the folder and all files that grow frame by frame, and removes what an earlier run left of the rest.
-  // actor_glb: the bytes kept as actor.glb beside the results. Throws IoError when something cannot be written.
+  // Creates the folder. Throws ConfigError when an input lies where a result would; IoError when it is no folder or
+  // cannot be written to. Loses nothing.
+  static void make_folder(const CaptureOptions& options);
+
+  // Creates all files that grow frame by frame, and removes what an earlier run left of the rest; so all else that may
+  // fail comes before. actor_glb: the bytes kept as actor.glb beside the results. Throws IoError when something cannot
+  // be written.
   CaptureOutput(const CaptureOptions& options, const Actor& actor, const std::string& actor_glb, const Camera& camera,
                 double fps);
 
   // Writes one frame, and before it those that live pacing dropped. Returns the finished report of the frame.
   FrameReport publish(WorkItem& item);
 
-  // Writes capture.glb and report.json, closes the overlay.
-  CaptureReport finish(const ocl::DevicePair& devices, const RunEnd& end);
+  // Writes capture.glb and report.json, closes the overlay. model_sha256: empty when no network ran.
+  CaptureReport finish(const ocl::DevicePair& devices, const std::string& model_sha256, const RunEnd& end);
 
  private:
   void write_result(const FrameReport& report, const TrackResult& result, const Detections& detections);

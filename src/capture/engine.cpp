@@ -153,8 +153,9 @@ CaptureEngine::CaptureEngine(const MethodOptions& options, const DetectionOption
                              const BackgroundModel& background)
     : parts_(std::make_unique<Parts>(devices, camera)) {
   Parts& p = *parts_;
-  // The network's kernels are compiled or loaded beside the solvers': each has its queue.
-  std::future<void> network_ready = std::async(std::launch::async, [&] {
+  // The network's kernels are compiled or loaded beside the solvers': each has its queue. Where the system allows no
+  // further thread they come afterwards.
+  std::future<void> network_ready = std::async(std::launch::async | std::launch::deferred, [&] {
     p.detection.emplace(detections, *p.cnn);
     p.detection->warm_up(camera);
   });

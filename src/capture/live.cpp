@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/log.h"
+#include "base/start_thread.h"
 #include "base/text.h"
 #include "base/trace.h"
 #include "capture/channel.h"
@@ -195,7 +196,7 @@ LiveCapture::LiveCapture(const LiveOptions& options, LiveCallback on_result) {
   options.validate();
   if (!on_result) throw ConfigError("LiveCapture: on_result is empty, so that nobody would hear of the results");
   state_ = std::make_unique<State>(options, std::move(on_result));
-  state_->thread = std::thread([state = state_.get()] { state->run(); });
+  state_->thread = start_thread([state = state_.get()] { state->run(); });
 }
 
 LiveCapture::~LiveCapture() {

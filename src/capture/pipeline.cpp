@@ -9,14 +9,12 @@
 #include <exception>
 #include <functional>
 #include <mutex>
-#include <string>
-#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "base/start_thread.h"
 #include "capture/channel.h"
-#include "livecap/error.h"
 
 namespace livecap {
 namespace {
@@ -75,14 +73,7 @@ class AbortedThreads {
   AbortedThreads(const AbortedThreads&) = delete;
   AbortedThreads& operator=(const AbortedThreads&) = delete;
   // Throws Error.
-  void start(std::function<void()> body) {
-    try {
-      threads_.emplace_back(std::move(body));
-    } catch (const std::system_error& error) {
-      throw Error(std::string("capture: the system allows no further thread (") + error.what() +
-                  "); let this user have more processes (ulimit -u)");
-    }
-  }
+  void start(std::function<void()> body) { threads_.push_back(start_thread(std::move(body))); }
   void abort_and_join() {
     if (threads_.empty()) return;
     abort_();

@@ -3,18 +3,10 @@
 #include <sys/resource.h>
 
 #include <filesystem>
-#include <memory>
 #include <nlohmann/json.hpp>
 
-#include "base/text.h"
-#include "detect/find_model.h"
 #include "image/video.h"
 #include "ocl/buffer.h"
-
-extern "C" {
-#include <libavutil/mem.h>
-#include <libavutil/sha.h>
-}
 
 namespace livecap {
 namespace {
@@ -48,20 +40,8 @@ double peak_resident_mib() {
 
 }  // namespace
 
-std::string file_sha256(const std::string& path) {
-  const std::string bytes = read_file(path);
-  std::unique_ptr<AVSHA, decltype(&av_free)> sha(av_sha_alloc(), av_free);
-  av_sha_init(sha.get(), 256);
-  av_sha_update(sha.get(), reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
-  uint8_t digest[32];
-  av_sha_final(sha.get(), digest);
-  std::string text;
-  for (uint8_t byte : digest) text += format("%02x", byte);
-  return text;
-}
-
 std::string report_json(const CaptureOptions& options, const CaptureReport& report, const ocl::DevicePair& devices,
-                        const CaptureGlbReport& glb, const Actor& actor) {
+                        const std::string& model_sha256, const CaptureGlbReport& glb, const Actor& actor) {
   Json json;
   json["program"] = "livecap " LIVECAP_VERSION;
   json["complete"] = report.complete;
@@ -108,10 +88,7 @@ std::string report_json(const CaptureOptions& options, const CaptureReport& repo
                    {"triangles", actor.mesh.n_triangles()},
                    {"joint_angles", actor.skeleton.n_dofs()},
                    {"notes", actor.notes}};
-  json["network"] =
-      options.detections.empty()
-          ? Json{{"model", options.model}, {"sha256", file_sha256(detect::find_model(options.model).string())}}
-          : Json(nullptr);
+  json["network"] = model_sha256.empty() ? Json(nullptr) : Json{{"model", options.model}, {"sha256", model_sha256}};
   json["devices"] = {{"network", device_json(devices.cnn)}, {"solver", device_json(devices.solver)}};
   json["capture_glb"] = {{"keys", glb.n_keys},
                          {"morph_targets", glb.n_morph_targets},

@@ -10,10 +10,8 @@
 
 namespace livecap {
 
-// SHA-256 of a file in hexadecimal. Throws IoError.
-std::string file_sha256(const std::string& path);
-
+// model_sha256: of the network's file; empty when none ran.
 std::string report_json(const CaptureOptions& options, const CaptureReport& report, const ocl::DevicePair& devices,
-                        const CaptureGlbReport& glb, const Actor& actor);
+                        const std::string& model_sha256, const CaptureGlbReport& glb, const Actor& actor);
 
 }  // namespace livecap

@@ -1,12 +1,15 @@
 // run_capture: opens everything, warms up, runs the pipeline, closes the outputs.
 #include <optional>
+#include <string>
 
 #include "base/trace.h"
 #include "capture/capture_output.h"
 #include "capture/engine.h"
+#include "capture/file_sha256.h"
 #include "capture/fixed_lag.h"
 #include "capture/frame_reader.h"
 #include "capture/pipeline.h"
+#include "detect/find_model.h"
 #include "image/image_io.h"
 #include "livecap/capture.h"
 
@@ -18,15 +21,18 @@ constexpr double kPaperShare = 0.15;
 
 // The run itself. Its queues are closed when it returns.
 CaptureReport capture(const CaptureOptions& options, const CaptureProgress& progress) {
-  set_image_threads(1);
+  const ImageThreads one_thread(1);
+  CaptureOutput::make_folder(options);
   const ocl::DevicePair devices = ocl::select_device_pair(options.cnn_device, options.solver_device);
+  const std::string model_sha256 =
+      options.detections.empty() ? file_sha256(detect::find_model(options.model)) : std::string();
   FrameReader reader(options);
   const CapturedActor who = load_captured_actor(options);
   BackgroundModel background;
   for (const ImageRgb& plate : reader.empty_plates()) background.train(plate);
-  CaptureOutput output(options, who.actor, who.glb, reader.camera(), reader.info().fps);
   CaptureEngine engine(options, {options.model, options.detections, options.missed_detections, options.draw}, devices,
                        who.actor, reader.camera(), background);
+  CaptureOutput output(options, who.actor, who.glb, reader.camera(), reader.info().fps);
 
   PipelineStages stages = engine.stages();
   stages.read = [&](WorkItem& item) {
@@ -53,7 +59,8 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   while (std::optional<WorkItem> last = results.flush()) {
     if (!stopped_early) publish(*last);
   }
-  return output.finish(devices, {stopped_early, reader.input_complete(), engine.buffers_made(), reader.warnings()});
+  return output.finish(devices, model_sha256,
+                       {stopped_early, reader.input_complete(), engine.buffers_made(), reader.warnings()});
 }
 
 }  // namespace

@@ -88,8 +88,12 @@ std::string encode_jpeg(const ImageRgb& image, int quality) {
   return encode(to_bgr(image, "encode_jpeg"), ".jpg", {cv::IMWRITE_JPEG_QUALITY, quality});
 }
 
-void set_image_threads(int n) {
+ImageThreads::ImageThreads(int n) : before_(cv::getNumThreads()) {
   cv::setNumThreads(n);
+}
+
+ImageThreads::~ImageThreads() {
+  cv::setNumThreads(before_);
 }
 
 }  // namespace livecap

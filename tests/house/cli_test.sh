@@ -188,6 +188,24 @@ expect 2 'half/report.json JSON' eval --capture half --truth seq/truth
 mapfile -t args < <(capture --out good)
 "$livecap" -q capture "${args[@]}" >/dev/null || exit 1
 expect 2 '--capture' eval --truth seq/truth
+# What lies there stays: no input is a file that is written, and a run that cannot begin takes nothing away.
+cp -r good kept
+expect_kept() {  # PATTERN ARGS...: capture into kept fails and leaves every byte
+  local pattern=$1 before after
+  shift
+  before=$(cd kept && sha256sum -- * | sort)
+  expect 2 "$pattern" capture --background seq/background.png "$@" --out kept
+  after=$(cd kept && sha256sum -- * | sort)
+  [[ $before == "$after" ]] || { echo "FAILED: $pattern: kept/ is not what it was"; failures=$((failures + 1)); }
+}
+sequence=(--video seq/video.mp4 --camera seq/camera.json --actor seq/actor.glb)
+expect_kept '--detections kept/detections.jsonl overwritten --out' "${sequence[@]}" --detections kept/detections.jsonl
+expect_kept '--camera kept/camera.json overwritten' --video seq/video.mp4 --camera kept/camera.json --actor seq/actor.glb
+expect_kept '--actor kept/capture.glb overwritten' --video seq/video.mp4 --camera seq/camera.json --actor kept/capture.glb
+expect_kept 'big' "${sequence[@]}" --model big
+expect_kept 'none.jsonl' "${sequence[@]}" --detections none.jsonl
+expect_kept 'garbage.png' "${sequence[@]}" --background garbage.png
+rm -rf kept
 # Another draw has other detections, and its report says so.
 cases=$((cases + 1))
 mapfile -t args < <(capture --out drawn)

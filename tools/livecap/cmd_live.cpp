@@ -120,7 +120,7 @@ struct Totals {
 int run(const Options& options) {
   if (options.camera.empty() && options.fov_deg == 0) throw ConfigError("give either --camera FILE or --fov DEGREES");
   if (options.show) choose_window_driver();
-  set_image_threads(1);
+  const ImageThreads one_thread(1);
   catch_interrupt();
   VideoReader video(options.video);
   LiveOptions live = options.live;

@@ -38,7 +38,7 @@ int run(const Options& options) {
   parse_pair("--sheet", options.sheet, render.sheet_columns, render.sheet_rows);
   render.floor = !options.no_floor;
 
-  set_image_threads(1);
+  const ImageThreads one_thread(1);
   catch_interrupt();
   Progress progress("render");
   const render::RenderReport report = render_capture(render, [&](int64_t done, int64_t total) {

@@ -6,9 +6,10 @@
 //                 markers: N         name joint point ox oy oz [size [r g b]]
 //                 scaling joints: N  name M, then M lines with a joint name
 //                 dofs: N            name M; "limits min max" or "nolimits"; then M lines joint weight
-//   .skin         "Skeletool character skinning file V1.0"; bones: one line of names; vertex weights: index (bone
-//   weight)* .motion       "Skeletool Motion File V1.0"; per line: frame, one value per degree of freedom .calibration
-//   "Skeletool Camera Calibration File V1.0"; per camera: name, sensor, size, animated, intrinsic,
+//   .skin         "Skeletool character skinning file V1.0"; bones: one line of names; vertex weights:
+//                 index (bone weight)*
+//   .motion       "Skeletool Motion File V1.0"; per line: frame, one value per degree of freedom
+//   .calibration  "Skeletool Camera Calibration File V1.0"; per camera: name, sensor, size, animated, intrinsic,
 //                 extrinsic (row-major 4x4), radial
 #pragma once
 

@@ -28,23 +28,20 @@ LC_FN DistanceSample sample_bilinear(global const float* restrict image, int wid
 }
 
 // The lanes from contour vertex `first` on; records and residuals have them from `place` on. camera: fx, fy, cx, cy.
-// step: layout.h. vertices [contour.n] vertex indices. rest, rest_normals, displacement [3*n_vertices] mm, template
-// frame (displacement is read when contour.has_displacement). bones, weights [4*n_vertices]. distance [width*height]
-// px, positive outside. records, residuals: the first contour row's. Out: distances_px the sampled distance; NaN, and a
-// zero row, for a vertex that is not inside the image. Everything that is written has room for whole slices.
+// step: layout.h. vertices [contour.n] vertex indices. rest, rest_normals [3*n_vertices] mm, template frame. bones,
+// weights [4*n_vertices]. distance [width*height] px, positive outside. records, residuals: the first contour row's.
+// Out: distances_px the sampled distance; NaN, and a zero row, for a vertex that is not inside the image. Everything
+// that is written has room for whole slices.
 static inline void contour_records(int first, int place, PoseLayout layout, float4 camera, PoseContour contour,
                                    LC_POSE_SPACE const float* restrict step, global const int* restrict vertices,
                                    global const float* restrict rest, global const float* restrict rest_normals,
-                                   global const float* restrict displacement, global const int* restrict bones,
-                                   global const float* restrict weights, global const float* restrict distance,
-                                   LC_POSE_SPACE float* restrict records, LC_POSE_SPACE float* restrict residuals,
-                                   global float* restrict distances_px) {
+                                   global const int* restrict bones, global const float* restrict weights,
+                                   global const float* restrict distance, LC_POSE_SPACE float* restrict records,
+                                   LC_POSE_SPACE float* restrict residuals, global float* restrict distances_px) {
   const Pinhole cam = {camera.x, camera.y, camera.z, camera.w};
   const LaneInt vertex = lane_vertices(vertices, first, contour.n);
-  Vec3 v_rest = gather_vec3(rest, vertex);
-  if (contour.has_displacement) v_rest = add3(v_rest, gather_vec3(displacement, vertex));
-
-  const SkinnedVertex skinned = skinned_vertex(vertex, v_rest, step + LC_POSE_STEP_DUAL_QUATS(layout), bones, weights);
+  const SkinnedVertex skinned =
+      skinned_vertex(vertex, gather_vec3(rest, vertex), step + LC_POSE_STEP_DUAL_QUATS(layout), bones, weights);
   LC_POSE_SPACE const float* root = step + LC_POSE_STEP_ROOT(layout);
   const Vec3 v_camera = add3(skinned.position, vec3(root[0], root[1], root[2]));
   const Projection projection = project_point(v_camera, cam);
@@ -71,13 +68,12 @@ static inline void contour_records(int first, int place, PoseLayout layout, floa
 kernel void pose_contour_records(PoseLayout layout, float4 camera, PoseContour contour, PoseInputs at,
                                  global const float* restrict step, global const float* restrict inputs,
                                  global const float* restrict rest, global const float* restrict rest_normals,
-                                 global const float* restrict displacement, global const int* restrict bones,
-                                 global const float* restrict weights, global const float* restrict distance,
-                                 global float* restrict records, global float* restrict residuals,
-                                 global float* restrict distances_px) {
+                                 global const int* restrict bones, global const float* restrict weights,
+                                 global const float* restrict distance, global float* restrict records,
+                                 global float* restrict residuals, global float* restrict distances_px) {
   if (FIRST_ROW >= contour.n) return;
   contour_records(FIRST_ROW, FIRST_ROW, layout, camera, contour, step,
-                  (global const int*)(inputs + at.contour_vertices), rest, rest_normals, displacement, bones, weights,
-                  distance, records, residuals, distances_px);
+                  (global const int*)(inputs + at.contour_vertices), rest, rest_normals, bones, weights, distance,
+                  records, residuals, distances_px);
 }
 #endif

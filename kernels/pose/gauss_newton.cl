@@ -76,11 +76,11 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
     float shading_huber, float sqrt_anatomic, PoseInputs at, PoseStepsArg steps, global const float* restrict inputs,
     global const real64* restrict constants, global const int* restrict links, global const float* restrict moves,
     global const float* restrict limits, global const float* restrict rest, global const float* restrict rest_normals,
-    global const float* restrict displacement, global const int* restrict bones, global const float* restrict weights,
-    global const float* restrict distance, global const float* restrict from, global real64* kept,
-    global float* restrict J, volatile global ulong* parts, volatile global ulong* gram, global float* results,
-    volatile global int* state, global float* moved, global float* motions, volatile global int* next,
-    volatile global int* chosen, local float4* rows, local float4* near, local real64_pair* memory) {
+    global const int* restrict bones, global const float* restrict weights, global const float* restrict distance,
+    global const float* restrict from, global real64* kept, global float* restrict J, volatile global ulong* parts,
+    volatile global ulong* gram, global float* results, volatile global int* state, global float* moved,
+    global float* motions, volatile global int* next, volatile global int* chosen, local float4* rows,
+    local float4* near, local real64_pair* memory) {
   const int id = get_local_id(0), group = get_group_id(0), n_groups = get_num_groups(0);
   const int n_columns = layout.n_columns, n_point = LC_POSE_POINT_ROWS + 2 * layout.n_dofs + layout.n_soles;
   global const int* counts = (global const int*)(inputs + at.counts);
@@ -170,8 +170,8 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
       } else if (kind == 1) {
         if (id < left)
           contour_records(first + id, id, layout, camera, contour, step,
-                          (global const int*)(inputs + at.contour_vertices), rest, rest_normals, displacement, bones,
-                          weights, distance, records, of_rows, residuals + n_rows);
+                          (global const int*)(inputs + at.contour_vertices), rest, rest_normals, bones, weights,
+                          distance, records, of_rows, residuals + n_rows);
       } else if (kind == 2) {
         if (2 * id < left)
           match_records(first / 2 + id, id, layout, camera, n_matches, match_huber_px, step,

@@ -214,7 +214,6 @@ typedef struct {
   int n;      // contour vertices; on GPUs the inputs' counts say it
   int width;  // of the distance image, px
   int height;
-  int has_displacement;
   float sqrt_weight;  // of one vertex; likewise
   float huber_px;     // 0 = quadratic everywhere
 } PoseContour;

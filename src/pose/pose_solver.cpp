@@ -87,10 +87,9 @@ void PoseSolver::weigh_3d(Prepared& prepared, const PoseInput& input) const {
 PoseResult PoseSolver::solve(const PoseInput& input, const Prepared& prepared) {
   const KeypointTargets& targets = prepared.targets;
   if (input.seen) {
-    system_.set_seen_frame(targets, input.frame, *input.seen, input.displacement_rest);
+    system_.set_seen_frame(targets, input.frame, *input.seen);
   } else {
-    system_.set_frame(targets, input.frame, input.contour_vertices, input.displacement_rest, input.matches,
-                      input.shaded);
+    system_.set_frame(targets, input.frame, input.contour_vertices, input.matches, input.shaded);
   }
   system_.set_floor(input.floor, prepared.stands);
   PoseResult result;

@@ -25,7 +25,7 @@ constexpr int kTile = 8;
 constexpr int kMaxBones = LC_POSE_NO_BONE;
 
 static_assert(LC_POSE_KEYPOINTS == kKeypointCount);
-static_assert(sizeof(PoseLayout) == 20 && sizeof(PoseContour) == 24 && sizeof(PoseInputs) == 48 &&
+static_assert(sizeof(PoseLayout) == 20 && sizeof(PoseContour) == 20 && sizeof(PoseInputs) == 48 &&
               sizeof(PoseChoice) == 28 && sizeof(PoseStepsArg) == 56);
 
 void require(bool ok, const std::string& message) {
@@ -162,35 +162,30 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
 }
 
 void PoseSystem::set_frame(const KeypointTargets& targets, const DeviceFrame* frame,
-                           std::span<const int32_t> contour_vertices, const ocl::Buffer<float>* displacement_rest,
-                           std::span<const VertexMatch> matches, std::span<const ShadedVertex> shaded) {
+                           std::span<const int32_t> contour_vertices, std::span<const VertexMatch> matches,
+                           std::span<const ShadedVertex> shaded) {
   seen_.reset();
   inputs_.set_targets(targets);
   inputs_.set_vertices(frame ? contour_vertices : std::span<const int32_t>{}, matches, shaded);
-  set_picture(n_contour() > 0 ? frame : nullptr, displacement_rest);
+  set_picture(n_contour() > 0 ? frame : nullptr);
 }
 
-void PoseSystem::set_seen_frame(const KeypointTargets& targets, const DeviceFrame* frame, const SeenVertices& seen,
-                                const ocl::Buffer<float>* displacement_rest) {
+void PoseSystem::set_seen_frame(const KeypointTargets& targets, const DeviceFrame* frame, const SeenVertices& seen) {
   require(chooses(), "the device does not choose vertices");
   seen_ = seen;
   inputs_.set_targets(targets);
   inputs_.set_choice(seen);
-  set_picture(frame, displacement_rest);
+  set_picture(frame);
 }
 
 // frame: nullptr where no contour vertex is looked at in it.
-void PoseSystem::set_picture(const DeviceFrame* frame, const ocl::Buffer<float>* displacement_rest) {
+void PoseSystem::set_picture(const DeviceFrame* frame) {
   inputs_changed_ = true;
   frame_ = frame;
-  displacement_ = displacement_rest;
   if (!frame) return;
   if (frame->width != width_ || frame->height != height_)
     throw LogicError(
         format("pose: frame is %d x %d, the camera %d x %d", frame->width, frame->height, width_, height_));
-  if (displacement_rest && displacement_rest->size() != size_t(3) * n_vertices_)
-    throw LogicError(
-        format("pose: displacement has %zu values for %d vertices", displacement_rest->size(), n_vertices_));
 }
 
 void PoseSystem::set_floor(const Floor* floor, std::span<const double> stands) {
@@ -230,13 +225,12 @@ void PoseSystem::launch_records() {
                                    shading_records_, shading_residuals_);
   if (n_contour() == 0) return;
   contour_records_kernel_.launch(lane_items(n_contour()), 1, layout_, pinhole_, contour_arg(), inputs_.places(), step_,
-                                 inputs_on_device_, rest_, rest_normals_, displacement_ ? *displacement_ : rest_,
-                                 bones_, weights_, frame_->signed_distance, contour_records_, contour_residuals_,
-                                 distances_px_);
+                                 inputs_on_device_, rest_, rest_normals_, bones_, weights_, frame_->signed_distance,
+                                 contour_records_, contour_residuals_, distances_px_);
 }
 
 PoseContour PoseSystem::contour_arg() const {
-  return {n_contour(), width_, height_, displacement_ ? 1 : 0, contour_root(), float(options_.silhouette_huber_px)};
+  return {n_contour(), width_, height_, contour_root(), float(options_.silhouette_huber_px)};
 }
 
 // On CPUs.
@@ -285,10 +279,9 @@ void PoseSystem::launch_gauss_newton(size_t n_groups, const PoseStepsArg& steps)
   gauss_newton_kernel_.launch(
       n_groups * LC_POSE_GROUP, LC_POSE_GROUP, layout_, pinhole_, contour_arg(), float(options_.keypoint_2d_huber_px),
       float(options_.match_huber_px), float(options_.shading_huber), float(std::sqrt(options_.weights.anatomic)),
-      inputs_.places(), steps, inputs_on_device_, chain_, links_, moves_, limits_, rest_, rest_normals_,
-      displacement_ ? *displacement_ : rest_, bones_, weights_, frame_ ? frame_->signed_distance : rest_, step_, kept_,
-      J_, parts_, sums_, results_, groups_.state(), moved_, motions_, look_state_, choice_state_,
-      ocl::LocalMemory{sizeof(float) * LC_POSE_ROWS_SIZE(layout_)},
+      inputs_.places(), steps, inputs_on_device_, chain_, links_, moves_, limits_, rest_, rest_normals_, bones_,
+      weights_, frame_ ? frame_->signed_distance : rest_, step_, kept_, J_, parts_, sums_, results_, groups_.state(),
+      moved_, motions_, look_state_, choice_state_, ocl::LocalMemory{sizeof(float) * LC_POSE_ROWS_SIZE(layout_)},
       ocl::LocalMemory{sizeof(float) * LC_POSE_NEAR_SIZE(layout_)},
       ocl::LocalMemory{takes_steps_ ? sizeof(double) * LC_POSE_LOCAL(layout_) : sizeof(double)});
 }
@@ -351,7 +344,7 @@ void PoseSystem::set_round(int round, const KeypointTargets& targets, const Seen
 }
 
 void PoseSystem::begin_rounds(int n_rounds, const PoseState& start, const DeviceFrame* frame) {
-  set_picture(frame, nullptr);
+  set_picture(frame);
   inputs_.set_start(state_values(start));
   inputs_on_device_.write_later(inputs_.words_given(n_rounds));
 }

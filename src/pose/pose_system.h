@@ -60,16 +60,14 @@ class PoseSystem {
   PoseSystem(ocl::DeviceContext& device, const Actor& actor, const SkinWeights& skin, const Camera& camera,
              const PoseOptions& options);
 
-  // Constants of the next frame. frame, displacement_rest: nullptr, or alive until the next call.
+  // Constants of the next frame. frame: nullptr, or alive until the next call.
   // Throws LogicError for a contour vertex out of range or a frame of another size than the camera's.
   void set_frame(const KeypointTargets& targets, const DeviceFrame* frame, std::span<const int32_t> contour_vertices,
-                 const ocl::Buffer<float>* displacement_rest, std::span<const VertexMatch> matches = {},
-                 std::span<const ShadedVertex> shaded = {});
+                 std::span<const VertexMatch> matches = {}, std::span<const ShadedVertex> shaded = {});
 
   // The same for take_steps(), with vertices that the device chooses from `seen`, whose buffers live until the next
   // call. Only where chooses().
-  void set_seen_frame(const KeypointTargets& targets, const DeviceFrame* frame, const SeenVertices& seen,
-                      const ocl::Buffer<float>* displacement_rest);
+  void set_seen_frame(const KeypointTargets& targets, const DeviceFrame* frame, const SeenVertices& seen);
   bool chooses() const { return chooses_ && groups_.work(); }
   // What the device chose, for all but take_steps(). Blocking.
   void read_choice();
@@ -145,7 +143,7 @@ class PoseSystem {
   size_t n_parts() const;
   void launch_normal_equations(bool write_rows);
   void read_results(size_t n_rows);
-  void set_picture(const DeviceFrame* frame, const ocl::Buffer<float>* displacement_rest);
+  void set_picture(const DeviceFrame* frame);
   PoseResiduals residuals_read() const;
   PoseContour contour_arg() const;
 
@@ -161,7 +159,6 @@ class PoseSystem {
   int lanes_ = 1;
   int n_tiles_ = 0;
   const DeviceFrame* frame_ = nullptr;
-  const ocl::Buffer<float>* displacement_ = nullptr;
   PoseRowInputs inputs_;
   bool inputs_changed_ = true;        // since they were uploaded
   std::optional<SeenVertices> seen_;  // what the device is to choose from

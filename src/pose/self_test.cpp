@@ -150,10 +150,10 @@ ocl::SelfTestResult check_choice(ocl::DeviceContext& device, PoseSystem& system,
   const ocl::Buffer<float> match_buffer(device, matches), skin_buffer(device, skin);
   seen = {&contour, &match_buffer, kMatchArea, {&skin_buffer, &skin_vertices, &limbs, kLimbArea, seen.skin.lights}};
   // First the device, so that it does not find the host's choice.
-  system.set_seen_frame(targets, &frame, seen, nullptr);
+  system.set_seen_frame(targets, &frame, seen);
   system.read_choice();
   const std::vector<float> chosen = system.residuals(state).rows;
-  system.set_frame(targets, &frame, std::vector<int32_t>{0, 2, 4}, nullptr, found, shaded);
+  system.set_frame(targets, &frame, std::vector<int32_t>{0, 2, 4}, found, shaded);
   ocl::SelfTestResult result{"pose/choose.cl pose_choose", system.residuals(state).rows == chosen, {}};
   if (!result.ok) result.detail = "it chooses other vertices than the host, or weighs them otherwise";
   return result;
@@ -187,7 +187,7 @@ std::vector<ocl::SelfTestResult> pose_self_test(ocl::DeviceContext& device) {
   const std::vector<VertexMatch> matches = {{1, 30, 20, 1, 0.5f, 0.25f, 2}, {3, 25, 40, 0.5f, 0, 1, 1}};
   const std::vector<ShadedVertex> shaded = {{1, {0.5f, 0.25f, -1, 0.5f, 0.125f, 0.25f, -0.5f, 0.75f, 0.25f}, 0.5f, 2},
                                             {4, {0, 1, -2, 0.5f}, -0.25f, 1}};
-  system.set_frame(targets, &frame, contour, nullptr, matches, shaded);
+  system.set_frame(targets, &frame, contour, matches, shaded);
   const Floor floor{Eigen::Vector3d(0.6, -0.8, 0), -40};
   const double stands = 0.5;
   system.set_floor(&floor, std::vector<double>{stands});

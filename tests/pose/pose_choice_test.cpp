@@ -152,7 +152,7 @@ TEST(PoseChoice, IsTheHosts) {
         const Picture picture(device, scene.actor.n_vertices(), scene.camera, c.share, knows_light);
         if (c.n_copies > 1) ASSERT_GT(scene.actor.n_vertices(), 2 * LC_POSE_CHOICE_GROUP);
         PoseSystem system(device, scene.actor, scene.camera, scene.options);
-        system.set_frame(scene.targets(), &scene.frame, picture.contour_found(), nullptr, picture.matches_found(),
+        system.set_frame(scene.targets(), &scene.frame, picture.contour_found(), picture.matches_found(),
                          picture.shaded_found());
         const int n_contour = system.n_contour(), n_matches = system.n_matches(), n_shaded = system.n_shaded();
         const Eigen::MatrixXf J = system.jacobian(scene.start);
@@ -160,9 +160,9 @@ TEST(PoseChoice, IsTheHosts) {
         ASSERT_TRUE(expected.has_value());
 
         ASSERT_TRUE(system.chooses());
-        system.set_frame(scene.targets(), &scene.frame, {}, nullptr);  // a device that chooses nothing finds nothing
+        system.set_frame(scene.targets(), &scene.frame, {});  // a device that chooses nothing finds nothing
         system.residuals(scene.start);
-        system.set_seen_frame(scene.targets(), &scene.frame, picture.seen(), nullptr);
+        system.set_seen_frame(scene.targets(), &scene.frame, picture.seen());
         const std::optional<PoseSteps> got = system.take_steps(scene.start, 2, 0);
         ASSERT_TRUE(got.has_value());
         EXPECT_EQ(system.n_contour(), n_contour);

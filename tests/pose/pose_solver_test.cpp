@@ -181,10 +181,10 @@ TEST(PoseSolver, EnergyIsNotWorseThanCeres) {
           ASSERT_EQ(result.status, SolveStatus::kOk);
           EXPECT_EQ(result.n_contour_visible, int(contour.size()));
 
-          test::PoseReference reference{actor,    camera,
-                                        options,  make_targets(actor, detections, &previous, options),
-                                        contour,  options.weights.silhouette,
-                                        distance, {}};
+          test::PoseReference reference{actor,   camera,
+                                        options, make_targets(actor, detections, &previous, options),
+                                        contour, options.weights.silhouette,
+                                        distance};
           const PoseState start{previous, result.t_prime_mm};
           std::vector<double> x(actor.skeleton.n_dofs() + 9, 0.0);
           ceres::Problem problem;
@@ -218,7 +218,7 @@ TEST(PoseSolver, SilhouettePullsTheBodyToTheContour) {
         const Pose start = test::standing_pose(actor, 0);
         // The right border of the silhouette is 12 px left of the rightmost vertices.
         const std::vector<int32_t> all = test::some_vertices(actor, 1);
-        test::PoseReference reference{actor, camera, {}, {}, all, 0, {}, {}};
+        test::PoseReference reference{actor, camera, {}, {}, all, 0, {}};
         const PosedSkeleton posed = forward_kinematics(actor.skeleton, start);
         double right = 0;
         std::vector<int32_t> contour;

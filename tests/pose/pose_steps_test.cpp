@@ -58,7 +58,7 @@ struct Scene {
     }
   }
   void give(PoseSystem& system) const {
-    system.set_frame(make_targets(actor, detections, &previous, options), &frame, contour, nullptr, matches, shaded);
+    system.set_frame(make_targets(actor, detections, &previous, options), &frame, contour, matches, shaded);
     system.set_floor(&floor, std::vector<double>(system.soles().size(), 0.5));
   }
 };
@@ -157,7 +157,7 @@ TEST(PoseSteps, TellWhyTheyFail) {
       scene.give(system);
       KeypointTargets targets;
       targets[kLeftWrist].weight_2d = 1;
-      if (defined) system.set_frame(targets, nullptr, {}, nullptr);
+      if (defined) system.set_frame(targets, nullptr, {});
       if (defined) system.set_floor(nullptr, {});
       if (!defined) scene.frame.signed_distance.fill(std::numeric_limits<float>::quiet_NaN());
       const std::optional<PoseSteps> got = system.take_steps(scene.start, 5, 0);

@@ -27,7 +27,6 @@ struct Scene {
   PoseState state{test::disturbed(truth, rng, 0.2, 60), {20, -40, 3100}};
   std::vector<int32_t> contour = test::some_vertices(actor, 2);
   std::vector<float> distance = test::smooth_distance(camera);
-  std::vector<float> displacement;
   // Through the middle of the feet, askew: some points are above it, some below.
   Floor floor{Eigen::Vector3d(0.1, -0.98, -0.05).normalized()};
   std::vector<double> stands;
@@ -45,41 +44,38 @@ struct Scene {
       floor.offset_mm -= floor.up.dot(posed.camera_from_rest[sole.bone] * sole.rest_mm) / double(soles.size());
       stands.push_back(0.1 * double(stands.size() % 10));
     }
-    std::uniform_real_distribution<float> uniform(-40, 40);
-    displacement.resize(3 * actor.n_vertices());
-    for (float& value : displacement) value = uniform(rng);
     for (int k = 0; k < kKeypointCount; ++k) detections.keypoints[k].confidence = 0.3f + 0.03f * k;
   }
 
   test::PoseReference reference(double contour_root) const {
-    return {actor,    camera,
-            options,  make_targets(actor, detections, &previous, options),
-            contour,  contour_root * contour_root,
-            distance, displacement,
-            floor,    sole_points(actor),
+    return {actor,
+            camera,
+            options,
+            make_targets(actor, detections, &previous, options),
+            contour,
+            contour_root * contour_root,
+            distance,
+            floor,
+            sole_points(actor),
             stands};
   }
 };
 
-// Runs check(system, reference) with and without a displacement.
+// Runs check(system, reference, scene) on every device.
 template <typename Check>
 void with_system(Check&& check) {
   test::on_every_device_and_body(
       [&](ocl::DeviceContext& device) {
         Scene scene;
-        for (bool displaced : {true, false}) {
-          if (!displaced) scene.displacement.clear();
-          PoseSystem system(device, scene.actor, scene.camera, scene.options);
-          DeviceFrame frame(device, scene.camera.width, scene.camera.height);
-          frame.signed_distance.write(scene.distance);
-          const ocl::Buffer<float> displacement(device, scene.displacement);
-          system.set_frame(make_targets(scene.actor, scene.detections, &scene.previous, scene.options), &frame,
-                           scene.contour, displaced ? &displacement : nullptr);
-          system.set_floor(&scene.floor, scene.stands);
-          ASSERT_EQ(system.n_contour(), int(scene.contour.size()));
-          ASSERT_FALSE(system.soles().empty());
-          check(system, scene.reference(system.contour_root()), scene);
-        }
+        PoseSystem system(device, scene.actor, scene.camera, scene.options);
+        DeviceFrame frame(device, scene.camera.width, scene.camera.height);
+        frame.signed_distance.write(scene.distance);
+        system.set_frame(make_targets(scene.actor, scene.detections, &scene.previous, scene.options), &frame,
+                         scene.contour);
+        system.set_floor(&scene.floor, scene.stands);
+        ASSERT_EQ(system.n_contour(), int(scene.contour.size()));
+        ASSERT_FALSE(system.soles().empty());
+        check(system, scene.reference(system.contour_root()), scene);
       },
       test::Doubles::kAlsoWithout);
 }
@@ -162,7 +158,7 @@ TEST(PoseSystem, OtherWeightsMoveTheContour) {
     frame.signed_distance.write(scene.distance);
     const auto equations = [&](PoseSystem system) {
       system.set_frame(make_targets(scene.actor, scene.detections, &scene.previous, scene.options), &frame,
-                       scene.contour, nullptr);
+                       scene.contour);
       return system.assemble(scene.state);
     };
     const PoseNormalEquations given = equations({device, scene.actor, other, scene.camera, scene.options});
@@ -188,7 +184,6 @@ TEST(PoseSystem, ContourCountsAroundTheVectorWidth) {
   test::on_every_device_and_body(
       [](ocl::DeviceContext& device) {
         Scene scene;
-        scene.displacement.clear();
         PoseSystem system(device, scene.actor, scene.camera, scene.options);
         DeviceFrame frame(device, scene.camera.width, scene.camera.height);
         frame.signed_distance.write(scene.distance);
@@ -196,7 +191,7 @@ TEST(PoseSystem, ContourCountsAroundTheVectorWidth) {
         const std::vector<int32_t> all = scene.contour;
         for (int n : {0, 1, 63, 64, 65}) {
           scene.contour.assign(all.begin(), all.begin() + n);
-          system.set_frame(targets, &frame, scene.contour, nullptr);
+          system.set_frame(targets, &frame, scene.contour);
           system.set_floor(&scene.floor, scene.stands);
           const Eigen::VectorXd expected = scene.reference(system.contour_root()).residuals(scene.state);
           const double energy = expected.squaredNorm();
@@ -211,7 +206,6 @@ TEST(PoseSystem, ShadedVerticesFollowTheirNormals) {
   test::on_every_device_and_body(
       [](ocl::DeviceContext& device) {
         Scene scene;
-        scene.displacement.clear();
         scene.options.shading_huber = scene.options.match_huber_px = 0;
         PoseSystem system(device, scene.actor, scene.camera, scene.options);
         DeviceFrame frame(device, scene.camera.width, scene.camera.height);
@@ -231,7 +225,7 @@ TEST(PoseSystem, ShadedVerticesFollowTheirNormals) {
             shaded.push_back(
                 {(7 * i) % scene.actor.n_vertices(), {0.5f, 1, 2}, 0.1f * float(i % 5), 0.5f + float(i % 3)});
           system.set_frame(make_targets(scene.actor, scene.detections, &scene.previous, scene.options), &frame,
-                           scene.contour, nullptr, matches, shaded);
+                           scene.contour, matches, shaded);
           ASSERT_EQ(system.n_shaded(), n);
           const std::vector<float> rows = system.residuals(scene.state).rows;
           const Eigen::MatrixXd J = system.jacobian(scene.state).cast<double>();
@@ -256,9 +250,9 @@ TEST(PoseSystem, ShadedVerticesFollowTheirNormals) {
           for (int k = 0; k < system.n_unknowns(); ++k)
             EXPECT_NEAR(got.JtJ(k, k), diagonal[k], test::kGramFloat * diagonal[k]) << n << " " << k;
         }
-        EXPECT_THROW(system.set_frame({}, nullptr, {}, nullptr, {},
-                                      std::vector<ShadedVertex>{{.vertex = scene.actor.n_vertices()}}),
-                     LogicError);
+        EXPECT_THROW(
+            system.set_frame({}, nullptr, {}, {}, std::vector<ShadedVertex>{{.vertex = scene.actor.n_vertices()}}),
+            LogicError);
       },
       test::Doubles::kAlsoWithout);
 }
@@ -270,7 +264,7 @@ TEST(PoseSystem, ThinnedContourKeepsItsWeight) {
     PoseSystem system(device, scene.actor, scene.camera, scene.options);
     DeviceFrame frame(device, scene.camera.width, scene.camera.height);
     frame.signed_distance.fill(3.0f);
-    system.set_frame(KeypointTargets{}, &frame, scene.contour, nullptr);
+    system.set_frame(KeypointTargets{}, &frame, scene.contour);
     EXPECT_EQ(system.n_contour(), 50);
     const PoseState standing{test::standing_pose(scene.actor, 0), {}};
     const PoseNormalEquations equations = system.assemble(standing);
@@ -288,7 +282,7 @@ TEST(PoseSystem, RobustSilhouetteGrowsLinearlyBeyondItsThreshold) {
     const PoseState standing{test::standing_pose(scene.actor, 0), {}};
     for (const float distance_px : {2.0f, 12.0f}) {
       frame.signed_distance.fill(distance_px);
-      system.set_frame(KeypointTargets{}, &frame, scene.contour, nullptr);
+      system.set_frame(KeypointTargets{}, &frame, scene.contour);
       const PoseNormalEquations equations = system.assemble(standing);
       const double each = distance_px < 3 ? distance_px * distance_px : 3.0 * distance_px;
       EXPECT_NEAR(equations.energy, scene.options.weights.silhouette * scene.contour.size() * each,
@@ -311,7 +305,7 @@ TEST(PoseSystem, RobustKeypointsGrowLinearlyBeyondTheirThreshold) {
         targets[k].position_px = {seen.keypoints[k].x_px + 0.6 * distance_px,
                                   seen.keypoints[k].y_px - 0.8 * distance_px};
       }
-      system.set_frame(targets, nullptr, {}, nullptr);
+      system.set_frame(targets, nullptr, {});
       const double each = distance_px < 8 ? distance_px * distance_px : 8 * distance_px;
       const double energy = system.assemble(standing).energy;
       EXPECT_NEAR(energy, 2 * kKeypointCount * each, test::kPoseJacobian * energy) << distance_px;
@@ -326,13 +320,10 @@ TEST(PoseSystem, WrongInputsAreRefused) {
     DeviceFrame frame(device, scene.camera.width, scene.camera.height);
     DeviceFrame small(device, 100, 100);
     const std::vector<int32_t> beyond = {0, scene.actor.n_vertices()};
-    const ocl::Buffer<float> short_displacement(device, 3);
-    EXPECT_THROW(
-        system.set_frame({}, nullptr, {}, nullptr, std::vector<VertexMatch>{{.vertex = scene.actor.n_vertices()}}),
-        LogicError);
-    EXPECT_THROW(system.set_frame({}, &frame, beyond, nullptr), LogicError);
-    EXPECT_THROW(system.set_frame({}, &small, scene.contour, nullptr), LogicError);
-    EXPECT_THROW(system.set_frame({}, &frame, scene.contour, &short_displacement), LogicError);
+    EXPECT_THROW(system.set_frame({}, nullptr, {}, std::vector<VertexMatch>{{.vertex = scene.actor.n_vertices()}}),
+                 LogicError);
+    EXPECT_THROW(system.set_frame({}, &frame, beyond), LogicError);
+    EXPECT_THROW(system.set_frame({}, &small, scene.contour), LogicError);
     Actor broken = scene.actor;
     broken.skin.bones[7] = 99;
     EXPECT_THROW(PoseSystem(device, broken, scene.camera, scene.options), LogicError);
@@ -369,7 +360,7 @@ TEST(PoseSystem, MatchesAreThinnedToTheirTotalWeight) {
           total += weight;
         }
         ASSERT_GT(matches.size(), 40u);
-        system.set_frame({}, nullptr, {}, nullptr, matches);
+        system.set_frame({}, nullptr, {}, matches);
         EXPECT_LE(system.n_matches(), 40);
         EXPECT_GE(system.n_matches(), 30);
         const std::vector<float> rows = system.residuals(scene.state).rows;
@@ -380,7 +371,7 @@ TEST(PoseSystem, MatchesAreThinnedToTheirTotalWeight) {
         // Without a total weight there are no shares of it: nothing is used, and nothing beyond the rows there are.
         for (float weight : {0.0f, std::numeric_limits<float>::quiet_NaN()}) {
           for (VertexMatch& match : matches) match.weight = weight;
-          system.set_frame({}, nullptr, {}, nullptr, matches);
+          system.set_frame({}, nullptr, {}, matches);
           EXPECT_EQ(system.n_matches(), 0);
         }
       },

@@ -17,10 +17,9 @@ struct PoseReference {
   const Camera& camera;
   PoseOptions options;
   KeypointTargets targets;
-  std::vector<int32_t> contour;     // template vertices
-  double contour_weight = 0;        // of each
-  std::vector<float> distance;      // [width*height] or empty
-  std::vector<float> displacement;  // [3n] or empty
+  std::vector<int32_t> contour;  // template vertices
+  double contour_weight = 0;     // of each
+  std::vector<float> distance;   // [width*height] or empty
   Floor floor{};
   std::vector<SolePoint> soles{};
   std::vector<double> stands{};  // empty: no floor is known
@@ -48,8 +47,7 @@ struct PoseReference {
     const double length = real.norm();
     const Eigen::Quaterniond q(Eigen::Vector4d(real / length));
     const Eigen::Quaterniond d(Eigen::Vector4d(dual / length));
-    Eigen::Vector3d rest = Eigen::Map<const Eigen::Vector3f>(&actor.mesh.positions[3 * vertex]).cast<double>();
-    if (!displacement.empty()) rest += Eigen::Map<const Eigen::Vector3f>(&displacement[3 * vertex]).cast<double>();
+    const Eigen::Vector3d rest = Eigen::Map<const Eigen::Vector3f>(&actor.mesh.positions[3 * vertex]).cast<double>();
     const Eigen::Vector3d t = 2 * (d * q.conjugate()).vec();
     return {q * rest + t, q.toRotationMatrix()};
   }

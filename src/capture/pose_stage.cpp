@@ -4,27 +4,23 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "base/log.h"
 #include "cloth/hanging_cloth.h"
-#include "livecap/error.h"
 #include "pose/mirrored_forearm.h"
 #include "pose/other_starts.h"
 #include "pose/person_height.h"
-#include "shared/exact_sum.h"
 
 namespace livecap {
 namespace {
-
-constexpr double kMostGuessedFactor = 100;
 
 std::vector<float> matched_share(const Actor& actor, const TrackerOptions& options) {
   const std::vector<float> legs = leg_weights(actor);
   std::vector<float> share(actor.n_vertices());
   for (int i = 0; i < actor.n_vertices(); ++i) {
-    const bool follows = actor.rigidity[i] >= options.min_matched_rigidity || legs[i] < options.max_matched_leg_weight;
+    const bool follows =
+        actor.rigidity[i] >= options.shares.min_matched_rigidity || legs[i] < options.shares.max_matched_leg_weight;
     share[i] = follows ? 1.0f : 0.0f;
   }
   return share;
@@ -34,7 +30,7 @@ std::vector<float> matched_share(const Actor& actor, const TrackerOptions& optio
 std::vector<float> refined_share(const Actor& actor, const TrackerOptions& options) {
   std::vector<float> share = matched_share(actor, options);
   for (int i = 0; i < actor.n_vertices(); ++i)
-    if (hangs(actor, i)) share[i] *= options.refined_hanging_share;
+    if (hangs(actor, i)) share[i] *= options.shares.refined_hanging_share;
   return share;
 }
 
@@ -44,7 +40,7 @@ std::vector<float> on_feet_share(const Actor& actor, const TrackerOptions& optio
   const int left_foot = actor.skeleton.bone_index("left_ankle"), right_foot = actor.skeleton.bone_index("right_ankle");
   for (int i = 0; i < actor.n_vertices(); ++i) {
     const int strongest = actor.skin.bones[4 * i];
-    if (strongest == left_foot || strongest == right_foot) share[i] *= options.foot_share;
+    if (strongest == left_foot || strongest == right_foot) share[i] *= options.shares.foot_share;
   }
   return share;
 }
@@ -59,15 +55,11 @@ bool wears_hanging_cloth(const Actor& actor) {
 }
 
 TrackerOptions options_for(const Actor& actor, TrackerOptions options) {
-  for (const double factor : {options.guessed_keypoint_2d, options.guessed_silhouette, options.guessed_shading})
-    if (!(factor > 0 && factor <= kMostGuessedFactor))
-      throw ConfigError("stage I: guessed_keypoint_2d, guessed_silhouette or guessed_shading is " +
-                        std::to_string(factor) + ", must be above 0, at most " + std::to_string(kMostGuessedFactor));
   if (!actor.guessed_weights) return options;
-  options.pose.weights.keypoint_2d *= options.guessed_keypoint_2d;
+  options.pose.weights.keypoint_2d *= options.guessed.keypoint_2d;
   if (wears_hanging_cloth(actor)) return options;
-  options.pose.weights.silhouette *= options.guessed_silhouette;
-  options.pose.weights.shading *= options.guessed_shading;
+  options.pose.weights.silhouette *= options.guessed.silhouette;
+  options.pose.weights.shading *= options.guessed.shading;
   return options;
 }
 
@@ -83,7 +75,7 @@ PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camer
     : device_(device),
       actor_(actor),
       camera_(camera),
-      options_(options_for(actor, options)),
+      options_(options_for(actor, (options.validate(), options))),
       skin_(hanging_weights(actor, options.hanging)),
       skinner_(device, actor, skin_, actor.skeleton.n_bones()),
       rasterizer_(rasterizer),
@@ -101,30 +93,16 @@ PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camer
       refined_share_(device, refined_share(actor, options)),
       on_feet_share_(device, on_feet_share(actor, options)),
       refining_candidates_(visibility.contour_candidates(is_matched(actor, options))) {
-  if (!(options.refined_hanging_share >= 0 && options.refined_hanging_share <= 1))
-    throw ConfigError("stage I: refined_hanging_share is " + std::to_string(options.refined_hanging_share) +
-                      ", must be from 0 to 1");
-  if (!(options.foot_share >= 1 && options.foot_share <= LC_EXACT_MOST_SHARE))
-    throw ConfigError("stage I: foot_share is " + std::to_string(options.foot_share) + ", must be from 1 to " +
-                      std::to_string(LC_EXACT_MOST_SHARE));
-  if (!(options.matched_3d > 0 && options.matched_3d <= 1))
-    throw ConfigError("stage I: matched_3d is " + std::to_string(options.matched_3d) + ", must be above 0, at most 1");
-  if (!(options.cost_of_covering >= 0 && std::isfinite(options.cost_of_covering)))
-    throw ConfigError("stage I: cost_of_covering is " + std::to_string(options.cost_of_covering) +
-                      ", must be finite and not negative");
-  if (options.max_exchanged_frames < 0)
-    throw ConfigError("stage I: max_exchanged_frames is " + std::to_string(options.max_exchanged_frames) +
-                      ", must be at least 0");
   for (ocl::Buffer<float>* buffer : {&zero_, &skinned_, &normals_}) buffer->fill(0);
 }
 
 bool PoseStage::matches(const PoseStageInput& input) const {
-  return matcher_.usable() && options_.pose.weights.match > 0 && !options_.match_levels.empty() &&
+  return matcher_.usable() && options_.pose.weights.match > 0 && !options_.rounds.match_levels.empty() &&
          !input.silhouette.empty();
 }
 
 bool PoseStage::counts_feet(const PoseStageInput& input) const {
-  return matches(input) && options_.foot_share > 1;
+  return matches(input) && options_.shares.foot_share > 1;
 }
 
 bool PoseStage::shading(const PoseStageInput& input) const {
@@ -148,7 +126,8 @@ void PoseStage::find_picture(const PoseStageInput& input) {
 
 // Whether all rounds are launched before the first is over.
 bool PoseStage::looks_ahead(const PoseStageInput& input) const {
-  return sight_.usable() && solver_.chooses() && matches(input) && options_.match_levels.size() <= LC_POSE_MOST_ROUNDS;
+  return sight_.usable() && solver_.chooses() && matches(input) &&
+         options_.rounds.match_levels.size() <= LC_POSE_MOST_ROUNDS;
 }
 
 void PoseStage::reset() {
@@ -209,8 +188,8 @@ const ocl::Buffer<float>& PoseStage::share_in(Rounds rounds, bool refining) cons
 }
 
 int PoseStage::first_of(Rounds rounds, const PoseStageInput& input) const {
-  const int n_levels = matches(input) ? int(options_.match_levels.size()) : 0;
-  const int n_last = rounds == Rounds::kRefining    ? options_.refining_rounds
+  const int n_levels = matches(input) ? int(options_.rounds.match_levels.size()) : 0;
+  const int n_last = rounds == Rounds::kRefining    ? options_.rounds.refining_rounds
                      : rounds == Rounds::kFinishing ? 1
                                                     : n_levels;
   return std::max(0, n_levels - n_last);
@@ -225,16 +204,18 @@ PoseStage::Solution PoseStage::solve_in_rounds(const PoseStageInput& input, cons
     if (ahead) return std::move(*ahead);
     picture_due_ = true;  // it may have been in vain
   }
-  const int n_levels = matches(input) ? int(options_.match_levels.size()) : 0, first_round = first_of(rounds, input);
+  const int n_levels = matches(input) ? int(options_.rounds.match_levels.size()) : 0,
+            first_round = first_of(rounds, input);
   Solution solution;
   solution.pose.pose = initial;
   bool was_refining = false;
   for (int round = first_round; round < std::max(1, n_levels) && solution.pose.status == SolveStatus::kOk; ++round) {
-    const int level = round < n_levels ? options_.match_levels[round] : 0;
-    const bool refining = n_levels > 0 && round >= n_levels - options_.refining_rounds;
-    const bool again = round > first_round && level == options_.match_levels[round - 1] && refining == was_refining;
+    const int level = round < n_levels ? options_.rounds.match_levels[round] : 0;
+    const bool refining = n_levels > 0 && round >= n_levels - options_.rounds.refining_rounds;
+    const bool again =
+        round > first_round && level == options_.rounds.match_levels[round - 1] && refining == was_refining;
     was_refining = refining;
-    if (again && solution.pose.moved_px < options_.settled_round_px * (1 << level)) continue;
+    if (again && solution.pose.moved_px < options_.rounds.settled_round_px * (1 << level)) continue;
     const Pose from = solution.pose.pose;
     const bool shades = level == 0 && shading(input);
     if (n_levels > 0 || shades) {
@@ -259,24 +240,24 @@ PoseInput PoseStage::round_input(const PoseStageInput& input, const Detections& 
           .previous = previous,
           .frame = input.silhouette.empty() ? nullptr : &input.frame,
           .floor = floor_.floor(),
-          .share_3d = matches(input) ? options_.matched_3d : 1,
-          .arms_3d = refining ? options_.refined_arms_3d : 1,
-          .legs_3d = refining && counts_feet(rounds) ? options_.on_feet_legs_3d : 1,
-          .doubt_3d_mm = refining ? options_.refined_doubt_3d_mm : 0,
+          .share_3d = matches(input) ? options_.rounds.matched_3d : 1,
+          .arms_3d = refining ? options_.rounds.refined_arms_3d : 1,
+          .legs_3d = refining && counts_feet(rounds) ? options_.rounds.on_feet_legs_3d : 1,
+          .doubt_3d_mm = refining ? options_.rounds.refined_doubt_3d_mm : 0,
           .n_steps = previous ? options_.pose.steps : options_.pose.first_steps,
-          .settled_px = level == 0 ? options_.settled_last_step_px : options_.settled_step_px};
+          .settled_px = level == 0 ? options_.rounds.settled_last_step_px : options_.rounds.settled_step_px};
 }
 
 // The same rounds on a GPU that decides between them by itself; the host waits once. Nothing where that did not work.
 std::optional<PoseStage::Solution> PoseStage::solve_ahead(const PoseStageInput& input, const Detections& detections,
                                                           const Pose& initial, const Pose* previous, Rounds which) {
-  const std::vector<int>& levels = options_.match_levels;
+  const std::vector<int>& levels = options_.rounds.match_levels;
   const int first_round = first_of(which, input), n_rounds = int(levels.size()) - first_round;
   const bool has_skin = shading(input);
   SeenVertices known;
   known.match_area_px = matcher_.weight_area_px();
   if (has_skin) known.skin = shading_.seen();
-  const auto refines = [&](int round) { return round >= int(levels.size()) - options_.refining_rounds; };
+  const auto refines = [&](int round) { return round >= int(levels.size()) - options_.rounds.refining_rounds; };
   std::vector<PoseInput> inputs;
   std::vector<PoseSolver::Round> rounds;
   inputs.reserve(n_rounds);
@@ -284,7 +265,7 @@ std::optional<PoseStage::Solution> PoseStage::solve_ahead(const PoseStageInput& 
     const int level = levels[round];
     const bool again = round > first_round && level == levels[round - 1] && refines(round) == refines(round - 1);
     inputs.push_back(round_input(input, detections, initial, previous, level, which, refines(round)));
-    rounds.push_back({&inputs.back(), again ? options_.settled_round_px * (1 << level) : 0});
+    rounds.push_back({&inputs.back(), again ? options_.rounds.settled_round_px * (1 << level) : 0});
   }
   if (rounds.empty()) return std::nullopt;
   const PoseSystem& system = solver_.system();
@@ -332,7 +313,7 @@ double PoseStage::cost_with_doubt(const Solution& solution) {
 
 double PoseStage::cost_of(const PoseResult& pose) const {
   return pose.energy.total() +
-         options_.pose.weights.match * pose.missed_weight * options_.missed_px * options_.missed_px;
+         options_.pose.weights.match * pose.missed_weight * options_.rounds.missed_px * options_.rounds.missed_px;
 }
 
 // With the vertices that the device chooses of what it has found. skin: what was seen of it.
@@ -418,7 +399,7 @@ PoseResult PoseStage::solve_corrected(const PoseStageInput& input, const Pose& p
   try_turned(input, previous, best);
   try_detected_legs(input, previous, best);
   try_mirrored_forearms(input, previous, best);
-  const bool insists = best.exchanged && exchanged_frames_ >= options_.max_exchanged_frames;
+  const bool insists = best.exchanged && exchanged_frames_ >= options_.starts.max_exchanged_frames;
   if (insists) try_anew(input, best);
   const bool doubted = input.detected && !believable(best.pose, input.detections);
   if (std::exchange(doubted_, doubted) && doubted && !insists && matches(input)) {
@@ -475,13 +456,13 @@ void PoseStage::try_exchanged_legs(const PoseStageInput& input, const Pose& pred
 void PoseStage::try_turned(const PoseStageInput& input, const Pose& previous, Solution& best) {
   if (!matches(input) || best.pose.status != SolveStatus::kOk) return;
   const std::optional<Pose> turned =
-      turned_trunk(actor_, best.pose.pose, input.detections, options_.pose, options_.least_turn_rad);
+      turned_trunk(actor_, best.pose.pose, input.detections, options_.pose, options_.starts.least_turn_rad);
   if (turned) try_from(input, *turned, previous, best);
 }
 
 void PoseStage::try_detected_legs(const PoseStageInput& input, const Pose& previous, Solution& best) {
   if (!matches(input) || best.pose.status != SolveStatus::kOk) return;
-  const double least_px = options_.strayed_share * keypoints_height_px(input.detections);
+  const double least_px = options_.starts.strayed_share * keypoints_height_px(input.detections);
   if (!(least_px > 0)) return;
   struct Start {
     Detections detections;
@@ -518,18 +499,18 @@ bool PoseStage::covers_more(const PoseStageInput& input, const Solution& other, 
     return rasterizer_.intersection_over_union(input.frame.mask);
   };
   const double gained = iou(other) - iou(best);
-  return cost_with_doubt(other) < cost_with_doubt(best) * (1 + options_.cost_of_covering * gained);
+  return cost_with_doubt(other) < cost_with_doubt(best) * (1 + options_.starts.cost_of_covering * gained);
 }
 
 void PoseStage::try_mirrored_forearms(const PoseStageInput& input, const Pose& previous, Solution& best) {
   if (!shading(input) || best.pose.status != SolveStatus::kOk || best.exchanged) return;
   for (Keypoint elbow : {kLeftElbow, kRightElbow}) {
-    const auto other = mirrored_forearm(actor_, best.pose.pose, elbow, options_.least_mirrored_rad);
+    const auto other = mirrored_forearm(actor_, best.pose.pose, elbow, options_.starts.least_mirrored_rad);
     if (!other) continue;
     const auto misfit = [&](const Eigen::Matrix3d& turn) {
       return shading_.misfit(best.skin, other->bone, turn, options_.pose.shading_huber);
     };
-    if (misfit(other->turn) < options_.mirrored_misfit * misfit(Eigen::Matrix3d::Identity()))
+    if (misfit(other->turn) < options_.starts.mirrored_misfit * misfit(Eigen::Matrix3d::Identity()))
       try_refined(input, with_mirrored_forearm(actor_, best.pose.pose, *other), previous, best);
   }
 }

@@ -21,7 +21,7 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
     : device_(device),
       actor_(actor),
       camera_(camera),
-      options_(options),
+      options_((options.validate(), options)),
       hanging_(actor, options.hanging),
       skinner_(device, actor, hanging_.weights(), actor.skeleton.n_bones() + 1),
       template_skinner_(device, actor),

@@ -23,7 +23,8 @@ namespace livecap {
 
 class SurfaceStage {
  public:
-  // Everything given must outlive it. rasterizer and visibility are left as the last solve used them.
+  // Everything given but the options must outlive it. rasterizer and visibility are left as the last solve used them.
+  // Throws ConfigError for options out of range.
   SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const TrackerOptions& options,
                DepthRasterizer& rasterizer, SurfaceVisibility& visibility);
 

@@ -20,7 +20,7 @@ Tracker::Tracker(ocl::DeviceContext& device, ocl::DeviceContext& surface_device,
                  const Camera& camera, const TrackerOptions& options)
     : actor_(actor),
       camera_(camera),
-      options_(options),
+      options_((options.validate(), options)),
       rasterizer_(device, actor.mesh, camera.width, camera.height),
       visibility_(device, actor.mesh, options.visibility),
       pose_stage_(device, actor, camera, options, rasterizer_, visibility_),

@@ -43,6 +43,7 @@ struct TrackResult {
 class Tracker {
  public:
   // camera: undistorted. Builds every program and allocates every buffer. The actor must outlive the tracker.
+  // Throws ConfigError for options out of range.
   Tracker(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const TrackerOptions& options)
       : Tracker(device, device, actor, camera, options) {}
   // surface_device: for stage II. With a queue of its own to the same memory (SharedMemory) solve_surface may run

@@ -19,101 +19,137 @@ namespace livecap {
 // The segmentation goes on for as long.
 inline constexpr int kMaxMissedFrames = 5;
 
+// How much the match of each vertex counts in stage I.
+struct PoseSharesOptions {
+  // Cloth softer than this is matched only near where it is fastened, where its weights on the legs sum to less than
+  // max_matched_leg_weight: further down it hangs where skinning does not know.
+  float min_matched_rigidity = 1.5f;
+  float max_matched_leg_weight = 0.3f;
+  // What is matched of hanging cloth counts so much of its weight in refining rounds: it swings, and would turn hips
+  // and legs.
+  float refined_hanging_share = 0.3f;
+  // What is matched of a foot counts so many times its weight in refining rounds: a foot ends its leg, whose depth
+  // little else tells, and a shoe is matched to a part of a pixel, but it is small. Not where starts compete, since
+  // legs that are exchanged hold on to the wrong shoes; what is chosen of them is refined once more. Not in the first
+  // frame either.
+  float foot_share = 40;
+
+  void validate() const;  // throws ConfigError
+};
+
+// How stage I solves from one start.
+struct PoseRoundsOptions {
+  // Of an actor with a texture: one solve per round, each with matches found at this resolution (half of it per level)
+  // where the last one ended. Coarse ones first: patches are only right within a few px, and stripes match one stripe
+  // further as well. Each 0..LC_MATCH_LEVELS.
+  std::vector<int> match_levels = {2, 2, 1, 0, 0};
+  // So many of the last rounds are refining ones: what is not matched because it hangs is no contour in them either.
+  // (Without a texture there are none.)
+  int refining_rounds = 2;
+  // A second round at one resolution is left out when the first moved no keypoint as far as this, px of that
+  // resolution.
+  double settled_round_px = 2;
+  // A round ends after a step that moved no keypoint as far as this, px of the picture: matches are a picture's noise
+  // away from the truth, and fitting them more closely only follows it.
+  double settled_step_px = 1;
+  double settled_last_step_px = 0.3;  // settled_step_px of rounds at full resolution, which decide
+  // Where the texture is matched E_3D counts so much: the picture then tells depth better than the network does.
+  double matched_3d = 0.3;
+  // In refining rounds E_3D of arms counts so much of what it counts elsewhere: which way they point is the network's
+  // to say, how far the lengths in the picture tell better.
+  double refined_arms_3d = 0.1;
+  // In refining rounds a detection counts half where it is so far from the body (pose/targets.h); 0: it is not doubted.
+  double refined_doubt_3d_mm = 40;
+  // Where feet count PoseSharesOptions::foot_share times, E_3D of legs counts so much of what it counts elsewhere: the
+  // network sees bent ones straight, and the shoes tell better.
+  double on_feet_legs_3d = 0.1;
+  // Where several starts compete, what could not be matched costs like a match so far away.
+  double missed_px = 2;
+
+  void validate() const;  // throws ConfigError
+};
+
+// Of an actor whose skinning weights are guessed: so many times each of these terms in stage I. What is matched near a
+// joint pulls the wrong bones there; where keypoints lie, the body ends and how its skin is lit depend less on weights.
+struct GuessedWeightsOptions {
+  double keypoint_2d = 2;
+  // Not of an actor in a skirt, whose outline is not the body's.
+  double silhouette = 2;
+  double shading = 2;
+
+  void validate() const;  // throws ConfigError
+};
+
+// When stage I is solved from other starts than the predicted pose as well, and when those count.
+struct OtherStartsOptions {
+  // A body that faces so much elsewhere than the detections is solved from there as well (pose/other_starts.h).
+  double least_turn_rad = 0.21;
+  // A body with an ankle so far from its detection, as a share of the person's height in the picture, is solved from
+  // legs bent to the detections as well (pose/other_starts.h). 0: never.
+  double strayed_share = 0.04;
+  // Where an ankle is strayed_share from its detection by either name, the start is bent by the names the pose goes by,
+  // and counts where it covers more of the silhouette even if it costs more: by this share for all of it, in proportion
+  // for less (IoU).
+  double cost_of_covering = 3.3;
+  // A body is solved with a forearm mirrored in depth as well, if that turns it by so much and the skin's shading then
+  // misfits less than this share of before (pose/mirrored_forearm.h, match/skin_shading.h).
+  double least_mirrored_rad = 0.35;
+  double mirrored_misfit = 0.9;
+  // Where the network seems to have exchanged the legs (pose/leg_exchange.h), stage I is solved both ways and the
+  // better one counts. After this many frames on end it is also solved from the detections alone, as named; that counts
+  // where it is the better one, or where no texture tells. 0 = in every such frame.
+  int max_exchanged_frames = 9;
+
+  void validate() const;  // throws ConfigError
+};
+
 struct TrackerOptions {
   PoseOptions pose;
-  SurfaceOptions surface;
-  SnapOptions snap;
+  PoseSharesOptions shares;
+  PoseRoundsOptions rounds;
+  GuessedWeightsOptions guessed;
+  OtherStartsOptions starts;
   MatchOptions match;
   SkinShadingOptions shading;
   FloorOptions floor;
   LegBiasOptions leg_bias;
   VisibilityOptions visibility;
-  // Stage I of an actor with a texture: one solve per round, each with matches found at this resolution (half of it per
-  // level) where the last one ended. Coarse ones first: patches are only right within a few px, and stripes match one
-  // stripe further as well.
-  std::vector<int> match_levels = {2, 2, 1, 0, 0};
-  // A second round at one resolution is left out when the first moved no keypoint as far as this, px of that
-  // resolution.
-  double settled_round_px = 2;
-  // A round ends after a step that moved no keypoint as far as this, px of the picture: matches are a picture's noise
-  // away from the truth, and fitting them more closely only follows it. The rounds at full resolution decide.
-  double settled_step_px = 1;
-  double settled_last_step_px = 0.3;
-  // Softer cloth is matched only near where it is fastened, where its weights on the legs sum to less than this:
-  // further down it hangs where skinning does not know.
-  float min_matched_rigidity = 1.5f;
-  float max_matched_leg_weight = 0.3f;
-  // Where the texture is matched E_3D counts so much: the picture then tells depth better than the network does.
-  double matched_3d = 0.3;
-  // In the last rounds E_3D counts so much less for arms: which way they point is the network's to say, how far the
-  // lengths in the picture tell better.
-  int refining_rounds = 2;
-  double refined_arms_3d = 0.1;
-  // What is not matched because it hangs is no contour in them either, and a detection counts half where it is so far
-  // from the body (pose/targets.h); 0: it is not doubted. (An actor without texture has no such rounds.)
-  double refined_doubt_3d_mm = 40;
-  // In them what is matched of hanging cloth counts so much of its weight: it swings, and would turn hips and legs.
-  float refined_hanging_share = 0.3f;
-  // In them what is matched of a foot counts so many times its weight: a foot ends its leg, whose depth little else
-  // tells, and a shoe is matched to a part of a pixel, but it is small. Not where starts compete, since legs that are
-  // exchanged hold on to the wrong shoes; what is chosen there is refined once more. Not in the first frame either.
-  float foot_share = 40;
-  // There E_3D counts so much less for legs: the network sees bent ones straight, and the shoes tell better.
-  double on_feet_legs_3d = 0.1;
-  // Of an actor whose skinning weights are guessed: so many times E_2D, E_silhouette and E_shading in stage I. What is
-  // matched near a joint pulls the wrong bones there; where keypoints lie, the body ends and how its skin is lit depend
-  // less on weights. The last two not in a skirt, whose outline is not the body's.
-  double guessed_keypoint_2d = 2;
-  double guessed_silhouette = 2;
-  double guessed_shading = 2;
-  // Where several starts compete, what could not be matched costs like a match so far away.
-  double missed_px = 2;
-  // A body that faces so much elsewhere than the detections is solved from there as well (pose/other_starts.h).
-  double least_turn_rad = 0.21;
-  // So is one with an ankle so far from its detection, as a share of the person's height in the picture
-  // (pose/other_starts.h).
-  double strayed_share = 0.04;
-  // Where the legs are so far from the detections by either name, the start is bent by the names the pose goes by, and
-  // counts where it covers more of the silhouette even if it costs more: by this share for all of it, in proportion for
-  // less (IoU).
-  double cost_of_covering = 3.3;
-  // And one with a forearm mirrored in depth, if that turns it by so much and the skin's shading then misfits less than
-  // this share of before (pose/mirrored_forearm.h, match/skin_shading.h).
-  double least_mirrored_rad = 0.35;
-  double mirrored_misfit = 0.9;
-  bool solve_pose = true;          // false: stage I ends with its initialisation from each frame's detections alone
-  bool enable_surface = true;      // false: the result is the skinned template of stage I
-  bool warp_displacements = true;  // carry the non-rigid displacement to the next frame
-  // Only cloth keeps its displacement: what skin, hair and shoes seem to be displaced by is an error of the pose, and
-  // carried on it would hold the pose there. A tenth is forgotten per frame (the paper: nothing); that helped one of
-  // three sequences with ground truth and left the others as they were.
-  float max_carried_rigidity = 3;
-  float carried_share = 0.9f;
+  SurfaceOptions surface;
+  SnapOptions snap;
   // Of both stages: with the actor's weights in stage I a skirt that swings turns the thighs, and in stage II the back
   // of one in folds follows them (docs/experiments.md).
   HangingClothOptions hanging;
-  // V^S of hanging cloth in stage II is not where skinning puts it but where it swings to.
-  bool simulate_cloth = true;
   ClothOptions cloth;
-  bool part_mask = true;  // b_i = 0 on another body part's region
-  bool snapping = true;
+
+  bool solve_pose = true;          // false: stage I ends with its initialisation from each frame's detections alone
+  bool enable_surface = true;      // false: the result is the skinned template of stage I
   bool ignore_confidence = false;  // true: every keypoint the network knows counts fully
-  // Where the network seems to have exchanged the legs (pose/leg_exchange.h), stage I is solved both ways and the
-  // better one counts. After this many frames on end it is also solved from the detections alone, as named; that counts
-  // where it is the better one, or where no texture tells. 0 = in every such frame.
-  int max_exchanged_frames = 9;
+  bool simulate_cloth = true;      // V^S of hanging cloth in stage II is where it swings to, not where skinning puts it
+  bool part_mask = true;           // b_i = 0 on another body part's region
+  bool snapping = true;
+  bool warp_displacements = true;  // carry the non-rigid displacement to the next frame
+  // Only cloth, material of at most this rigidity, keeps its displacement: what skin, hair and shoes seem to be
+  // displaced by is an error of the pose, and carried on it would hold the pose there. A tenth is forgotten per frame
+  // (the paper: nothing); that helped one of three sequences with ground truth and left the others as they were.
+  float max_carried_rigidity = 3;
+  float carried_share = 0.9f;
+
   // A pose whose mean keypoint error exceeds this fraction of the person's height in the picture is not believed: the
   // frame is solved again from the detections alone, and lost when that does not help.
   double lost_error_fraction = 0.08;
-  // ... unless it was believed until a moment ago: networks have single frames in which they see somebody else's limbs,
-  // and stage I does not follow these (PoseOptions::keypoint_2d_huber_px). For so many frames on end its pose is kept,
-  // from the second on only if the picture does not agree better with one that is found anew.
+  // A pose that is not believed is kept for so many frames on end after one that was, from the second on only if the
+  // picture does not agree better with one that is found anew: networks have single frames in which they see somebody
+  // else's limbs, and stage I does not follow these (PoseOptions::keypoint_2d_huber_px).
   int max_doubtful_frames = 3;
   // After a frame in which the network saw nobody, the person is taken up again where the motion would have led for so
   // many frames on end. What is not believed then is nobody: networks go on seeing something where a person just was.
-  // In between the silhouette alone is followed, as long as the mesh has this IoU with it.
   int max_missed_frames = kMaxMissedFrames;
+  // In a frame in which the network sees nobody the silhouette alone is followed, as long as the mesh has this IoU with
+  // it.
   double least_missed_iou = 0.75;
+
+  // Of all but what others validate: PoseOptions, MatchOptions, ... Throws ConfigError naming field, value and range.
+  void validate() const;
 };
 
 }  // namespace livecap

@@ -12,8 +12,6 @@
 #include <vector>
 
 #include "cloth/hanging_cloth.h"
-#include "livecap/error.h"
-#include "shared/exact_sum.h"
 #include "support/builtin_actor.h"
 #include "support/gpu_bodies.h"
 #include "support/pose_scene.h"
@@ -124,7 +122,7 @@ std::vector<PoseResult> track(ocl::DeviceContext& device, int n_frames, int n_ah
   options.shading.light.least_frames = 0.5;
   options.pose.weights.silhouette *= silhouette;
   if (floor == kKnownLegsHeld) {
-    options.on_feet_legs_3d = 1;
+    options.rounds.on_feet_legs_3d = 1;
     options.leg_bias.prior = 1e9;
   }
   PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
@@ -261,19 +259,20 @@ TEST(PoseStage, ALookThatIsGivenUpChangesNothing) {
 int n_hanging_contour(ocl::DeviceContext& device, int refining_rounds) {
   Seen seen(device);
   TrackerOptions options;
-  options.refining_rounds = refining_rounds;
+  options.rounds.refining_rounds = refining_rounds;
   PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
   seen.track(stage, turned(seen.actor, 0), turned(seen.actor, 1));
   const std::vector<float> legs = leg_weights(seen.actor);
   const std::vector<int32_t> contour = seen.visibility.read_contour();
   return std::count_if(contour.begin(), contour.end(), [&](int32_t i) {
-    return seen.actor.rigidity[i] < options.min_matched_rigidity && legs[i] >= options.max_matched_leg_weight;
+    return seen.actor.rigidity[i] < options.shares.min_matched_rigidity &&
+           legs[i] >= options.shares.max_matched_leg_weight;
   });
 }
 
 TEST(PoseStage, HangingClothIsNoContourInTheLastRounds) {
   test::on_every_device([](ocl::DeviceContext& device) {
-    EXPECT_EQ(n_hanging_contour(device, TrackerOptions{}.refining_rounds), 0);
+    EXPECT_EQ(n_hanging_contour(device, TrackerOptions{}.rounds.refining_rounds), 0);
     EXPECT_GT(n_hanging_contour(device, 0), 0);
   });
 }
@@ -282,10 +281,10 @@ TEST(PoseStage, HangingClothIsNoContourInTheLastRounds) {
 double match_energy(ocl::DeviceContext& device, int refining_rounds, float hanging_share, float foot_share = 1) {
   Seen seen(device);
   TrackerOptions options;
-  options.foot_share = foot_share;
-  options.match_levels = {0};
-  options.refining_rounds = refining_rounds;
-  options.refined_hanging_share = hanging_share;
+  options.shares.foot_share = foot_share;
+  options.rounds.match_levels = {0};
+  options.rounds.refining_rounds = refining_rounds;
+  options.shares.refined_hanging_share = hanging_share;
   PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
   return seen.track(stage, turned(seen.actor, 0), turned(seen.actor, 2)).energy.match;
 }
@@ -331,9 +330,9 @@ std::vector<double> energies_with(ocl::DeviceContext& device, bool guessed, bool
 TEST(PoseStage, KeypointsOutlineAndShadingCountMoreWhereWeightsAreGuessed) {
   test::on_every_device([](ocl::DeviceContext& device) {
     TrackerOptions guess, weighted, weighted_in_a_skirt;
-    guess.guessed_keypoint_2d = 5;
-    guess.guessed_silhouette = 3;
-    guess.guessed_shading = 1.5;
+    guess.guessed.keypoint_2d = 5;
+    guess.guessed.silhouette = 3;
+    guess.guessed.shading = 1.5;
     weighted_in_a_skirt.pose.weights.keypoint_2d *= 5;
     weighted.pose.weights.keypoint_2d *= 5;
     weighted.pose.weights.silhouette *= 3;
@@ -351,7 +350,7 @@ TEST(PoseStage, KeypointsOutlineAndShadingCountMoreWhereWeightsAreGuessed) {
 double exchanged_feet_mm(ocl::DeviceContext& device, bool with_picture, int max_exchanged_frames) {
   Seen seen(device);
   TrackerOptions options;
-  options.max_exchanged_frames = max_exchanged_frames;
+  options.starts.max_exchanged_frames = max_exchanged_frames;
   PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
   double furthest = 0;
   for (int frame = 1; frame <= max_exchanged_frames + 1; ++frame) {
@@ -463,8 +462,8 @@ TEST(PoseStage, AMissedFrameEndsADoubt) {
 TEST(PoseStage, DetectionsInDepthCountLessWhereTheTextureIsMatched) {
   test::on_every_device([](ocl::DeviceContext& device) {
     TrackerOptions whole, quarter, quarter_of_four_times;
-    whole.matched_3d = 1;
-    quarter.matched_3d = quarter_of_four_times.matched_3d = 0.25;
+    whole.rounds.matched_3d = 1;
+    quarter.rounds.matched_3d = quarter_of_four_times.rounds.matched_3d = 0.25;
     quarter_of_four_times.pose.weights.keypoint_3d *= 4;
     const std::vector<double> matched = energies_with(device, false, false, whole);
     EXPECT_EQ(energies_with(device, false, false, quarter_of_four_times), matched);
@@ -473,47 +472,9 @@ TEST(PoseStage, DetectionsInDepthCountLessWhereTheTextureIsMatched) {
     EXPECT_EQ(energies_with(device, false, false, quarter), energies_with(device, false, false, whole));
     for (TrackerOptions* options : {&whole, &quarter}) {
       options->pose.weights.match = 1000;
-      options->match_levels.clear();
+      options->rounds.match_levels.clear();
     }
     EXPECT_EQ(energies_with(device, false, false, quarter), energies_with(device, false, false, whole)) << "no rounds";
-  });
-}
-
-TEST(PoseStage, OptionsAreChecked) {
-  test::on_every_device([](ocl::DeviceContext& device) {
-    Seen seen(device);
-    const auto stage_with = [&](float hanging_share, int exchanged_frames, float foot_share = 1) {
-      TrackerOptions options;
-      options.foot_share = foot_share;
-      options.refined_hanging_share = hanging_share;
-      options.max_exchanged_frames = exchanged_frames;
-      PoseStage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
-    };
-    EXPECT_NO_THROW(stage_with(0, 0));
-    for (const float share : {-0.1f, 1.1f, std::nanf("")}) EXPECT_THROW(stage_with(share, 9), ConfigError) << share;
-    EXPECT_THROW(stage_with(1, -1), ConfigError);
-    for (double TrackerOptions::*factor :
-         {&TrackerOptions::guessed_keypoint_2d, &TrackerOptions::guessed_silhouette, &TrackerOptions::guessed_shading})
-      for (const double value : {0.0, 101.0, std::nan("")}) {
-        TrackerOptions options;
-        options.*factor = value;
-        EXPECT_THROW(PoseStage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility), ConfigError)
-            << value;
-      }
-    for (const double share : {0.0, 1.1, std::nan("")}) {
-      TrackerOptions options;
-      options.matched_3d = share;
-      EXPECT_THROW(PoseStage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility), ConfigError)
-          << share;
-    }
-    for (const double cost : {-0.1, std::nan(""), double(INFINITY)}) {
-      TrackerOptions options;
-      options.cost_of_covering = cost;
-      EXPECT_THROW(PoseStage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility), ConfigError)
-          << cost;
-    }
-    EXPECT_NO_THROW(stage_with(1, 9, LC_EXACT_MOST_SHARE));
-    for (const float share : {0.9f, 64.5f, std::nanf("")}) EXPECT_THROW(stage_with(1, 9, share), ConfigError) << share;
   });
 }
 

@@ -36,7 +36,7 @@ class TrackerScene {
           TrackerOptions options;
           options.enable_surface = false;
           options.pose.rebone = false;
-          options.max_exchanged_frames = max_exchanged_frames;
+          options.starts.max_exchanged_frames = max_exchanged_frames;
           return options;
         }()) {}
 

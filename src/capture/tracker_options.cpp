@@ -1,0 +1,84 @@
+#include "capture/tracker_options.h"
+
+#include <cmath>
+#include <string>
+
+#include "base/text.h"
+#include "livecap/error.h"
+#include "match/layout.h"
+#include "shared/exact_sum.h"
+
+namespace livecap {
+namespace {
+
+constexpr double kMostGuessedFactor = 100;
+
+void require(bool ok, const char* field, double value, const std::string& range) {
+  if (!ok) throw ConfigError(format("tracker option %s is %g; it must be %s", field, value, range.c_str()));
+}
+
+void not_negative(const char* field, double value) {
+  require(value >= 0 && std::isfinite(value), field, value, "finite and not negative");
+}
+
+void share(const char* field, double value) {
+  require(value >= 0 && value <= 1, field, value, "from 0 to 1");
+}
+
+void factor_of_guessed(const char* field, double value) {
+  require(value > 0 && value <= kMostGuessedFactor, field, value, format("above 0 and at most %g", kMostGuessedFactor));
+}
+
+}  // namespace
+
+void PoseSharesOptions::validate() const {
+  not_negative("shares.min_matched_rigidity", min_matched_rigidity);
+  not_negative("shares.max_matched_leg_weight", max_matched_leg_weight);
+  share("shares.refined_hanging_share", refined_hanging_share);
+  require(foot_share >= 1 && foot_share <= LC_EXACT_MOST_SHARE, "shares.foot_share", foot_share,
+          format("from 1 to %d", LC_EXACT_MOST_SHARE));
+}
+
+void PoseRoundsOptions::validate() const {
+  for (int level : match_levels)
+    require(level >= 0 && level <= LC_MATCH_LEVELS, "rounds.match_levels", level, format("in 0..%d", LC_MATCH_LEVELS));
+  not_negative("rounds.refining_rounds", refining_rounds);
+  not_negative("rounds.settled_round_px", settled_round_px);
+  not_negative("rounds.settled_step_px", settled_step_px);
+  not_negative("rounds.settled_last_step_px", settled_last_step_px);
+  require(matched_3d > 0 && matched_3d <= 1, "rounds.matched_3d", matched_3d, "above 0 and at most 1");
+  share("rounds.refined_arms_3d", refined_arms_3d);
+  not_negative("rounds.refined_doubt_3d_mm", refined_doubt_3d_mm);
+  share("rounds.on_feet_legs_3d", on_feet_legs_3d);
+  not_negative("rounds.missed_px", missed_px);
+}
+
+void GuessedWeightsOptions::validate() const {
+  factor_of_guessed("guessed.keypoint_2d", keypoint_2d);
+  factor_of_guessed("guessed.silhouette", silhouette);
+  factor_of_guessed("guessed.shading", shading);
+}
+
+void OtherStartsOptions::validate() const {
+  not_negative("starts.least_turn_rad", least_turn_rad);
+  not_negative("starts.strayed_share", strayed_share);
+  not_negative("starts.cost_of_covering", cost_of_covering);
+  not_negative("starts.least_mirrored_rad", least_mirrored_rad);
+  not_negative("starts.mirrored_misfit", mirrored_misfit);
+  not_negative("starts.max_exchanged_frames", max_exchanged_frames);
+}
+
+void TrackerOptions::validate() const {
+  shares.validate();
+  rounds.validate();
+  guessed.validate();
+  starts.validate();
+  not_negative("max_carried_rigidity", max_carried_rigidity);
+  share("carried_share", carried_share);
+  not_negative("lost_error_fraction", lost_error_fraction);
+  not_negative("max_doubtful_frames", max_doubtful_frames);
+  not_negative("max_missed_frames", max_missed_frames);
+  share("least_missed_iou", least_missed_iou);
+}
+
+}  // namespace livecap

@@ -52,6 +52,8 @@ struct PoseEnergies {
   double total() const {
     return keypoint_2d + keypoint_3d + silhouette + match + shading + floor + temporal + anatomic + rest;
   }
+  // A cost that temporal is part of, with doubted_temporal instead.
+  double with_doubt(double cost) const { return cost - temporal + doubted_temporal; }
 };
 
 struct PoseResult {

@@ -1,0 +1,60 @@
+#include "capture/pose_shares.h"
+
+#include "cloth/hanging_cloth.h"
+
+namespace livecap {
+namespace {
+
+// Of the vertices, so few are wrong labels.
+constexpr double kFewHanging = 0.02;
+
+bool wears_hanging_cloth(const Actor& actor) {
+  int n = 0;
+  for (int i = 0; i < actor.n_vertices(); ++i) n += hangs(actor, i);
+  return n > kFewHanging * actor.n_vertices();
+}
+
+}  // namespace
+
+std::vector<float> matched_share(const Actor& actor, const PoseSharesOptions& options) {
+  const std::vector<float> legs = leg_weights(actor);
+  std::vector<float> share(actor.n_vertices());
+  for (int i = 0; i < actor.n_vertices(); ++i) {
+    const bool follows = actor.rigidity[i] >= options.min_matched_rigidity || legs[i] < options.max_matched_leg_weight;
+    share[i] = follows ? 1.0f : 0.0f;
+  }
+  return share;
+}
+
+std::vector<uint8_t> is_matched(const Actor& actor, const PoseSharesOptions& options) {
+  const std::vector<float> share = matched_share(actor, options);
+  return {share.begin(), share.end()};
+}
+
+std::vector<float> refined_share(const Actor& actor, const PoseSharesOptions& options) {
+  std::vector<float> share = matched_share(actor, options);
+  for (int i = 0; i < actor.n_vertices(); ++i)
+    if (hangs(actor, i)) share[i] *= options.refined_hanging_share;
+  return share;
+}
+
+std::vector<float> on_feet_share(const Actor& actor, const PoseSharesOptions& options) {
+  std::vector<float> share = refined_share(actor, options);
+  const int left_foot = actor.skeleton.bone_index("left_ankle"), right_foot = actor.skeleton.bone_index("right_ankle");
+  for (int i = 0; i < actor.n_vertices(); ++i) {
+    const int strongest = actor.skin.bones[4 * i];
+    if (strongest == left_foot || strongest == right_foot) share[i] *= options.foot_share;
+  }
+  return share;
+}
+
+TrackerOptions options_for(const Actor& actor, TrackerOptions options) {
+  if (!actor.guessed_weights) return options;
+  options.pose.weights.keypoint_2d *= options.guessed.keypoint_2d;
+  if (wears_hanging_cloth(actor)) return options;
+  options.pose.weights.silhouette *= options.guessed.silhouette;
+  options.pose.weights.shading *= options.guessed.shading;
+  return options;
+}
+
+}  // namespace livecap

@@ -1,0 +1,24 @@
+// What of an actor stage I matches, and how much of it counts: shares of the weight of each vertex's match; and the
+// terms that count more where its skinning weights are guessed.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "actor/actor.h"
+#include "capture/tracker_options.h"
+
+namespace livecap {
+
+// [n_vertices] 1 for vertices that are matched, else 0.
+std::vector<float> matched_share(const Actor& actor, const PoseSharesOptions& options);
+std::vector<uint8_t> is_matched(const Actor& actor, const PoseSharesOptions& options);
+// The same in refining rounds: less for hanging cloth.
+std::vector<float> refined_share(const Actor& actor, const PoseSharesOptions& options);
+// And where no starts compete: more for feet.
+std::vector<float> on_feet_share(const Actor& actor, const PoseSharesOptions& options);
+
+// With the weights of PoseOptions that stage I has for this actor, see GuessedWeightsOptions.
+TrackerOptions options_for(const Actor& actor, TrackerOptions options);
+
+}  // namespace livecap

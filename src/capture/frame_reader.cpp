@@ -16,6 +16,7 @@ FrameReader::FrameReader(const CaptureOptions& options)
   camera_ = video_camera(options.camera, options.fov_deg, info_, options.video);
   undistorter_.emplace(camera_);
   undistorted_camera_ = undistorter_->undistorted_camera();
+  if (!is_webcam(options.video)) video_->start_at(options.first);  // a camera's empty pictures come before its first
   Frame frame;
   while (options_.decoded && next(frame)) decoded_.push_back(std::move(frame));
 }

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "image/frame.h"
@@ -45,7 +46,10 @@ class VideoReader {
 
   VideoInfo info() const { return source_->info(); }
   // The next frame, RGB, info().width x info().height. False at the end; `out` is then unchanged.
-  bool read(Frame& out) { return source_->read(out); }
+  bool read(Frame& out);
+  // Reads past the frames before the one of index `first`, which read() then gives. Throws ConfigError, which says how
+  // many frames the video has, when it ends before that one: only its end tells for sure.
+  void start_at(int64_t first);
   // Frames delivered so far that were marked damaged.
   int64_t damaged_frames() const { return source_->damaged_frames(); }
   // Known once read() has returned false: the file ended before the number of frames or the duration it promises.
@@ -53,6 +57,8 @@ class VideoReader {
 
  private:
   std::unique_ptr<FrameSource> source_;
+  std::string name_;
+  std::optional<Frame> ahead_;  // read by start_at()
 };
 
 // H.264 in MP4 (libx264, CRF 18, yuv420p, BT.709, index at the front). Everything goes to `<path>.part`, which close()

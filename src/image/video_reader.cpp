@@ -1,6 +1,8 @@
 #include <charconv>
 #include <filesystem>
+#include <utility>
 
+#include "base/text.h"
 #include "image/ffmpeg_source.h"
 #include "image/folder_source.h"
 #include "image/video.h"
@@ -36,9 +38,29 @@ bool is_webcam(const std::string& source) {
   return source.starts_with(kWebcamPrefix);
 }
 
-VideoReader::VideoReader(const std::string& source) : source_(open_source(source)) {}
+VideoReader::VideoReader(const std::string& source) : source_(open_source(source)), name_(source) {}
 VideoReader::~VideoReader() = default;
 VideoReader::VideoReader(VideoReader&&) noexcept = default;
 VideoReader& VideoReader::operator=(VideoReader&&) noexcept = default;
+
+bool VideoReader::read(Frame& out) {
+  if (!ahead_) return source_->read(out);
+  out = std::move(*ahead_);
+  ahead_.reset();
+  return true;
+}
+
+void VideoReader::start_at(int64_t first) {
+  if (first <= 0) return;
+  int64_t n_frames = 0;
+  for (Frame frame; read(frame);) {
+    n_frames = frame.index + 1;
+    if (frame.index < first) continue;
+    ahead_ = std::move(frame);
+    return;
+  }
+  throw ConfigError(format("--first %lld: ", static_cast<long long>(first)) + name_ +
+                    format(" has %lld frames, the first is 0", static_cast<long long>(n_frames)));
+}
 
 }  // namespace livecap

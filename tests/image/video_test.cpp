@@ -101,6 +101,36 @@ TEST_F(Video, WhatIsWrittenComesBackFrameByFrame) {
   EXPECT_FALSE(reader.read(frame));
 }
 
+TEST_F(Video, StartsWhereAsked) {
+  VideoReader reader(write_video("ten.mp4", 10));
+  reader.start_at(7);
+  Frame frame;
+  for (int i = 7; i < 10; ++i) {
+    ASSERT_TRUE(reader.read(frame));
+    EXPECT_EQ(frame.index, i);
+  }
+  EXPECT_FALSE(reader.read(frame));
+
+  VideoReader whole(path("ten.mp4"));
+  whole.start_at(0);
+  ASSERT_TRUE(whole.read(frame));
+  EXPECT_EQ(frame.index, 0);
+}
+
+TEST_F(Video, StartingAfterTheEndSaysHowLongItIs) {
+  const std::string video = write_video("ten.mp4", 10);
+  for (int first : {10, 100000}) {
+    VideoReader reader(video);
+    try {
+      reader.start_at(first);
+      FAIL() << first << " was accepted";
+    } catch (const ConfigError& e) {
+      EXPECT_NE(std::string(e.what()).find("--first " + std::to_string(first)), std::string::npos) << e.what();
+      EXPECT_NE(std::string(e.what()).find("10 frames"), std::string::npos) << e.what();
+    }
+  }
+}
+
 TEST_F(Video, OddSizesGrowByOne) {
   VideoReader reader(write_video("odd.mp4", 3, 65, 63));
   EXPECT_EQ(reader.info().width, 66);

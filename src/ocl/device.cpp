@@ -71,17 +71,60 @@ DeviceInfo describe(cl_platform_id platform, cl_device_id device) {
   return info;
 }
 
+// PoCL's platform has its long name in some versions.
+const std::string kPocl = "pocl";
+const std::string kPoclLongName = "portable computing";
+
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
 }
 
-std::string what_there_is(const std::vector<DeviceInfo>& devices) {
+void require_any(const std::vector<DeviceInfo>& devices) {
   if (devices.empty())
-    return "no OpenCL device was found; install a driver (on Debian: apt install pocl-opencl-icd) and see `livecap "
-           "devices`";
-  std::string text = "available:";
-  for (const auto& device : devices) text.append(&device == &devices.front() ? " " : "; ").append(device.label());
+    throw OclError(
+        "no OpenCL device was found; install a driver (on Debian: apt install pocl-opencl-icd) and see `livecap "
+        "devices`");
+}
+
+// Indices of those that a selector without its index means, in the order that its index counts them.
+std::vector<size_t> matching_devices(const std::vector<DeviceInfo>& devices, const std::string& name) {
+  std::vector<size_t> matching;
+  const auto add_where = [&](const auto& fits) {
+    for (size_t i = 0; i < devices.size(); ++i)
+      if (fits(devices[i])) matching.push_back(i);
+  };
+  if (name.empty()) {
+    add_where([](const DeviceInfo& device) { return device.is_gpu; });
+    add_where([](const DeviceInfo& device) { return !device.is_gpu; });
+  } else if (name == "cpu") {
+    add_where([](const DeviceInfo& device) { return device.is_cpu; });
+  } else if (name == "gpu") {
+    add_where([](const DeviceInfo& device) { return device.is_gpu; });
+  } else {
+    const auto named = [&](const std::string& part) {
+      add_where([&](const DeviceInfo& device) { return lower(device.platform_name).find(part) != std::string::npos; });
+    };
+    named(name);
+    if (matching.empty() && name == kPocl) named(kPoclLongName);
+  }
+  return matching;
+}
+
+// By which its platform is called for short: "pocl", "nvidia", "amd", "intel".
+std::string platform_selector(const DeviceInfo& device) {
+  const std::string name = lower(device.platform_name);
+  if (name.find(kPoclLongName) != std::string::npos) return kPocl;
+  const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0; };
+  const auto begin = std::find_if(name.begin(), name.end(), is_letter);
+  return {begin, std::find_if_not(begin, name.end(), is_letter)};
+}
+
+// "pocl:0 (device name [platform name]); ..."
+std::string valid_selectors(const std::vector<DeviceInfo>& devices) {
+  std::string text;
+  for (const DeviceInfo& device : devices)
+    text += (text.empty() ? "" : "; ") + device_selectors(devices, device).front() + " (" + device.label() + ")";
   return text;
 }
 
@@ -140,6 +183,7 @@ std::vector<DeviceInfo> list_devices() {
 
 DeviceInfo select_device(const std::string& selector) {
   const auto devices = list_devices();
+  require_any(devices);
   std::string name = lower(selector);
   size_t index = 0;
   if (const size_t colon = name.rfind(':'); colon != std::string::npos) {
@@ -151,26 +195,25 @@ DeviceInfo select_device(const std::string& selector) {
     index = static_cast<size_t>(std::stoi(digits));
     name.resize(colon);
   }
-  std::vector<DeviceInfo> matching;
-  for (const auto& device : devices) {
-    if (name == "cpu"   ? device.is_cpu
-        : name == "gpu" ? device.is_gpu
-                        : lower(device.platform_name).find(name) != std::string::npos)
-      matching.push_back(device);
-  }
-  if (name.empty())
-    std::stable_partition(matching.begin(), matching.end(), [](const DeviceInfo& d) { return d.is_gpu; });
-  // A platform can be named twice over by two drivers; "portable computing language" is PoCL's long name.
-  if (matching.empty() && name == "pocl") {
-    for (const auto& device : devices) {
-      if (lower(device.platform_name).find("portable computing") != std::string::npos) matching.push_back(device);
-    }
-  }
-  if (index >= matching.size()) {
-    throw OclError("device selector \"" + selector + "\" matches " + std::to_string(matching.size()) +
-                   " device(s), index " + std::to_string(index) + " asked; " + what_there_is(devices));
-  }
-  return matching[index];
+  const std::vector<size_t> matching = matching_devices(devices, name);
+  if (index >= matching.size())
+    throw ConfigError("device selector \"" + selector + "\" " +
+                      (matching.empty() ? "matches no device" : format("matches only %zu device(s)", matching.size())) +
+                      "; valid are " + valid_selectors(devices));
+  return devices[matching[index]];
+}
+
+std::vector<std::string> device_selectors(const std::vector<DeviceInfo>& devices, const DeviceInfo& device) {
+  std::vector<std::string> selectors;
+  const auto add = [&](const std::string& name) {
+    const std::vector<size_t> matching = matching_devices(devices, name);
+    for (size_t i = 0; i < matching.size(); ++i)
+      if (devices[matching[i]].device == device.device) selectors.push_back(name + ":" + std::to_string(i));
+  };
+  if (device.is_cpu) add("cpu");
+  if (device.is_gpu) add("gpu");
+  add(platform_selector(device));
+  return selectors;
 }
 
 DevicePair select_device_pair(const std::string& cnn_selector, const std::string& solver_selector) {
@@ -182,7 +225,7 @@ DevicePair select_device_pair(const std::string& cnn_selector, const std::string
       if (device.is_gpu) candidates.push_back(device);
     }
     if (candidates.empty()) candidates = devices;
-    if (candidates.empty()) throw OclError(what_there_is(candidates));
+    require_any(candidates);
     pair.cnn = candidates.front();
     pair.solver = candidates.size() > 1 ? candidates[1] : candidates.front();
   } else {

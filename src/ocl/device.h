@@ -41,15 +41,21 @@ void prepare_platforms();
 std::vector<DeviceInfo> list_devices();
 
 // selector: "" (first GPU, else first CPU), "cpu", "gpu", "cpu:1", "gpu:1", or a case-insensitive substring of the
-// platform name with an optional index ("pocl", "nvidia:0"). Throws OclError listing what there is.
+// platform name with an optional index ("pocl", "nvidia:0"). Throws ConfigError listing what would be valid, OclError
+// when there is no device at all.
 DeviceInfo select_device(const std::string& selector);
+
+// Selectors of one of `devices`, which are all there are: by its type, where it has one, and by its platform, both with
+// an index: {"cpu:0", "pocl:0"}.
+std::vector<std::string> device_selectors(const std::vector<DeviceInfo>& devices, const DeviceInfo& device);
 
 struct DevicePair {
   DeviceInfo cnn;
   DeviceInfo solver;
 };
 
-// Chooses both devices. Empty selectors: two GPUs if there are two, else the one GPU for both, else two CPU devices.
+// Chooses both devices. Both selectors empty: the first two GPUs, the network's first; else the one GPU for both, else
+// the first two devices of any kind, or the only one for both. One of them empty: it is taken to be as the other.
 // When both fall on one CPU device with at least two compute units it is split with clCreateSubDevices.
 DevicePair select_device_pair(const std::string& cnn_selector, const std::string& solver_selector);
 

@@ -110,13 +110,48 @@ TEST(Context, KernelsSeeTheArgumentsOfEachLaunch) {
   });
 }
 
-TEST(Context, UnknownSelectorListsWhatThereIs) {
-  try {
-    ocl::select_device("no-such-platform");
-    FAIL() << "expected OclError";
-  } catch (const OclError& e) {
-    EXPECT_NE(std::string(e.what()).find("available:"), std::string::npos) << e.what();
+TEST(Context, UnknownSelectorListsWhatWouldBeValid) {
+  for (const std::string selector : {"no-such-platform", "pocl:99"}) {
+    try {
+      ocl::select_device(selector);
+      FAIL() << "expected ConfigError";
+    } catch (const ConfigError& e) {
+      EXPECT_NE(std::string(e.what()).find(selector), std::string::npos) << e.what();
+      EXPECT_NE(std::string(e.what()).find("valid are "), std::string::npos) << e.what();
+      EXPECT_NE(std::string(e.what()).find(":0 ("), std::string::npos) << e.what();
+    }
   }
+}
+
+TEST(Context, EverySelectorThatIsToldSelectsItsDevice) {
+  const std::vector<ocl::DeviceInfo> devices = ocl::list_devices();
+  for (const ocl::DeviceInfo& device : devices) {
+    const std::vector<std::string> selectors = ocl::device_selectors(devices, device);
+    EXPECT_EQ(selectors.size(), device.is_cpu || device.is_gpu ? 2u : 1u);
+    for (const std::string& selector : selectors) EXPECT_EQ(ocl::select_device(selector).device, device.device);
+  }
+}
+
+// Two platforms of one vendor share their index; a device that is neither CPU nor GPU has its platform alone.
+TEST(Context, SelectorsCountAcrossPlatforms) {
+  const auto device = [](size_t id, const char* platform, bool is_cpu, bool is_gpu) {
+    ocl::DeviceInfo info;
+    info.device = reinterpret_cast<cl_device_id>(id);
+    info.platform_name = platform;
+    info.is_cpu = is_cpu;
+    info.is_gpu = is_gpu;
+    return info;
+  };
+  const std::vector<ocl::DeviceInfo> devices = {
+      device(1, "Intel(R) OpenCL", true, false), device(2, "Intel(R) OpenCL HD Graphics", false, true),
+      device(3, "NVIDIA CUDA", false, true), device(4, "Portable Computing Language", true, false),
+      device(5, "Intel(R) FPGA Emulation Platform", false, false)};
+  using Selectors = std::vector<std::string>;
+  EXPECT_EQ(ocl::device_selectors(devices, devices[0]), (Selectors{"cpu:0", "intel:0"}));
+  EXPECT_EQ(ocl::device_selectors(devices, devices[1]), (Selectors{"gpu:0", "intel:1"}));
+  EXPECT_EQ(ocl::device_selectors(devices, devices[2]), (Selectors{"gpu:1", "nvidia:0"}));
+  EXPECT_EQ(ocl::device_selectors(devices, devices[3]), (Selectors{"cpu:1", "pocl:0"}));
+  EXPECT_EQ(ocl::device_selectors(devices, devices[4]), (Selectors{"intel:2"}));
 }
 
 TEST(Context, EveryKernelFileResolvesItsIncludes) {

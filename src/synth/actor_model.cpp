@@ -40,7 +40,7 @@ int nearest_vertex(const Surface& surface, const Vec3& p) {
 ActorModel build_actor(const std::string& name, double height_mm, int target_vertices) {
   const BodyShape shape(outfit_from_name(name));
   if (!(height_mm >= 500 && height_mm <= 3000))
-    throw ConfigError(format("actor height is %g mm; it must be within 500..3000", height_mm));
+    throw ConfigError(format("--height %g m: must be between 0.5 and 3 metres", height_mm / 1000));
   if (target_vertices < 1000 || target_vertices > 60000)
     throw ConfigError(format("target_vertices is %d; it must be within 1000..60000", target_vertices));
 

@@ -11,7 +11,7 @@ void Physique::validate() const {
   for (const auto& [name, value] : {std::pair{"legs", legs}, std::pair{"arms", arms}, std::pair{"trunk", trunk},
                                     std::pair{"shoulders", shoulders}, std::pair{"girth", girth}})
     if (!(value >= 0.6 && value <= 1.6))
-      throw ConfigError(format("synth: physique.%s is %g; it must be within 0.6..1.6", name, value));
+      throw ConfigError(format("synth: --%s %g: must be between 0.6 and 1.6", name, value));
 }
 
 namespace synth {

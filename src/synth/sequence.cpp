@@ -258,8 +258,10 @@ Picture take_picture(const View& view, const Lighting& lighting, const Plate& em
   return picture;
 }
 
-void require(bool ok, const std::string& message) {
-  if (!ok) throw ConfigError("synth: " + message);
+// name: of the option of `livecap synth`; of the field where there is none.
+void require_within(const char* name, double value, double least, double most, const char* unit = "") {
+  if (!(value >= least && value <= most))
+    throw ConfigError(format("synth: %s %g: must be between %g and %g%s", name, value, least, most, unit));
 }
 
 }  // namespace
@@ -267,27 +269,25 @@ void require(bool ok, const std::string& message) {
 void SynthOptions::validate() const {
   outfit_from_name(actor);
   physique.validate();
-  require(height_mm >= 500 && height_mm <= 3000, format("height_mm is %g; it must be within 500..3000", height_mm));
-  require(!motions.empty(), "motions is empty; name at least one");
+  require_within("--height", height_mm / 1000, 0.5, 3, " metres");
+  if (motions.empty()) throw ConfigError("synth: --motion: name at least one");
   make_motion(motions, 1);
-  require(crouch_deg >= 0 && crouch_deg <= 40, format("crouch_deg is %g; it must be within 0..40", crouch_deg));
+  require_within("--crouch", crouch_deg, 0, 40, " degrees");
   scenario_from_name(scenario);
-  for (const auto& [name, value] : {std::pair{"width", width}, {"height", height}})
-    require(value >= 64 && value <= 4096 && value % 2 == 0,
-            format("%s is %d; it must be even, within 64..4096", name, value));
-  require(fps >= 1 && fps <= 240, format("fps is %g; it must be within 1..240", fps));
-  require(n_frames >= 0 && n_frames <= 100000, format("n_frames is %d; it must be within 0..100000", n_frames));
-  require(empty_frames >= 0 && empty_frames <= 10000,
-          format("empty_frames is %d; it must be within 0..10000", empty_frames));
-  require(fov_deg >= 10 && fov_deg <= 120, format("fov_deg is %g; it must be within 10..120", fov_deg));
-  require(distance_mm >= 1000 && distance_mm <= 20000,
-          format("distance_mm is %g; it must be within 1000..20000", distance_mm));
-  require(camera_height_mm >= 100 && camera_height_mm <= 5000,
-          format("camera_height_mm is %g; it must be within 100..5000", camera_height_mm));
-  require(std::abs(camera_roll_deg) <= 45, format("camera_roll_deg is %g; it must be within -45..45", camera_roll_deg));
-  require(noise >= 0 && noise <= 50, format("noise is %g; it must be within 0..50", noise));
-  require(gain_drift >= 0 && gain_drift <= 0.5, format("gain_drift is %g; it must be within 0..0.5", gain_drift));
-  require(blur_px >= 0 && blur_px <= 10, format("blur_px is %g; it must be within 0..10", blur_px));
+  for (const auto& [name, value] : {std::pair{"--width", width}, {"--picture-height", height}}) {
+    require_within(name, value, 64, 4096, " px");
+    if (value % 2 != 0) throw ConfigError(format("synth: %s %d: must be even", name, value));
+  }
+  require_within("--fps", fps, 1, 240);
+  require_within("--frames", n_frames, 0, 100000);
+  require_within("--empty-frames", empty_frames, 0, 10000);
+  require_within("--fov", fov_deg, 10, 120, " degrees");
+  require_within("--distance", distance_mm / 1000, 1, 20, " metres");
+  require_within("camera_height_mm", camera_height_mm, 100, 5000);
+  require_within("camera_roll_deg", camera_roll_deg, -45, 45);
+  require_within("--noise", noise, 0, 50);
+  require_within("gain_drift", gain_drift, 0, 0.5);
+  require_within("blur_px", blur_px, 0, 10);
 }
 
 SynthReport write_sequence(const SynthOptions& options, const std::filesystem::path& folder,

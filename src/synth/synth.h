@@ -65,7 +65,7 @@ struct SynthOptions {
   bool floor = false;              // true: camera.json says where the floor is
   uint64_t seed = 1;               // of the noise and the room's texture
 
-  // Throws ConfigError naming the field.
+  // Throws ConfigError naming the option of `livecap synth`, or the field where there is none.
   void validate() const;
 };
 

@@ -1,0 +1,24 @@
+#include "synth/named_actor.h"
+
+#include "livecap/error.h"
+#include "synth/synth.h"
+
+namespace livecap {
+namespace {
+
+const std::string kPrefix = "builtin:";
+
+}  // namespace
+
+bool is_builtin_actor(const std::string& actor) {
+  return actor.rfind(kPrefix, 0) == 0;
+}
+
+std::string builtin_actor_name(const std::string& actor) {
+  if (is_builtin_actor(actor)) return actor.substr(kPrefix.size());
+  std::string names;
+  for (const std::string& name : builtin_actor_names()) names += (names.empty() ? "" : " or ") + kPrefix + name;
+  throw ConfigError("--actor " + actor + ": expected " + names);
+}
+
+}  // namespace livecap

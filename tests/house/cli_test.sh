@@ -69,8 +69,46 @@ expect_capture 2 '--camera' --camera ''
 expect 2 'nobody skirt' synth --actor builtin:nobody --out s
 expect 2 'nonsense' synth --motion nonsense --out s
 expect 2 'none.toml' devices --config none.toml
+# Which numbers are right, and not the limits of double.
+expect_capture 2 '--frames: must be at least 1, not 0' --camera seq/camera.json --frames 0
+expect_capture 2 '--first: must be at least 0, not -1' --camera seq/camera.json --first -1
+expect_capture 2 '--rigidity: must be above 0, not -1' --camera seq/camera.json --rigidity -1
+expect_capture 2 '--height: must be between 0.5 and 3 metres, not 0' --camera seq/camera.json --height 0
+expect_capture 2 '--frames: whole number, not 2.5' --camera seq/camera.json --frames 2.5
+expect 2 '--fov: must be a number, not abc' detect --fov abc
+expect 2 '--fov: must be between 1 and 170' live --fov 400
+expect 2 '--rigidity: must be above 0' live --rigidity 0
+expect 2 '--height: between 0.5 and 3 metres, not 178' actor inspect builtin:skirt --height 178
+expect 2 '--height: between 0.5 and 3 metres, not 17' synth --height 17 --out s
+expect 2 '--frames -4: between 0 and 100000' synth --frames -4 --out s
+expect 2 '--picture-height 7' synth --picture-height 7 --out s
+# What was misspelt, and whose help says more.
+expect 2 'no option --vidoe capture --help' capture --vidoe a.mp4
+expect 2 'no option --draws bench --help' bench --draws
+expect 2 'no subcommand captur livecap --help' -q captur
+expect 2 'no subcommand buidl actor --help' actor buidl
+expect 2 'no option --foo actor fit --help' actor fit --foo
+expect 2 '--video: value missing' capture --video
+expect 2 'unexpected argument b' actor inspect a b
+# Options from a file: file and line of what is wrong; below the subcommand's name or at the top.
 echo 'nonsense = 1' >bad.toml
-expect 2 'bad.toml nonsense' devices --config bad.toml
+expect 2 'bad.toml:1: no option nonsense' devices --config bad.toml
+printf 'frames = 3\nvideo = [[[\n' >bad.toml
+expect 2 'bad.toml:2: [[[' capture --config bad.toml
+printf '# all\n[capture]\nframes = 0\n' >bad.toml
+expect 2 'bad.toml:3: --frames: must be at least 1' capture --config bad.toml
+printf '[actor.buidl]\nmesh = "none.obj"\n' >bad.toml
+expect 2 'bad.toml:2: subcommand' actor build --config bad.toml
+printf '[actor.fit]\nno_option = 1\n[actor.build]\nmesh = "no#ne.obj" # a scan\nno-refine = true\nparser-mean = [\n  0.1, 0.2,\n 0.3]\n' >good.toml
+expect 2 'no#ne.obj' actor build --config good.toml --out a.glb
+printf '"mesh" = "none.obj"\nout = "a.glb"\n' >good.toml
+expect 2 'none.obj' actor build --config good.toml
+expect 2 'other.obj' actor build --config good.toml --mesh other.obj
+cases=$((cases + 1))
+if ! "$livecap" --help | grep -q '1 the run failed .*interruption'; then
+  echo "FAILED: the help does not say what an interruption returns"
+  failures=$((failures + 1))
+fi
 
 # Broken files of every kind: missing, empty, cut off, garbage.
 head -c 4000 /dev/zero | tr '\0' 'x' >garbage
@@ -140,12 +178,22 @@ if [[ $(id -u) -ne 0 ]]; then
 fi
 
 # Devices.
-expect_capture 1 'nonsense' --out result --solver-device nonsense
-expect_capture 1 'nonsense' --out result --cnn-device nonsense
+expect_capture 2 'nonsense valid :0' --out result --solver-device nonsense
+expect_capture 2 'nonsense valid :0' --out result --cnn-device nonsense
+cases=$((cases + 1))
+if ! "$livecap" devices --no-test | grep -qE '^ +selected by +[a-z]+:0'; then
+  echo "FAILED: devices does not tell selectors"
+  failures=$((failures + 1))
+fi
 export OCL_ICD_VENDORS=/nonexistent
 expect 1 'OpenCL device' devices
 expect_capture 1 'OpenCL' --out result
 unset OCL_ICD_VENDORS
+
+# A first frame after the last: the video's length, and nothing is written.
+expect_capture 2 '--first 100000 seq/video.mp4 6 frames' --camera seq/camera.json --first 100000
+expect 2 '--first 6: seq/video.mp4 6 frames' detect --video seq/video.mp4 --camera seq/camera.json --model lite --first 6 --out detected
+[[ ! -e detected ]] || { echo "FAILED: detect left a folder"; failures=$((failures + 1)); }
 
 # live, which writes nothing.
 live=(live --video seq/video.mp4 --camera seq/camera.json --background seq/background.png --actor seq/actor.glb --model lite)
@@ -158,7 +206,7 @@ expect 2 'here HOST:PORT 39539' "${live[@]}" --vmc here
 expect 2 'nobody.invalid host' "${live[@]}" --vmc nobody.invalid:39539
 expect 2 'nonsense' "${live[@]}" --without nonsense
 expect 2 'video.mp4 no picture' live --video seq/video.mp4 --camera seq/camera.json --background-frames 99 --actor seq/actor.glb --model lite
-expect 1 'nonsense' "${live[@]}" --solver-device nonsense
+expect 2 'nonsense valid :0' "${live[@]}" --solver-device nonsense
 # Without libavdevice, or SDL in FFmpeg, there is no window anywhere.
 "$livecap" "${live[@]}" --show >out.txt 2>err.txt
 if grep -qE '^error: no window: this (build has no libavdevice|FFmpeg has no SDL)' err.txt; then
@@ -289,9 +337,11 @@ expect 2 'none.mp4' eval --ablate --truth seq/truth --video none.mp4 --camera se
 
 # What it does with good input: every row of the ablation, one self-contained page.
 cases=$((cases + 1))
-if ! "$livecap" eval --ablate --truth seq/truth --video seq/video.mp4 --camera seq/camera.json --actor seq/actor.glb \
+if ! "$livecap" eval --ablate --truth seq/truth --video seq/video.mp4 --camera seq/camera.json \
+  --actor builtin:trousers --height 1.7 --smooth \
   --background seq/background.png --model lite --view view.json seq/truth/masks --out table --html table.html \
   >out.txt 2>err.txt || [[ $(grep -cE ' [0-9.]+ +[0-9.]+ +[0-9.]+ +[-+][0-9.]+ %' out.txt) -ne 21 ]] ||
+  ! grep -q '"height_mm": 1700' table/full/report.json || ! grep -q '"smooth": true' table/full/report.json ||
   [[ ! -s table/ablation.json ]] || ! grep -q '</html>' table.html || grep -qE 'https?:|<script' table.html; then
   echo "FAILED: eval --ablate"
   sed 's/^/  | /' err.txt out.txt | head -20
@@ -330,17 +380,17 @@ expect 2 'none.glb' actor compare none.glb seq/actor.glb
 fit=(actor fit --video seq/video.mp4 --camera seq/camera.json --out a.glb)
 expect 2 '--video' actor fit --camera seq/camera.json --out a.glb
 expect 2 '--camera --fov' actor fit --video seq/video.mp4 --out a.glb
-expect 2 '--actor seq/actor.glb builtin:NAME' "${fit[@]}" --actor seq/actor.glb
+expect 2 '--actor seq/actor.glb builtin:skirt' "${fit[@]}" --actor seq/actor.glb
 expect 2 'nobody skirt' "${fit[@]}" --actor builtin:nobody
-expect 2 '--height 9' "${fit[@]}" --height 9
+expect 2 '--height: between 0.8 and 2.5 metres, not 9' "${fit[@]}" --height 9
 expect 2 '--fit-frames' "${fit[@]}" --fit-frames 2
 expect 2 'none.png' "${fit[@]}" --background none.png
 expect 2 'none.mp4' actor fit --video none.mp4 --camera seq/camera.json --out a.glb
 expect 2 'wide.json 640x960 540x960' actor fit --video seq/video.mp4 --camera wide.json --out a.glb
 expect 2 'seq/video.mp4 nobody' "${fit[@]}" --frames 2 --model lite
 [[ ! -e a.glb ]] || { echo "FAILED: actor fit left a file"; failures=$((failures + 1)); }
-expect 2 'physique.legs 9' synth --legs 9 --out s
-expect 2 'crouch_deg 60' synth --crouch 60 --out s
+expect 2 '--legs 9 0.6 1.6' synth --legs 9 --out s
+expect 2 '--crouch 60' synth --crouch 60 --out s
 
 # calibrate.
 expect 2 '--images --video' calibrate --board 9x6 --out c.json
@@ -368,6 +418,8 @@ expect 2 'negative.json' calibrate --camera negative.json --out c.json --floor s
 expect 2 'nowhere/video.mp4' bench --sequence nowhere
 expect 2 '--frames' bench --frames 0
 expect 2 'none.tflite' bench --sequence seq --model none.tflite
+expect 2 'nonsense valid :0' bench --cnn-device nonsense
+! grep -q '^synth ' err.txt || { echo "FAILED: bench makes a sequence before it looks for devices"; failures=$((failures + 1)); }
 expect 2 '--trace nowhere/t.json' bench --sequence seq --trace nowhere/t.json
 cases=$((cases + 1))
 if ! "$livecap" -q bench --sequence seq --model lite --decoded >out.txt 2>err.txt ||

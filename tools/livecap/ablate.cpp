@@ -127,7 +127,7 @@ Ablation run_ablation(const CaptureOptions& capture, const EvalOptions& eval, in
       options.out = capture_folder(capture, variant.folder, draw).string();
       options.draw = draw;
       options.surface = variant.surface;
-      options.rigidity = variant.rigidity;
+      if (variant.rigidity > 0) options.rigidity = variant.rigidity;
       options.without.insert(options.without.end(), variant.without.begin(), variant.without.end());
       run_capture(options, [](const FrameReport&, int64_t) { return !interrupted(); });
       if (interrupted())

@@ -1,7 +1,6 @@
 #include "bench_capture.h"
 
 #include <algorithm>
-#include <cstdlib>
 
 #include "base/text.h"
 #include "base/timer.h"
@@ -21,17 +20,6 @@ double percentile(std::vector<double> values, double share) {
 }
 
 }  // namespace
-
-ScratchFolder::ScratchFolder() {
-  std::string pattern = (fs::temp_directory_path() / "livecap-bench-XXXXXX").string();
-  if (!::mkdtemp(pattern.data())) throw IoError(pattern + ": cannot be made");
-  path_ = pattern;
-}
-
-ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
 
 void make_bench_sequence(const SynthOptions& synth, const fs::path& folder) {
   Progress progress("synth");

@@ -23,19 +23,6 @@ struct BenchOptions {
   std::string trace;
 };
 
-// A folder below the system's temporary one that goes away with its owner.
-class ScratchFolder {
- public:
-  ScratchFolder();
-  ~ScratchFolder();
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 struct BenchRun {
   CaptureReport report;
   nlohmann::ordered_json file;       // report.json

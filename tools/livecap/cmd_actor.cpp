@@ -14,6 +14,7 @@
 #include "cloth/hanging_cloth.h"
 #include "eval/capture_folder.h"
 #include "eval/compare_actors.h"
+#include "method_options.h"
 #include "ocl/context.h"
 #include "texture/surface_views.h"
 
@@ -26,11 +27,11 @@ struct Options {
   std::string views;  // cameras of the pictures
   std::string unit = "m";
   std::string html;
-  double height_m = 0;
+  double height_mm = 0;
 };
 
 int compare(const Options& options) {
-  const Actor built = load_actor_named(options.file, options.height_m * 1000);
+  const Actor built = load_actor_named(options.file, options.height_mm);
   const Actor truth = load_actor_named(options.truth, 0);
   std::vector<char> seen;
   if (!options.views.empty()) {
@@ -62,7 +63,7 @@ std::string hanging_cloth_text(const Actor& actor) {
 }
 
 int inspect(const Options& options) {
-  const Actor actor = load_actor_named(options.file, options.height_m * 1000);
+  const Actor actor = load_actor_named(options.file, options.height_mm);
   std::fputs((inspect_actor(actor) + hanging_cloth_text(actor)).c_str(), stdout);
   return kExitOk;
 }
@@ -77,8 +78,7 @@ void add_actor_command(CLI::App& app, Action& action) {
       command->add_subcommand("inspect", "print what was found in an actor.glb, what was defaulted, what is wrong");
   inspect_command->fallthrough();
   inspect_command->add_option("file", options->file, "actor.glb or builtin:NAME")->required();
-  inspect_command->add_option("--height", options->height_m, "scale it to this height, metres")
-      ->check(CLI::PositiveNumber);
+  add_height_option(*inspect_command, options->height_mm, "scale it to this height, metres");
   inspect_command->callback([options, &action] { action = [options] { return inspect(*options); }; });
   CLI::App* compare_command =
       command->add_subcommand("compare", "how far an actor is from a true one: surface, joints, posing, materials");

@@ -12,6 +12,7 @@
 #include "cmd_actor.h"
 #include "eval/capture_folder.h"
 #include "livecap/error.h"
+#include "method_options.h"
 #include "progress.h"
 
 namespace livecap::tools {
@@ -41,33 +42,24 @@ int write_views(const ViewsOptions& options) {
 
 struct BuildCommand {
   acquire::BuildOptions build;
-  double height_m = 0;
   std::string cnn_device, solver_device;
   std::string out;
 };
 
 int build(const BuildCommand& options) {
   acquire::BuildOptions build = options.build;
-  build.height_mm = 1000 * options.height_m;
   build.name = std::filesystem::path(options.out).stem().string();
   build.validate();
   const ocl::DevicePair devices = ocl::select_device_pair(options.cnn_device, options.solver_device);
   ocl::DeviceContext network(devices.cnn), solver(devices.solver);
   catch_interrupt();
-  std::unique_ptr<Progress> progress;
-  std::string stage;
+  StageProgress progress("actor");
   const acquire::BuildResult result =
-      acquire::build_actor(network, solver, build, [&](const std::string& name, int done, int total) {
-        if (name != stage) {
-          if (progress) progress->finish();
-          progress = std::make_unique<Progress>("actor: " + name);
-          stage = name;
-        }
-        progress->update(done, total);
+      acquire::build_actor(network, solver, build, [&](const std::string& stage, int done, int total) {
+        progress.update(stage, done, total);
         return !interrupted();
       });
-  if (progress) progress->finish();
-  progress.reset();
+  progress.finish();
   const std::string bytes = meshing::actor_glb(result.actor);
   write_file_atomically(options.out, bytes);
   const Actor actor = load_actor_bytes(bytes, options.out);
@@ -142,14 +134,15 @@ void add_actor_build_command(CLI::App& actor, Action& action) {
                       "joints.json: joints that replace those found from the network");
   command->add_option("--unit", build_options.unit, "of the cameras' or the scan's world: m, cm, mm, inch, auto")
       ->capture_default_str();
-  command->add_option("--height", options->height_m, "of the person, metres; sets the scale");
+  add_height_option(*command, build_options.height_mm, "of the person, metres; sets the scale", 0.8, 2.5);
   command->add_option("--vertices", build_options.target_vertices, "of the actor")->capture_default_str();
   command->add_option("--texture", build_options.texture_size, "side of the texture, px")->capture_default_str();
   command->add_option("--grid", build_options.grid_mm, "spacing of the carved volume, mm")->capture_default_str();
-  command->add_flag("!--no-refine", build_options.refine, "keep the hull as it is: no search for hollows by colour");
-  command->add_option("--model", build_options.model, "lite, full, heavy or a .tflite file")->capture_default_str();
-  command->add_option("--cnn-device", options->cnn_device, "see `livecap devices`");
-  command->add_option("--solver-device", options->solver_device, "see `livecap devices`");
+  command->add_flag_callback(
+      "--no-refine", [options] { options->build.refine = false; },
+      "keep the hull as it is: no search for hollows by colour");
+  add_model_option(*command, build_options.model);
+  add_device_options(*command, options->cnn_device, options->solver_device);
   command->add_option("--out", options->out, "actor.glb to write")->required();
   command->callback([options, &action] { action = [options] { return build(*options); }; });
 }

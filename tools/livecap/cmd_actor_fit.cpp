@@ -8,9 +8,9 @@
 #include "base/text.h"
 #include "cmd_actor.h"
 #include "fit/fit_actor.h"
-#include "livecap/error.h"
+#include "method_options.h"
 #include "progress.h"
-#include "synth/synth.h"
+#include "synth/named_actor.h"
 
 namespace livecap::tools {
 namespace {
@@ -18,37 +18,25 @@ namespace {
 struct FitCommand {
   FitActorOptions fit;
   std::string actor = "builtin:trousers";
-  double height_m = 0;
   std::string cnn_device, solver_device;
   std::string out;
 };
 
 int fit(const FitCommand& command) {
   FitActorOptions options = command.fit;
-  const std::string prefix = "builtin:";
-  if (command.actor.rfind(prefix, 0) != 0)
-    throw ConfigError("--actor " + command.actor + ": must be builtin:NAME; `livecap synth --help` lists the names");
-  options.actor = command.actor.substr(prefix.size());
-  options.height_mm = 1000 * command.height_m;
+  options.actor = builtin_actor_name(command.actor);
   options.validate();
   const ocl::DevicePair devices = ocl::select_device_pair(command.cnn_device, command.solver_device);
   ocl::DeviceContext network(devices.cnn), solver(devices.solver);
   catch_interrupt();
-  std::unique_ptr<Progress> progress;
-  std::string stage;
-  const auto update = [&](const std::string& name, int done, int total) {
-    if (name != stage) {
-      if (progress) progress->finish();
-      progress = std::make_unique<Progress>("actor: " + name);
-      stage = name;
-    }
-    progress->update(done, total);
+  StageProgress progress("actor");
+  const auto update = [&](const std::string& stage, int done, int total) {
+    progress.update(stage, done, total);
     return !interrupted();
   };
   FitFootage footage = read_footage(network, solver, options, update);
   FitResult result = fit_actor(solver, std::move(footage), options, update);
-  if (progress) progress->finish();
-  progress.reset();
+  progress.finish();
   result.actor.name = std::filesystem::path(command.out).stem().string();
   const std::string bytes = meshing::actor_glb(result.actor);
   write_file_atomically(command.out, bytes);
@@ -81,12 +69,11 @@ void add_actor_fit_command(CLI::App& actor, Action& action) {
   command->add_option("--background-frames", fit_options.background_frames, "the first N frames of the video are empty")
       ->excludes(background);
   command->add_option("--actor", options->actor, "builtin:NAME, what the person wears")->capture_default_str();
-  command->add_option("--height", options->height_m, "of the person, metres; one view does not tell it");
+  add_height_option(*command, fit_options.height_mm, "of the person, metres; one view does not tell it", 0.8, 2.5);
   command->add_option("--frames", fit_options.max_frames, "look at so many frames at most")->capture_default_str();
   command->add_option("--fit-frames", fit_options.n_frames, "fit to about so many of them")->capture_default_str();
-  command->add_option("--model", fit_options.model, "lite, full, heavy or a .tflite file")->capture_default_str();
-  command->add_option("--cnn-device", options->cnn_device, "see `livecap devices`");
-  command->add_option("--solver-device", options->solver_device, "see `livecap devices`");
+  add_model_option(*command, fit_options.model);
+  add_device_options(*command, options->cnn_device, options->solver_device);
   command->add_option("--out", options->out, "actor.glb to write")->required();
   command->callback([options, &action] { action = [options] { return fit(*options); }; });
 }

@@ -27,7 +27,11 @@
 #include "livecap/camera.h"
 #include "livecap/capture.h"
 #include "livecap/error.h"
+#include "method_options.h"
+#include "ocl/device.h"
 #include "progress.h"
+#include "scratch_folder.h"
+#include "value_checks.h"
 
 namespace livecap::tools {
 namespace {
@@ -127,6 +131,7 @@ int run(const BenchOptions& options) {
   const fs::path sequence = options.sequence.empty() ? scratch.path() / "sequence" : fs::path(options.sequence);
   const CaptureOptions traced = traced_capture(options, sequence, scratch.path() / "trace");
   traced.validate();
+  ocl::select_device_pair(options.cnn_device, options.solver_device);  // complain before a sequence is made
   if (options.sequence.empty()) {
     SynthOptions synth;
     synth.n_frames = options.frames;
@@ -186,19 +191,18 @@ void add_bench_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("bench", "measure how fast this machine captures");
   command->add_flag("--json", options->json, "print the result as JSON");
   command->add_option("--frames", options->frames, "capture at most this many")
-      ->check(CLI::Range(3, 100000))
+      ->check(between(3, 100000))
       ->capture_default_str();
   command->add_flag("--decoded", options->decoded,
                     "decode all frames before the clock starts: what is measured begins with decoded frames, which "
                     "stay in memory (3 bytes a pixel and frame)");
-  command->add_option("--model", options->model, "lite, full, heavy or a .tflite file")->capture_default_str();
+  add_model_option(*command, options->model);
   command->add_option("--sequence", options->sequence,
                       "folder with video.mp4, camera.json, background.png, actor.glb instead of the built-in sequence");
   command->add_flag("--growth", options->growth, "also measure how the times grow with vertices and pixels");
   command->add_option("--trace", options->trace,
                       "also write a timeline of threads and devices (30 frames), for chrome://tracing or Perfetto");
-  command->add_option("--cnn-device", options->cnn_device, "device of the network, see `livecap devices`");
-  command->add_option("--solver-device", options->solver_device, "device of the solvers");
+  add_device_options(*command, options->cnn_device, options->solver_device);
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

@@ -7,6 +7,7 @@
 #include "command.h"
 #include "livecap/capture.h"
 #include "livecap/error.h"
+#include "method_options.h"
 #include "progress.h"
 
 namespace livecap::tools {
@@ -14,8 +15,6 @@ namespace {
 
 struct Options {
   CaptureOptions capture;
-  double height_m = 0;
-  bool no_surface = false;
   std::string pace = "fast";
   std::string bvh_unit = "cm";
 };
@@ -38,8 +37,6 @@ void print_summary(const CaptureReport& report) {
 
 int run(const Options& options) {
   CaptureOptions capture = options.capture;
-  capture.height_mm = options.height_m * 1000;
-  capture.surface = !options.no_surface;
   capture.realtime = options.pace == "realtime";
   capture.bvh_unit_m = bvh_unit_m(options.bvh_unit);
 
@@ -73,33 +70,22 @@ void add_capture_command(CLI::App& app, Action& action) {
   CLI::Option* background = command->add_option("--background", capture.background, "picture of the empty scene");
   command->add_option("--background-frames", capture.background_frames, "the first N frames of the video are empty")
       ->excludes(background);
-  command->add_option("--actor", capture.actor, "actor.glb or builtin:NAME")->required();
-  command->add_option("--height", options->height_m, "scale the actor to this height, metres")
-      ->check(CLI::PositiveNumber);
   command->add_option("--out", capture.out, "folder to write")->required();
   command->add_flag("--overlay", capture.overlay, "also write overlay.mp4");
 
-  command->add_option("--model", capture.model, "lite, full, heavy or a .tflite file")->capture_default_str();
+  add_method_options(*command, capture);
   command->add_option("--detections", capture.detections, "detections.jsonl to use instead of the network");
   command->add_option("--miss-detections", capture.missed_detections,
                       "test of robustness: show the network nothing in this share of the frames, chosen at random");
   command->add_option("--draw", capture.draw,
                       "test of chance: move the network's first crop aside by N hundredths of a pixel, 0 to 99");
-  command->add_flag("--no-surface", options->no_surface, "stage I only: the skinned pose");
-  command->add_option("--without", capture.without, "energy terms and components to switch off, comma-separated")
-      ->delimiter(',');
-  command->add_option("--rigidity", capture.rigidity, "material weight of the whole surface, instead of each label's")
-      ->check(CLI::PositiveNumber);
   command->add_flag("--smooth", capture.smooth, "filter the result with [0.15, 0.7, 0.15] over time once more");
 
   command->add_flag("--sequential", capture.sequential, "one thread; the result is the same");
   command->add_option("--pace", options->pace, "fast: every frame; realtime: as a camera would deliver them")
       ->check(CLI::IsMember({"fast", "realtime"}))
       ->capture_default_str();
-  command->add_option("--cnn-device", capture.cnn_device, "device of the network, see `livecap devices`");
-  command->add_option("--solver-device", capture.solver_device, "device of the solvers");
-  command->add_option("--first", capture.first, "first frame of the video to process")->check(CLI::NonNegativeNumber);
-  command->add_option("--frames", capture.frames, "process at most this many")->check(CLI::PositiveNumber);
+  add_frame_options(*command, capture.first, capture.frames);
   add_bvh_unit_option(*command, options->bvh_unit);
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }

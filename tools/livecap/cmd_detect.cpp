@@ -16,8 +16,10 @@
 #include "detect/pose_detector.h"
 #include "image/undistort.h"
 #include "image/video.h"
+#include "image/video_camera.h"
 #include "livecap/camera.h"
 #include "livecap/error.h"
+#include "method_options.h"
 #include "ocl/context.h"
 #include "progress.h"
 
@@ -89,16 +91,6 @@ void draw(const Detections& detections, ImageRgb& image) {
   }
 }
 
-Camera open_camera(const Options& options, const VideoInfo& video) {
-  if (options.camera.empty()) return camera_from_fov(video.width, video.height, options.fov_deg);
-  const Camera camera = load_camera(options.camera);
-  if (camera.width != video.width || camera.height != video.height) {
-    throw IoError(options.camera + format(": width and height are %dx%d but %s is %dx%d", camera.width, camera.height,
-                                          options.video.c_str(), video.width, video.height));
-  }
-  return camera;
-}
-
 void make_folder(const fs::path& folder) {
   std::error_code code;
   fs::create_directories(folder, code);
@@ -109,7 +101,7 @@ int run(const Options& options) {
   if (options.camera.empty() == (options.fov_deg == 0)) throw ConfigError("give either --camera FILE or --fov DEGREES");
   VideoReader video(options.video);
   const VideoInfo info = video.info();
-  const Undistorter undistorter(open_camera(options, info));
+  const Undistorter undistorter(video_camera(options.camera, options.fov_deg, info, options.video));
   const Camera camera = undistorter.undistorted_camera();
 
   detect::PoseDetectorOptions detector_options;
@@ -119,6 +111,7 @@ int run(const Options& options) {
   ocl::DeviceContext device(ocl::select_device(options.device));
   detect::PoseDetector detector(device, detector_options);
 
+  video.start_at(options.first);
   const fs::path out = options.out;
   make_folder(out);
   detect::DetectionsWriter writer(out / "detections.jsonl");
@@ -136,7 +129,6 @@ int run(const Options& options) {
   int64_t found = 0;
   std::vector<double> network_ms;
   for (Frame frame; !interrupted() && (options.frames < 0 || done < options.frames) && video.read(frame);) {
-    if (frame.index < options.first) continue;
     ImageRgb image = undistorter.undistort(frame.image);
     const Timer timer;
     const Detections detections = detector.detect(image, camera, frame.index, frame.pts_ms / 1000);
@@ -171,10 +163,9 @@ void add_detect_command(CLI::App& app, Action& action) {
   command->add_option("--fov", options->fov_deg, "instead of --camera: field of view of the longer side, degrees")
       ->excludes(camera);
   command->add_option("--out", options->out, "folder to write")->required();
-  command->add_option("--model", options->model, "lite, full, heavy or a .tflite file")->capture_default_str();
-  command->add_option("--cnn-device", options->device, "device of the network, see `livecap devices`");
-  command->add_option("--first", options->first, "first frame of the video")->check(CLI::NonNegativeNumber);
-  command->add_option("--frames", options->frames, "at most this many")->check(CLI::PositiveNumber);
+  add_model_option(*command, options->model);
+  add_network_device_option(*command, options->device);
+  add_frame_options(*command, options->first, options->frames);
   command->add_flag("--no-overlay", options->no_overlay, "do not write overlay.mp4");
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }

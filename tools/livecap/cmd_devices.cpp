@@ -8,6 +8,7 @@
 
 #include "acquire/hull.h"
 #include "actor/skinner.h"
+#include "base/joined.h"
 #include "base/log.h"
 #include "base/text.h"
 #include "cloth/cloth_simulation.h"
@@ -44,8 +45,10 @@ const std::vector<std::pair<const char*, SelfTest>>& self_tests() {
   return tests;
 }
 
-void print_device(int index, const ocl::DeviceInfo& device) {
+// selectors: what --cnn-device and --solver-device call it.
+void print_device(int index, const ocl::DeviceInfo& device, const std::vector<std::string>& selectors) {
   std::printf("[%d] %s\n", index, device.label().c_str());
+  std::printf("    selected by     %s\n", joined(selectors).c_str());
   std::printf("    type            %s\n", device.is_gpu ? "GPU" : device.is_cpu ? "CPU" : "other");
   std::printf("    driver          %s (%s)\n", device.driver_version.c_str(), device.platform_version.c_str());
   std::printf("    compute units   %u\n", device.compute_units);
@@ -89,7 +92,7 @@ int run(const DevicesOptions& options) {
   int failed = 0;
   int index = 0;
   for (const ocl::DeviceInfo& device : devices) {
-    print_device(index++, device);
+    print_device(index++, device, ocl::device_selectors(devices, device));
     if (!options.no_test) failed += run_self_tests(device);
   }
   const ocl::DevicePair pair = ocl::select_device_pair("", "");

@@ -1,6 +1,4 @@
 // livecap eval: compares a capture with the ground truth of its sequence; --ablate makes the captures itself.
-#include <unistd.h>
-
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -18,6 +16,9 @@
 #include "eval/html_report.h"
 #include "livecap/capture.h"
 #include "livecap/error.h"
+#include "method_options.h"
+#include "scratch_folder.h"
+#include "value_checks.h"
 
 namespace livecap::tools {
 namespace {
@@ -34,20 +35,6 @@ struct Options {
   bool ablate = false;
   int draws = 1;           // of each row of --ablate
   CaptureOptions capture;  // of --ablate; its video also of --html
-};
-
-// Where --ablate captures when no folder is given.
-class ScratchFolder {
- public:
-  ScratchFolder() : path_(fs::temp_directory_path() / format("livecap_eval_%d", static_cast<int>(::getpid()))) {}
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
 };
 
 // Fields put before those of a report.
@@ -106,8 +93,9 @@ int run_all(Options options) {
   if (!options.eval.capture.empty())
     throw ConfigError("--ablate makes its captures itself: give --video, not --capture");
   if (!options.pose_only.empty()) throw ConfigError("--ablate makes its captures itself: no --pose-only");
-  const ScratchFolder scratch;
-  options.capture.out = options.out.empty() ? scratch.path().string() : options.out;
+  std::optional<ScratchFolder> scratch;
+  if (options.out.empty()) scratch.emplace();
+  options.capture.out = scratch ? scratch->path().string() : options.out;
   options.capture.camera = options.eval.camera;
   options.capture.actor = options.eval.actor;
   const Ablation ablation = run_ablation(options.capture, options.eval, options.draws, !options.out.empty());
@@ -149,36 +137,23 @@ void add_eval_command(CLI::App& app, Action& action) {
   CLI::Option* const ablate =
       command->add_flag("--ablate", options->ablate, "capture --video with parts of the method off, print one table");
   ablate->group(group);
-  command
-      ->add_option(
-          "--draws", options->draws,
-          "capture each row so often, with other draws of the network's detections; the table has the means, all "
-          "else is of the first")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str()
-      ->group(group)
-      ->needs(ablate);
-  command->add_option("--fov", capture.fov_deg, "instead of --camera: field of view of the longer side, degrees")
-      ->group(group)
-      ->needs(ablate);
-  command->add_option("--background", capture.background, "picture of the empty scene")->group(group)->needs(ablate);
-  command->add_option("--background-frames", capture.background_frames, "the first N frames of the video are empty")
-      ->group(group)
-      ->needs(ablate);
-  command->add_option("--model", capture.model, "lite, full, heavy or a .tflite file")
-      ->capture_default_str()
-      ->group(group)
-      ->needs(ablate);
-  command->add_option("--cnn-device", capture.cnn_device, "device of the network")->group(group)->needs(ablate);
-  command->add_option("--solver-device", capture.solver_device, "device of the solvers")->group(group)->needs(ablate);
-  command->add_option("--first", capture.first, "first frame of the video")
-      ->check(CLI::NonNegativeNumber)
-      ->group(group)
-      ->needs(ablate);
-  command->add_option("--frames", capture.frames, "at most this many")
-      ->check(CLI::PositiveNumber)
-      ->group(group)
-      ->needs(ablate);
+  std::vector<CLI::Option*> of_ablate = {
+      command
+          ->add_option("--draws", options->draws,
+                       "capture each row so often, with other draws of the network's detections; the table has the "
+                       "means, all else is of the first")
+          ->check(between(1, 100))
+          ->capture_default_str(),
+      command->add_option("--fov", capture.fov_deg, "instead of --camera: field of view of the longer side, degrees"),
+      command->add_option("--background", capture.background, "picture of the empty scene"),
+      command->add_option("--background-frames", capture.background_frames,
+                          "the first N frames of the video are empty"),
+      command->add_flag("--smooth", capture.smooth, "filter the result with [0.15, 0.7, 0.15] over time once more"),
+  };
+  for (const auto& more :
+       {add_setting_options(*command, capture), add_frame_options(*command, capture.first, capture.frames)})
+    of_ablate.insert(of_ablate.end(), more.begin(), more.end());
+  for (CLI::Option* option : of_ablate) option->group(group)->needs(ablate);
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

@@ -9,6 +9,7 @@
 #include "bvh_unit.h"
 #include "command.h"
 #include "level/level_export.h"
+#include "method_options.h"
 
 namespace livecap::tools {
 namespace {
@@ -55,8 +56,7 @@ void add_export_command(CLI::App& app, Action& action) {
       command->add_option("--camera", level.camera, "camera.json with a floor, e.g. one measured after the capture");
   command->add_flag("--level", level.level_camera, "take the camera to be level, whatever the feet show")
       ->excludes(camera);
-  command->add_option("--first", level.first, "first frame of the video")->check(CLI::NonNegativeNumber);
-  command->add_option("--frames", level.frames, "at most this many frames of the video")->check(CLI::PositiveNumber);
+  add_frame_options(*command, level.first, level.frames);
   add_bvh_unit_option(*command, options->bvh_unit);
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }

@@ -24,7 +24,9 @@
 #include "live_preview.h"
 #include "livecap/error.h"
 #include "livecap/live.h"
+#include "method_options.h"
 #include "progress.h"
+#include "value_checks.h"
 
 namespace livecap::tools {
 namespace {
@@ -36,8 +38,6 @@ struct Options {
   double fov_deg = 0;
   std::string background;
   int background_frames = 0;
-  double height_m = 0;
-  bool no_surface = false;
   std::string vmc;
   bool show = false;
   int64_t frames = -1;
@@ -125,8 +125,6 @@ int run(const Options& options) {
   VideoReader video(options.video);
   LiveOptions live = options.live;
   live.camera = video_camera(options.camera, options.fov_deg, video.info(), options.video);
-  live.height_mm = options.height_m * 1000;
-  live.surface = !options.no_surface;
   const std::vector<ImageRgb> plates = empty_pictures(options, video);
   for (const ImageRgb& plate : plates) live.background.push_back(picture_of(plate, 0));
   std::optional<UdpSender> receiver;
@@ -187,25 +185,17 @@ void add_live_command(CLI::App& app, Action& action) {
   CLI::Option* camera = command->add_option("--camera", options->camera, "camera.json");
   CLI::Option* fov =
       command->add_option("--fov", options->fov_deg, "instead of --camera: field of view of the longer side, degrees")
-          ->check(CLI::Range(1.0, 170.0));
+          ->check(between(1, 170, "degrees"));
   camera->excludes(fov);
   CLI::Option* background = command->add_option("--background", options->background, "picture of the empty scene");
   command->add_option("--background-frames", options->background_frames, "the first N frames of the video are empty")
-      ->check(CLI::PositiveNumber)
+      ->check(at_least(1))
       ->excludes(background);
-  command->add_option("--actor", options->live.actor, "actor.glb or builtin:NAME")->required();
-  command->add_option("--height", options->height_m, "scale the actor to this height, metres")
-      ->check(CLI::PositiveNumber);
+  add_method_options(*command, options->live);
   command->add_option("--vmc", options->vmc, "HOST:PORT that listens to the Virtual Motion Capture protocol");
   command->add_flag("--show", options->show,
                     "the captured surface over the pictures in a window; closing it ends the run");
-  command->add_option("--model", options->live.model, "lite, full, heavy or a .tflite file")->capture_default_str();
-  command->add_flag("--no-surface", options->no_surface, "stage I only: the skinned pose");
-  command->add_option("--without", options->live.without, "energy terms and components to switch off, comma-separated")
-      ->delimiter(',');
-  command->add_option("--cnn-device", options->live.cnn_device, "device of the network, see `livecap devices`");
-  command->add_option("--solver-device", options->live.solver_device, "device of the solvers");
-  command->add_option("--frames", options->frames, "end after this many")->check(CLI::PositiveNumber);
+  command->add_option("--frames", options->frames, "end after this many")->check(at_least(1));
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

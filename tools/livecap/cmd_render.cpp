@@ -9,6 +9,7 @@
 #include "command.h"
 #include "image/image_io.h"
 #include "livecap/error.h"
+#include "method_options.h"
 #include "progress.h"
 #include "render/picture_sink.h"
 #include "render/render_capture.h"
@@ -104,10 +105,7 @@ void add_render_command(CLI::App& app, Action& action) {
       ->capture_default_str()
       ->group(pictures);
   command->add_option("--fps", render.fps, "of the film; default: it lasts as long as the video")->group(pictures);
-  command->add_option("--first", render.first, "first frame of the video")->group(pictures);
-  command->add_option("--frames", render.frames, "at most this many frames of the video")
-      ->check(CLI::PositiveNumber)
-      ->group(pictures);
+  for (CLI::Option* option : add_frame_options(*command, render.first, render.frames)) option->group(pictures);
   command->add_option("--every", render.every, "only every Nth of them")->group(pictures);
   command->add_option("--sheet", options->sheet, "COLUMNSxROWS pictures of the clip, evenly chosen, in one FILE.png")
       ->group(pictures);

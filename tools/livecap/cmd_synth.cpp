@@ -8,7 +8,9 @@
 #include "base/text.h"
 #include "command.h"
 #include "livecap/error.h"
+#include "method_options.h"
 #include "progress.h"
+#include "synth/named_actor.h"
 #include "synth/synth.h"
 
 namespace livecap::tools {
@@ -17,7 +19,6 @@ namespace {
 struct Options {
   SynthOptions synth;
   std::string actor = "builtin:skirt";
-  double height_m = kBuiltinHeightMm / 1000;
   double distance_m = 3.6;
   bool no_cloth = false;
   std::string out;
@@ -25,14 +26,7 @@ struct Options {
 
 int run(const Options& options) {
   SynthOptions synth = options.synth;
-  const std::string prefix = "builtin:";
-  if (options.actor.rfind(prefix, 0) != 0) {
-    std::string names;
-    for (const std::string& name : builtin_actor_names()) names += (names.empty() ? "" : " or ") + prefix + name;
-    throw ConfigError("--actor " + options.actor + ": expected " + names);
-  }
-  synth.actor = options.actor.substr(prefix.size());
-  synth.height_mm = options.height_m * 1000;
+  synth.actor = builtin_actor_name(options.actor);
   synth.distance_mm = options.distance_m * 1000;
   synth.cloth = !options.no_cloth;
 
@@ -59,7 +53,8 @@ void add_synth_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("synth", "make a sequence with ground truth from a built-in actor");
   command->add_option("--actor", options->actor, "builtin:NAME, NAME one of " + joined(builtin_actor_names()))
       ->capture_default_str();
-  command->add_option("--height", options->height_m, "height of the actor, metres")->capture_default_str();
+  add_height_option(*command, synth.height_mm, "height of the actor, metres")
+      ->default_str(format("%g", synth.height_mm / 1000));
   for (const auto& [name, share, what] :
        {std::tuple{"--legs", &synth.physique.legs, "length of the legs"},
         std::tuple{"--arms", &synth.physique.arms, "length of the arms"},

@@ -1,8 +1,13 @@
 #include "config_file.h"
 
+#include <iterator>
+#include <map>
 #include <memory>
 #include <utility>
 #include <vector>
+
+#include "livecap/error.h"
+#include "toml_lines.h"
 
 namespace livecap::tools {
 namespace {
@@ -13,31 +18,55 @@ class SubcommandConfig : public CLI::ConfigTOML {
   explicit SubcommandConfig(const CLI::App& app) : app_(app) {}
 
   std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
-    const std::vector<const CLI::App*> chosen =
-        app_.get_subcommands([](const CLI::App* command) { return command->parsed(); });
+    const std::string file = app_.get_config_ptr()->as<std::string>();
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    std::vector<std::string> chosen;  // actor, build
+    const CLI::App* command = &app_;
+    while (!command->get_subcommands().empty()) {
+      command = command->get_subcommands().front();
+      chosen.push_back(command->get_name());
+    }
     std::vector<CLI::ConfigItem> kept;
-    for (CLI::ConfigItem& item : CLI::ConfigTOML::from_config(in)) {
-      if (item.name == "++" || item.name == "--") continue;  // section marks: a section chooses no subcommand
-      if (item.parents.empty()) {
-        if (!app_.get_option_no_throw("--" + item.name) && !chosen.empty()) item.parents = {chosen.front()->get_name()};
-      } else if (is_other_subcommand(item.parents.front(), chosen)) {
-        continue;
-      }
-      kept.push_back(std::move(item));
+    for (TomlEntry& entry : read_toml(text, file)) {
+      const std::string place = file + ":" + std::to_string(entry.line) + ": ";
+      if (!entry.section.empty() && !exists(entry.section)) throw ConfigError(place + "there is no such subcommand");
+      if (!entry.section.empty() && entry.section != chosen) continue;
+      const bool of_program = entry.section.empty() && option(app_, entry.name);
+      const CLI::Option* found = option(of_program ? app_ : *command, entry.name);
+      if (!found) throw ConfigError(place + "no option " + entry.name);
+      if (found->count() == 0) places_[found] = place;
+      kept.emplace_back();
+      if (!of_program) kept.back().parents = chosen;
+      kept.back().name = std::move(entry.name);
+      kept.back().inputs = std::move(entry.values);
     }
     return kept;
   }
 
+  std::string place(const CLI::Option& option) const {
+    const auto found = places_.find(&option);
+    return found == places_.end() ? std::string() : found->second;
+  }
+
  private:
-  bool is_other_subcommand(const std::string& name, const std::vector<const CLI::App*>& chosen) const {
-    if (!chosen.empty() && chosen.front()->get_name() == name) return false;
-    for (const CLI::App* command : app_.get_subcommands({})) {
-      if (command->get_name() == name) return true;
+  static const CLI::Option* option(const CLI::App& app, const std::string& name) {
+    const CLI::Option* option = app.get_option_no_throw("--" + name);
+    if (!option) option = app.get_option_no_throw(name);  // an argument without a name on the command line
+    return option && option->get_configurable() ? option : nullptr;
+  }
+
+  bool exists(const std::vector<std::string>& path) const {
+    const CLI::App* at = &app_;
+    for (const std::string& name : path) {
+      const auto below = at->get_subcommands([&](const CLI::App* command) { return command->get_name() == name; });
+      if (below.empty()) return false;
+      at = below.front();
     }
-    return false;
+    return true;
   }
 
   const CLI::App& app_;
+  mutable std::map<const CLI::Option*, std::string> places_;  // from_config is const
 };
 
 }  // namespace
@@ -46,6 +75,11 @@ void add_config_option(CLI::App& app) {
   app.config_formatter(std::make_shared<SubcommandConfig>(app));
   app.set_config("--config", "", "read options from a TOML file; the command line wins");
   app.allow_config_extras(CLI::config_extras_mode::error);
+}
+
+std::string place_in_config(const CLI::App& app, const CLI::Option& option) {
+  const auto config = std::dynamic_pointer_cast<SubcommandConfig>(app.get_config_formatter());
+  return config ? config->place(option) : std::string();
 }
 
 }  // namespace livecap::tools

@@ -10,37 +10,20 @@
 #include "config_file.h"
 #include "livecap/error.h"
 #include "ocl/device.h"
+#include "usage_error.h"
 
 namespace livecap::tools {
 namespace {
 
 constexpr const char* kFooter =
-    "Exit codes: 0 ok, 1 the run failed (no OpenCL device, a failed OpenCL call or self-test), 2 bad usage or bad "
-    "input.\n`livecap SUBCOMMAND --help` lists the options of a subcommand.";
+    "Exit codes: 0 ok, 1 the run failed (no OpenCL device, a failed OpenCL call or self-test, an interruption), 2 bad "
+    "usage or bad input.\n`livecap SUBCOMMAND --help` lists the options of a subcommand.";
 
 // Errors are one line: what follows the first line (a build log, a list of devices) is folded, or printed with -v.
 void print_error(const std::string& message) {
   const size_t end = message.find('\n');
   if (end == std::string::npos || log_level() >= LogLevel::kInfo) return log_error(message);
   log_error(message.substr(0, end) + " (more with -v)");
-}
-
-int usage_error(const CLI::App& app, const CLI::ParseError& error, const char* first_argument) {
-  std::string message = error.what();
-  std::string command = "livecap";
-  for (const CLI::App* chosen : app.get_subcommands()) command += " " + chosen->get_name();
-  if (app.get_subcommands().empty() && first_argument && first_argument[0] != '-') {
-    message = std::string("no subcommand ") + first_argument;
-  } else if (error.get_name() == "ConfigError") {  // CLI11 names the key only, after "INI was not able to parse "
-    message = app.get_config_ptr()->as<std::string>() + ": no option " + message.substr(message.rfind(' ') + 1);
-  } else if (error.get_name() == "FileError") {
-    message = "--config " + message;
-  }
-  for (char& c : message) {
-    if (static_cast<unsigned char>(c) < ' ') c = ' ';
-  }
-  log_error(message + " (see `" + command + " --help`)");
-  return kExitBadInput;
 }
 
 int run(int argc, char** argv) {
@@ -74,7 +57,8 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    return usage_error(app, error, argc > 1 ? argv[1] : nullptr);
+    log_error(usage_message(app, error));
+    return kExitBadInput;
   }
   if (quiet) set_log_level(LogLevel::kError);
   if (verbosity > 0) set_log_level(verbosity > 1 ? LogLevel::kDebug : LogLevel::kInfo);

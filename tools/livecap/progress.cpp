@@ -81,6 +81,21 @@ void Progress::print() {
   line_open_ = terminal_;
 }
 
+void StageProgress::update(const std::string& stage, int64_t done, int64_t total) {
+  if (stage != stage_) {
+    finish();
+    progress_.emplace(what_ + ": " + stage);
+    stage_ = stage;
+  }
+  progress_->update(done, total);
+}
+
+void StageProgress::finish() {
+  if (progress_) progress_->finish();
+  progress_.reset();
+  stage_.clear();
+}
+
 std::string format_duration(double seconds) {
   const long long whole = static_cast<long long>(std::clamp(seconds, 0.0, 359999.0) + 0.5);
   if (whole >= 3600) return format("%lld:%02lld:%02lld", whole / 3600, whole / 60 % 60, whole % 60);

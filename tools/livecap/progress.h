@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "base/timer.h"
 
@@ -37,6 +39,22 @@ class Progress {
   double first_ms_ = -1;   // when the first item was done: start-up does not count in the speed
   int64_t first_done_ = 0;
   Timer timer_;
+};
+
+// Progress of a run in stages: each has a bar of its own.
+class StageProgress {
+ public:
+  // what: stands before the stage's name.
+  explicit StageProgress(std::string what) : what_(std::move(what)) {}
+
+  // As Progress::update, of one stage; another one than before ends that.
+  void update(const std::string& stage, int64_t done, int64_t total);
+  void finish();
+
+ private:
+  std::string what_;
+  std::string stage_;
+  std::optional<Progress> progress_;
 };
 
 // "1:05" or "2:03:09".

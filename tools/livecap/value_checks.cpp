@@ -1,0 +1,37 @@
+#include "value_checks.h"
+
+#include <cstdlib>
+#include <functional>
+
+#include "base/text.h"
+
+namespace livecap::tools {
+namespace {
+
+// rule: what stands after "must be".
+CLI::Validator number_check(const std::string& rule, const std::function<bool(double)>& fits) {
+  const auto check = [rule, fits](const std::string& text) {
+    char* end = nullptr;
+    const double value = std::strtod(text.c_str(), &end);
+    if (text.empty() || *end != '\0') return "must be a number, not " + text;
+    return fits(value) ? std::string() : "must be " + rule + ", not " + text;
+  };
+  return CLI::Validator(check, rule);
+}
+
+}  // namespace
+
+CLI::Validator above(double bound) {
+  return number_check(format("above %g", bound), [bound](double value) { return value > bound; });
+}
+
+CLI::Validator at_least(double least) {
+  return number_check(format("at least %g", least), [least](double value) { return value >= least; });
+}
+
+CLI::Validator between(double least, double most, const std::string& unit) {
+  return number_check(format("between %g and %g", least, most) + (unit.empty() ? "" : " " + unit),
+                      [least, most](double value) { return value >= least && value <= most; });
+}
+
+}  // namespace livecap::tools

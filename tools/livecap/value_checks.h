@@ -1,0 +1,15 @@
+// Which numbers an option takes, said so that a wrong one is told what is right. (CLI11's own checks print the limits
+// of double where a range is open.)
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace livecap::tools {
+
+// The error of each: "--frames: must be at least 1, not 0".
+CLI::Validator above(double bound);
+CLI::Validator at_least(double least);
+CLI::Validator between(double least, double most, const std::string& unit = "");  // either included
+
+}  // namespace livecap::tools

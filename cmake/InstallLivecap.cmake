@@ -18,6 +18,7 @@ install(DIRECTORY include/livecap DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_
 # The network weights, when tools/setup.sh has fetched them; program and shared library look for them there.
 install(DIRECTORY models/ DESTINATION ${CMAKE_INSTALL_DATADIR}/livecap/models OPTIONAL FILES_MATCHING PATTERN *.tflite)
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 configure_package_config_file(cmake/livecapConfig.cmake.in ${PROJECT_BINARY_DIR}/livecapConfig.cmake
   INSTALL_DESTINATION ${package_dir})

@@ -9,6 +9,11 @@ trap 'rm -rf "$scratch"' EXIT
 
 cmake --install "$build" --prefix "$scratch/prefix" >/dev/null
 "$scratch/prefix/bin/livecap" --version
+# Every page and picture that the installed README links to (headers and sources are elsewhere).
+readme=$(find "$scratch/prefix" -name README.md)
+for link in $(grep -oE '\]\((docs|CHANGELOG)[^)#]*' "$readme" | sed 's/](//' | sort -u); do
+  [[ -s $(dirname "$readme")/$link ]] || { echo "$readme links to $link, which is not installed"; exit 1; }
+done
 cmake -S "$source/tests/house/consumer" -B "$scratch/build" -DCMAKE_PREFIX_PATH="$scratch/prefix" \
   -DCMAKE_BUILD_TYPE=Release >"$scratch/log" 2>&1 || { cat "$scratch/log"; exit 1; }
 cmake --build "$scratch/build" >>"$scratch/log" 2>&1 || { cat "$scratch/log"; exit 1; }

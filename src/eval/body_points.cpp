@@ -44,6 +44,7 @@ std::optional<Pose> captured_pose(const CaptureFolder& capture, int64_t row, con
     from.col(bone) = own.camera_from_bone[bone].translation();
     to.col(bone) = Eigen::Map<const Eigen::Vector3f>(&joints_mm[3 * joint]).cast<double>();
   }
+  if (!to.allFinite()) return std::nullopt;
   const Eigen::Isometry3d camera_from_own(Eigen::umeyama(from, to, false));
   pose.root_rotation = camera_from_own.linear();
   pose.root_translation_mm = camera_from_own.translation();

@@ -37,6 +37,14 @@ T field(const nlohmann::json& object, const char* name, T fallback) {
   }
 }
 
+// What to do when report.json does not say which actor or camera it was.
+std::string not_named(const fs::path& report_path, const std::string& what) {
+  std::error_code ignored;
+  const bool exists = fs::exists(report_path, ignored);
+  return report_path.string() + (exists ? ": field \"options." + what + "\" is missing" : ": no such file") +
+         "; give --" + what;
+}
+
 // The file, or for a capture that was given a field of view only: the folder's own copy, which has no distortion then;
 // a folder without one: the field of view at the size of the true masks.
 Camera load_camera_of(const fs::path& report_path, const std::string& named, const nlohmann::json& options,
@@ -54,7 +62,38 @@ Camera load_camera_of(const fs::path& report_path, const std::string& named, con
       return camera_from_fov(mask.width, mask.height, fov_deg);
     }
   }
-  throw IoError(report_path.string() + ": field \"options.camera\" is missing; give --camera");
+  throw IoError(not_named(report_path, "camera"));
+}
+
+// The frames of a folder without frames.csv.
+std::vector<FrameRow> rows_of_joints(const JointTrack& joints, const fs::path& path) {
+  if (joints.rows.size() < joints.frames.size())
+    throw IoError(path.string() + ": there is no column \"index\", which is needed without frames.csv");
+  for (size_t i = 1; i < joints.rows.size(); ++i) {
+    const int64_t before = joints.rows[i - 1].index, index = joints.rows[i].index;
+    if (index <= before)
+      throw IoError(path.string() + format(": line %zu: index %lld does not follow %lld", i + 2,
+                                           static_cast<long long>(index), static_cast<long long>(before)));
+  }
+  return joints.rows;
+}
+
+std::vector<FrameRow> read_rows(const fs::path& folder, const JointTrack& joints) {
+  const fs::path frames_csv = folder / "frames.csv", joints_csv = folder / "joints.csv";
+  std::error_code ignored;
+  std::vector<FrameRow> rows =
+      fs::exists(frames_csv, ignored) ? read_frames_csv(frames_csv) : rows_of_joints(joints, joints_csv);
+  for (size_t i = 0; i < std::min(rows.size(), joints.rows.size()); ++i) {
+    if (rows[i].index != joints.rows[i].index)
+      throw IoError(joints_csv.string() + format(": line %zu is of frame %lld, in frames.csv of frame %lld", i + 2,
+                                                 static_cast<long long>(joints.rows[i].index),
+                                                 static_cast<long long>(rows[i].index)));
+  }
+  // Without any time stamp the frames' numbers still tell where some are left out.
+  if (std::all_of(rows.begin(), rows.end(), [](const FrameRow& row) { return std::isnan(row.pts_ms); })) {
+    for (FrameRow& row : rows) row.pts_ms = 1000 * static_cast<double>(row.index) / kAssumedFps;
+  }
+  return rows;
 }
 
 // Of the rows, by the median step of their time stamps.
@@ -105,12 +144,14 @@ CaptureFolder open_capture(const fs::path& folder, const std::string& actor, con
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored)) throw IoError(folder.string() + ": is not a folder");
   const fs::path report_path = folder / "report.json";
-  const nlohmann::json report = nlohmann::json::parse(read_file(report_path), nullptr, false);
+  const bool has_report = fs::exists(report_path, ignored);  // other programs write none
+  const nlohmann::json report =
+      has_report ? nlohmann::json::parse(read_file(report_path), nullptr, false) : nlohmann::json::object();
   if (!report.is_object()) throw IoError(report_path.string() + ": is not a JSON object");
   const nlohmann::json options = report.value("options", nlohmann::json());
 
   std::string actor_name = actor.empty() ? field<std::string>(options, "actor", "") : actor;
-  if (actor_name.empty()) throw IoError(report_path.string() + ": field \"options.actor\" is missing; give --actor");
+  if (actor_name.empty()) throw IoError(not_named(report_path, "actor"));
   const fs::path own_actor = folder / "actor.glb";
   if (actor.empty() && !is_builtin(actor_name) && fs::exists(own_actor, ignored))  // the file named may have changed
     actor_name = own_actor.string();
@@ -119,12 +160,12 @@ CaptureFolder open_capture(const fs::path& folder, const std::string& actor, con
   capture.path = folder;
   capture.actor = load_actor_named(actor_name, field<double>(options, "height_mm", 0));
   capture.camera = load_camera_of(report_path, camera, options, masks);
-  capture.rows = read_frames_csv(folder / "frames.csv");
+  capture.joints = read_joints_csv(folder / "joints.csv");
+  capture.rows = read_rows(folder, capture.joints);
   capture.fps = frames_per_second(capture.rows);
   capture.video = field<std::string>(options, "video", "");
   capture.run = describe(options);
   capture.speed = speed_of(report, capture.rows);
-  capture.joints = read_joints_csv(folder / "joints.csv");
   if (fs::exists(folder / "angles.csv", ignored)) capture.angles = read_angles_csv(folder / "angles.csv");
   if (const fs::path file = folder / "vertices.pc2"; fs::exists(file, ignored)) {
     capture.vertices.emplace(file);

@@ -24,7 +24,7 @@ struct CaptureFolder {
   std::filesystem::path path;
   Actor actor;
   Camera camera;      // of the video as it came, with its distortion
-  double fps = 0;     // of the video, from the time stamps of frames.csv; 30 when they do not tell
+  double fps = 0;     // of the video, from the time stamps of the rows; 30 when they do not tell
   std::string video;  // empty: not known
   std::string run;    // the options that differ from the defaults, for titles; empty: none
   CaptureSpeed speed;
@@ -37,6 +37,9 @@ struct CaptureFolder {
 // An actor file or builtin:NAME; height_mm > 0 scales it.
 Actor load_actor_named(const std::string& name, double height_mm);
 
+// A folder of another program needs joints.csv alone: without report.json both actor and camera have to be given,
+// without frames.csv the frames are those of joints.csv.
+//
 // actor, camera: empty = what report.json names. An actor that is not there any more is read from the folder's own
 // copy, and for a capture that was given a field of view only the folder knows the camera; where it does not, the masks
 // in `masks` give the size. Throws IoError naming the file when the folder does not hold what is needed or sizes do not
@@ -54,7 +57,8 @@ std::vector<float> to_camera_mm(std::vector<float> positions);
 // The vertices of a row, mm, camera frame; empty when there are none.
 std::vector<float> captured_vertices(CaptureFolder& capture, int64_t row);
 
-// The joints and keypoints of a row by CaptureFolder::joints' names, mm, camera frame; empty when there are none.
+// The joints and keypoints of a row by CaptureFolder::joints' names, mm, camera frame, NaN for one that is not known;
+// empty when there are none.
 std::vector<float> captured_joints(const CaptureFolder& capture, int64_t row);
 
 }  // namespace livecap

@@ -24,7 +24,7 @@ Json summary_json(const Summary& summary) {
 
 // Mean, median, the value only 5 % of the samples are worse than, and the worst.
 std::string summary_line(const char* name, const Summary& summary, int digits, bool high_is_good) {
-  if (summary.n == 0) return format("%-34s no ground truth\n", name);
+  if (summary.n == 0) return format("%-34s nothing to compare\n", name);
   std::string line = format("%-34s", name);
   for (double value : {summary.mean, summary.median, high_is_good ? summary.p05 : summary.p95,
                        high_is_good ? summary.min : summary.max}) {
@@ -136,8 +136,11 @@ std::string eval_report_text(const EvalReport& report) {
     text += summary_line("  the network's own, aligned", report.network_joint_aligned_mm, 1, false);
   }
   if (std::isfinite(report.pck_similarity.pck)) {
-    text += format("3DPCK at 150 mm / AUC              %8.3f / %.3f similarity-aligned, %.3f / %.3f root-aligned\n",
-                   report.pck_similarity.pck, report.pck_similarity.auc, report.pck_root.pck, report.pck_root.auc);
+    text += format("3DPCK at 150 mm / AUC              %8.3f / %.3f similarity-aligned", report.pck_similarity.pck,
+                   report.pck_similarity.auc);
+    if (std::isfinite(report.pck_root.pck))
+      text += format(", %.3f / %.3f root-aligned", report.pck_root.pck, report.pck_root.auc);
+    text += "\n";
   }
   const auto each = [&](const char* what, const std::vector<std::pair<std::string, double>>& values) {
     if (values.empty()) return;

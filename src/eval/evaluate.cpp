@@ -68,6 +68,32 @@ std::optional<Actor> true_actor(const EvalOptions& options) {
   return actor;
 }
 
+// Says which joints are not judged, though the truth has them or seems to.
+void warn_of_joints(const EvalOptions& options, size_t n_pairs, const std::vector<std::string>& not_captured) {
+  const std::string none = n_pairs < kFewestJoints ? "; joint errors are left out" : "";
+  if (n_pairs + not_captured.size() < kFewestJoints) {
+    log_warning((options.truth / "joints.json").string() +
+                format(": only %zu joints have a known name (LiveCap, Mixamo, UE)", n_pairs + not_captured.size()) +
+                none);
+  } else if (!not_captured.empty()) {
+    std::string names;
+    for (const std::string& name : not_captured) names += (names.empty() ? "" : ", ") + name;
+    log_warning((options.capture / "joints.csv").string() + ": has no columns joint_<name>_x, _y, _z of " + names +
+                ", which are not judged" + none);
+  }
+}
+
+// Frames without a row are not judged, which is for the reader to know.
+void warn_of_gaps(const CaptureFolder& capture) {
+  int64_t n = 0;
+  for (size_t i = 1; i < capture.rows.size(); ++i)
+    n += std::max<int64_t>(0, capture.rows[i].index - capture.rows[i - 1].index - 1);
+  if (n > 0)
+    log_warning(capture.path.string() + format(": has no row for %lld of the frames from its first to its last, which "
+                                               "are not judged; a row with empty cells is a frame without a result",
+                                               static_cast<long long>(n)));
+}
+
 double view_iou(const std::vector<float>& vertices_mm, const CaptureFolder& capture, const Camera& camera,
                 const ImageGray& mask) {
   if (vertices_mm.empty()) return 0;
@@ -85,11 +111,9 @@ EvalReport evaluate(const EvalOptions& options) {
   const auto true_on_actor =
       other_mesh ? true_vertices_on(capture.actor, *truth_actor, overlay) : std::vector<meshing::SurfacePoint>();
   const std::vector<JointPair> pairs = match_joints(capture.joints.names, truth.joints.names);
-  if (!truth.joints.empty() && pairs.size() < kFewestJoints) {
-    log_warning(
-        (options.truth / "joints.json").string() +
-        format(": only %zu joints have a known name (LiveCap, Mixamo, UE); joint errors are left out", pairs.size()));
-  }
+  warn_of_gaps(capture);
+  if (!truth.joints.empty())
+    warn_of_joints(options, pairs.size(), joints_not_captured(capture.joints.names, truth.joints.names));
 
   if (!capture.vertices && !options.views.empty())
     throw IoError(options.capture.string() + ": has no vertices.pc2, which further views need");
@@ -152,7 +176,8 @@ EvalReport evaluate(const EvalOptions& options) {
     }
     report.n_person += 1;
     report.n_tracked += frame.tracked;
-    report.n_without_result += vertices.empty();
+    const std::vector<float> row_joints = captured_joints(capture, row);
+    report.n_without_result += capture.vertices ? vertices.empty() : row_joints.empty();
 
     if (capture.vertices && !expected.mask.empty()) {
       frame.iou = view_iou(vertices, capture, capture.camera, expected.mask);
@@ -177,7 +202,6 @@ EvalReport evaluate(const EvalOptions& options) {
       frame.loose_aligned_mm = mean_of(loose);
       vertex_errors.add(direct, aligned);
     }
-    const std::vector<float> row_joints = captured_joints(capture, row);
     joints.add(row_joints, expected.joints_mm, frame);
     if (true_joints) {
       const std::vector<Eigen::Isometry3d> bones = captured_bones(capture, row, row_joints);

@@ -62,7 +62,7 @@ struct EvalReport {
   int64_t n_person = 0;          // of these the truth has a person in: the frames judged
   int64_t n_tracked = 0;         // judged frames with status ok or initialized
   int64_t n_lost = 0;            // judged frames with another status
-  int64_t n_without_result = 0;  // judged frames in which the capture has no mesh at all
+  int64_t n_without_result = 0;  // judged frames in which the capture has no mesh, or being a skeleton no joint
   int64_t n_invented = 0;        // tracked though the truth has nobody
   Losses losses;
   Summary iou;  // over frames

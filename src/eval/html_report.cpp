@@ -94,7 +94,8 @@ std::string motion_table(const EvalReport& report) {
   if (std::isfinite(report.pck_similarity.pck)) {
     fact("3DPCK at 150 mm / AUC, similarity-aligned",
          format("%.3f / %.3f", report.pck_similarity.pck, report.pck_similarity.auc));
-    fact("3DPCK at 150 mm / AUC, root-aligned", format("%.3f / %.3f", report.pck_root.pck, report.pck_root.auc));
+    if (std::isfinite(report.pck_root.pck))
+      fact("3DPCK at 150 mm / AUC, root-aligned", format("%.3f / %.3f", report.pck_root.pck, report.pck_root.auc));
   }
   if (report.vertex_jitter.n > 0) fact("acceleration error of vertices", jitter_cell(report.vertex_jitter));
   if (report.vertex_jitter_centred.n > 0) {

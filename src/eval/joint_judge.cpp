@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "actor/keypoint_offsets.h"
@@ -39,6 +40,16 @@ int index_of(const std::vector<JointPair>& pairs, const std::string& name) {
   return found == pairs.end() ? -1 : static_cast<int>(found - pairs.begin());
 }
 
+// The pairs whose captured joint is known in a frame.
+std::vector<JointPair> known_pairs(const std::vector<JointPair>& pairs, const std::vector<float>& captured) {
+  std::vector<JointPair> known;
+  std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(known), [&](const JointPair& pair) {
+    const float* point = &captured[3 * pair.captured];
+    return std::all_of(point, point + 3, [](float value) { return std::isfinite(value); });
+  });
+  return known;
+}
+
 // The pairs of left_<name> and right_<name> that both sides know.
 SidePairs side_pairs(const std::vector<JointPair>& pairs, const std::vector<std::string>& names) {
   SidePairs sides;
@@ -53,16 +64,7 @@ SidePairs side_pairs(const std::vector<JointPair>& pairs, const std::vector<std:
 }  // namespace
 
 JointJudge::JointJudge(std::vector<JointPair> pairs, double fps)
-    : pairs_(std::move(pairs)),
-      fps_(fps),
-      root_(index_of(pairs_, "root")),
-      neck_(index_of(pairs_, "neck")),
-      arms_(side_pairs(pairs_, {"elbow", "wrist"})),
-      legs_(side_pairs(pairs_, {"knee", "ankle"})),
-      per_joint_(pairs_.size()),
-      jitter_(fps) {
-  for (const auto& [left, right] : arms_) arm_points_.insert(arm_points_.end(), {left, right});
-}
+    : pairs_(std::move(pairs)), fps_(fps), root_(index_of(pairs_, "root")), per_joint_(pairs_.size()), jitter_(fps) {}
 
 void JointJudge::add(const std::vector<float>& captured, const std::vector<float>& truth, FrameEval& frame) {
   if (pairs_.size() < kFewestJoints) return;
@@ -72,22 +74,35 @@ void JointJudge::add(const std::vector<float>& captured, const std::vector<float
   jitter_.add(ours, theirs);
   for (int side = 0; side < 2; ++side) add_foot(side, ours, theirs);
   if (theirs.empty()) return;
-  if (ours.empty()) {
-    missed_similarity_ += pairs_.size();
-    if (root_ >= 0) missed_root_ += pairs_.size() - 1;
-    return;
-  }
+  judge(captured.empty() ? std::vector<JointPair>() : known_pairs(pairs_, captured), captured, truth, frame);
+}
+
+void JointJudge::judge(const std::vector<JointPair>& known, const std::vector<float>& captured,
+                       const std::vector<float>& truth, FrameEval& frame) {
+  const std::vector<float> ours = pick(captured, known, &JointPair::captured);
+  const std::vector<float> theirs = pick(truth, known, &JointPair::truth);
   const std::vector<double> direct = point_distances(ours, theirs);
-  const std::vector<double> aligned = similarity_aligned_distances(ours, theirs);
   frame.joint_mm = mean_of(direct);
-  frame.joint_aligned_mm = mean_of(aligned);
   append(direct_, direct);
+
+  const int root = index_of(known, "root"), neck = index_of(known, "neck");
+  const std::vector<double> from_root = root >= 0 ? root_aligned_distances(ours, theirs, root) : std::vector<double>();
+  append(from_root_, from_root);
+  if (root_ >= 0) missed_root_ += pairs_.size() - 1 - from_root.size();
+
+  const SidePairs arms = side_pairs(known, {"elbow", "wrist"}), legs = side_pairs(known, {"knee", "ankle"});
+  std::vector<int> arm_points;  // of both arms
+  for (const auto& [left, right] : arms) arm_points.insert(arm_points.end(), {left, right});
+  frame.arms_exchanged = sides_exchanged(ours, theirs, arms);
+  frame.legs_exchanged = sides_exchanged(ours, theirs, legs);
+  frame.limb_inside = root >= 0 && neck >= 0 && limb_inside_trunk(ours, theirs, root, neck, arm_points);
+
+  const std::vector<double> aligned =
+      known.size() >= kFewestJoints ? similarity_aligned_distances(ours, theirs) : std::vector<double>();
+  frame.joint_aligned_mm = mean_of(aligned);
   append(aligned_, aligned);
-  if (root_ >= 0) append(from_root_, root_aligned_distances(ours, theirs, root_));
-  for (size_t k = 0; k < pairs_.size(); ++k) per_joint_[k].push_back(aligned[k]);
-  frame.arms_exchanged = sides_exchanged(ours, theirs, arms_);
-  frame.legs_exchanged = sides_exchanged(ours, theirs, legs_);
-  frame.limb_inside = root_ >= 0 && neck_ >= 0 && limb_inside_trunk(ours, theirs, root_, neck_, arm_points_);
+  missed_similarity_ += pairs_.size() - aligned.size();
+  for (size_t k = 0; k < aligned.size(); ++k) per_joint_[index_of(pairs_, known[k].name)].push_back(aligned[k]);
 }
 
 void JointJudge::skip() {
@@ -113,8 +128,9 @@ void JointJudge::finish(EvalReport& report) {
 void JointJudge::add_foot(int side, const std::vector<float>& ours, const std::vector<float>& theirs) {
   const int ankle = index_of(pairs_, side == 0 ? "left_ankle" : "right_ankle");
   const auto foot = [&](const std::vector<float>& joints) {
-    return joints.empty() || ankle < 0 ? std::vector<float>()
-                                       : std::vector<float>(&joints[3 * ankle], &joints[3 * ankle] + 3);
+    if (joints.empty() || ankle < 0) return std::vector<float>();
+    const std::vector<float> point(&joints[3 * ankle], &joints[3 * ankle] + 3);
+    return all_finite(point) ? point : std::vector<float>();
   };
   captured_foot_[side].push_back(foot(ours));
   true_foot_[side].push_back(foot(theirs));

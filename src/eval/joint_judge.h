@@ -26,21 +26,21 @@ class JointJudge {
   // fps: of the video.
   JointJudge(std::vector<JointPair> pairs, double fps);
 
-  // A frame with a person. Positions of all joints, mm, camera frame; empty: not known.
+  // A frame with a person. Positions of all joints, mm, camera frame; empty: not known. A captured joint with NaN
+  // counts as missed, and the others are judged without it.
   void add(const std::vector<float>& captured, const std::vector<float>& truth, FrameEval& frame);
   // A frame without one.
   void skip();
   void finish(EvalReport& report);
 
  private:
+  void judge(const std::vector<JointPair>& known, const std::vector<float>& captured, const std::vector<float>& truth,
+             FrameEval& frame);
   void add_foot(int side, const std::vector<float>& ours, const std::vector<float>& theirs);
 
   std::vector<JointPair> pairs_;
   double fps_;
   int root_;  // among the pairs; -1: not among them
-  int neck_;
-  SidePairs arms_, legs_;
-  std::vector<int> arm_points_;  // both elbows and wrists
   std::vector<double> direct_, aligned_, from_root_;
   size_t missed_similarity_ = 0, missed_root_ = 0;  // joints without a result
   std::vector<std::vector<double>> per_joint_;      // [n_pairs]

@@ -39,17 +39,34 @@ int index_of(const std::vector<std::string>& names, const std::string& wanted) {
   return found == names.end() ? -1 : static_cast<int>(found - names.begin());
 }
 
-}  // namespace
-
-std::vector<JointPair> match_joints(const std::vector<std::string>& captured, const std::vector<std::string>& truth) {
+// Every joint, -1 on the sides that do not have it.
+std::vector<JointPair> all_joints(const std::vector<std::string>& captured, const std::vector<std::string>& truth) {
   std::vector<JointPair> pairs;
   for (const Names& joint : kJoints) {
     JointPair pair{joint.captured, index_of(captured, joint.captured), index_of(truth, joint.captured)};
+    if (pair.captured < 0 && pair.name == "root") pair.captured = index_of(captured, "pelvis");
     if (pair.truth < 0) pair.truth = index_of(truth, joint.mixamo);
     if (pair.truth < 0) pair.truth = index_of(truth, joint.ue);
-    if (pair.captured >= 0 && pair.truth >= 0) pairs.push_back(pair);
+    pairs.push_back(pair);
   }
   return pairs;
+}
+
+}  // namespace
+
+std::vector<JointPair> match_joints(const std::vector<std::string>& captured, const std::vector<std::string>& truth) {
+  std::vector<JointPair> pairs = all_joints(captured, truth);
+  std::erase_if(pairs, [](const JointPair& pair) { return pair.captured < 0 || pair.truth < 0; });
+  return pairs;
+}
+
+std::vector<std::string> joints_not_captured(const std::vector<std::string>& captured,
+                                             const std::vector<std::string>& truth) {
+  std::vector<std::string> names;
+  for (const JointPair& pair : all_joints(captured, truth)) {
+    if (pair.captured < 0 && pair.truth >= 0) names.push_back(pair.name);
+  }
+  return names;
 }
 
 }  // namespace livecap

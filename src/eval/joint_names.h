@@ -13,7 +13,11 @@ struct JointPair {
 };
 
 // The joints both sides have, of: root, neck, and on each side shoulder, elbow, wrist, hip, knee, ankle. Truth names
-// are the capture's own, or Mixamo's or UE/MakeHuman's with or without prefix.
+// are the capture's own, or Mixamo's or UE/MakeHuman's with or without prefix. A captured root may be called pelvis.
 std::vector<JointPair> match_joints(const std::vector<std::string>& captured, const std::vector<std::string>& truth);
+
+// Those that only the truth has, by the capture's names.
+std::vector<std::string> joints_not_captured(const std::vector<std::string>& captured,
+                                             const std::vector<std::string>& truth);
 
 }  // namespace livecap

@@ -52,6 +52,7 @@ void JitterMeter::add(std::span<const float> estimate, std::span<const float> tr
       };
       const Vector3d ours = acceleration(&Points::estimate);
       const Vector3d theirs = acceleration(&Points::truth);
+      if (!ours.allFinite() || !theirs.allFinite()) continue;
       sum_.error += (ours - theirs).norm();
       sum_.captured += ours.norm();
       sum_.truth += theirs.norm();

@@ -22,7 +22,7 @@ class JitterMeter {
   explicit JitterMeter(double fps, bool centred = false);
 
   // The next frame's points, [3*n] mm, n the same in all frames (LogicError). An empty list: not known, which breaks
-  // the sequence.
+  // the sequence; NaN: this point is not known, which breaks its sequence alone.
   void add(std::span<const float> estimate, std::span<const float> truth);
 
   Jitter result() const;

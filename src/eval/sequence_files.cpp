@@ -58,11 +58,31 @@ size_t column(const Table& table, const std::string& name, const std::filesystem
   return found - table.columns.begin();
 }
 
+bool has_column(const Table& table, const std::string& name) {
+  return std::find(table.columns.begin(), table.columns.end(), name) != table.columns.end();
+}
+
+// The frame that a row is of.
+int64_t frame_index(const Table& table, size_t row, const std::filesystem::path& path) {
+  const std::string& cell = table.rows[row][column(table, "index", path)];
+  int64_t frame = -1;
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), frame);
+  if (error != std::errc() || end != cell.data() + cell.size() || frame < 0)
+    throw IoError(path.string() +
+                  format(": line %zu: index \"%s\" must be a whole number, 0 or more", row + 2, cell.c_str()));
+  return frame;
+}
+
 // NaN for what is not a number.
 float to_float(const std::string& cell) {
   char* end = nullptr;
   const float value = std::strtof(cell.c_str(), &end);
   return cell.empty() || *end != '\0' ? std::nanf("") : value;
+}
+
+// Of a column that not every file has: NaN without it.
+float number(const Table& table, size_t row, const char* name, const std::filesystem::path& path) {
+  return has_column(table, name) ? to_float(table.rows[row][column(table, name, path)]) : std::nanf("");
 }
 
 std::vector<float> read_joint_frame(const Json& frame, size_t n_joints, const std::string& where) {
@@ -124,14 +144,21 @@ JointTrack read_joints_csv(const std::filesystem::path& path) {
     }
   }
   if (columns.empty()) throw IoError(path.string() + ": there is no column joint_<name>_x");
-  for (const std::vector<std::string>& row : table.rows) {
+  for (size_t row = 0; row < table.rows.size(); ++row) {
     std::vector<float> positions;
+    bool any = false;
     for (size_t c : columns) {
-      for (size_t axis = 0; axis < 3; ++axis) positions.push_back(to_float(row[c + axis]));
+      float point[3];
+      for (size_t axis = 0; axis < 3; ++axis) point[axis] = to_float(table.rows[row][c + axis]);
+      const bool known = std::all_of(point, point + 3, [](float value) { return std::isfinite(value); });
+      for (float value : point) positions.push_back(known ? value : std::nanf(""));
+      any = any || known;
     }
-    const bool known =
-        std::all_of(positions.begin(), positions.end(), [](float value) { return std::isfinite(value); });
-    track.frames.push_back(known ? positions : std::vector<float>());
+    track.frames.push_back(any ? positions : std::vector<float>());
+    if (!has_column(table, "index")) continue;
+    const bool tracked = any && number(table, row, "tracked", path) != 0;
+    track.rows.push_back(
+        {frame_index(table, row, path), tracked ? "ok" : "lost", number(table, row, "pts_ms", path), std::nanf("")});
   }
   return track;
 }
@@ -152,24 +179,12 @@ AngleTrack read_angles_csv(const std::filesystem::path& path) {
 
 std::vector<FrameRow> read_frames_csv(const std::filesystem::path& path) {
   const Table table = read_table(path);
-  const size_t index = column(table, "index", path);
+  column(table, "index", path);  // a file without rows needs it as well
   const size_t status = column(table, "status", path);
-  const auto optional_column = [&](const char* name) {
-    return std::find(table.columns.begin(), table.columns.end(), name) - table.columns.begin();
-  };
-  const size_t pts = optional_column("pts_ms");
-  const size_t latency = optional_column("latency_ms");
   std::vector<FrameRow> rows;
-  for (const std::vector<std::string>& row : table.rows) {
-    const std::string& cell = row[index];
-    int64_t frame = -1;
-    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), frame);
-    if (error != std::errc() || end != cell.data() + cell.size() || frame < 0)
-      throw IoError(path.string() + format(": line %zu: index \"%s\" must be a whole number, 0 or more",
-                                           rows.size() + 2, cell.c_str()));
-    const auto number = [&](size_t c) { return c < row.size() ? to_float(row[c]) : std::nanf(""); };
-    rows.push_back({frame, row[status], number(pts), number(latency)});
-  }
+  for (size_t row = 0; row < table.rows.size(); ++row)
+    rows.push_back({frame_index(table, row, path), table.rows[row][status], number(table, row, "pts_ms", path),
+                    number(table, row, "latency_ms", path)});
   return rows;
 }
 

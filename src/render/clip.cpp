@@ -61,7 +61,8 @@ std::vector<Vector3d> Clip::joints(int64_t row) const {
   const std::vector<float> joints = captured_joints(capture, row);
   for (size_t i = 0; i < joints.size(); i += 3)
     points.push_back(Eigen::Map<const Eigen::Vector3f>(&joints[i]).cast<double>());
-  return points;
+  const bool known = std::all_of(points.begin(), points.end(), [](const Vector3d& point) { return point.allFinite(); });
+  return known ? points : std::vector<Vector3d>();
 }
 
 std::vector<float> Clip::vertices(int64_t row) {

@@ -139,6 +139,9 @@ TEST_F(BodyPoints, NothingIsKnownWithoutAnglesOrJoints) {
   EXPECT_FALSE(captured_bones(capture, 1, joints).empty());
   EXPECT_TRUE(captured_bones(capture, 1, {}).empty());
   EXPECT_TRUE(captured_bones(capture, 2, joints).empty());
+  std::vector<float> partly = joints;
+  partly[3] = NAN;  // of a bone
+  EXPECT_TRUE(captured_bones(capture, 1, partly).empty());
   capture.angles.names[3] = "tail_x";
   EXPECT_TRUE(captured_bones(capture, 1, joints).empty());
 }

@@ -16,6 +16,8 @@
 #include "image/image_io.h"
 #include "livecap/camera.h"
 #include "livecap/error.h"
+#include "livecap/log.h"
+#include "support/refusal.h"
 #include "support/tolerances.h"
 #include "synth/synth.h"
 
@@ -92,6 +94,24 @@ class Evaluate : public testing::Test {
                                                    R"(","height_mm":0}})");
     EvalOptions options{out, folder_ / "truth", "", "", views};
     return evaluate(options);
+  }
+
+  // A folder that holds nothing but a joints.csv.
+  static EvalOptions other_program(const std::string& joints) {
+    const fs::path out = folder_ / "other_program";
+    fs::remove_all(out);
+    fs::create_directories(out);
+    write_file_atomically(out / "joints.csv", joints);
+    return {out, folder_ / "truth", (folder_ / "actor.glb").string(), (folder_ / "camera.json").string(), {}};
+  }
+
+  // What action() says while it runs.
+  template <typename Action>
+  static EvalReport with_log(std::vector<std::string>& lines, Action&& action) {
+    set_log_sink([&](LogLevel, const std::string& line) { lines.push_back(line); });
+    EvalReport report = action();
+    set_log_sink({});
+    return report;
   }
 
   static inline fs::path folder_;
@@ -295,10 +315,78 @@ TEST_F(Evaluate, AViewFromTheSideSeesWhatTheCameraDoesNot) {
 TEST_F(Evaluate, ASkeletonAloneIsJudgedByItsJoints) {
   compare({0, 0.1f, 0, 0}, {"nobody", "ok", "ok", "ok"});
   fs::remove(folder_ / "capture/vertices.pc2");
-  const EvalReport report = evaluate({folder_ / "capture", folder_ / "truth", "", "", {}});
+  EvalReport report = evaluate({folder_ / "capture", folder_ / "truth", "", "", {}});
   EXPECT_EQ(report.joint_mm.n, 12);
   EXPECT_EQ(report.vertex_mm.n, 0);
   EXPECT_EQ(report.iou.n, 0);
+  EXPECT_EQ(report.n_without_result, 0);
+  compare({0, std::numeric_limits<float>::quiet_NaN(), 0, 0}, {"nobody", "lost", "ok", "ok"});
+  fs::remove(folder_ / "capture/vertices.pc2");
+  report = evaluate({folder_ / "capture", folder_ / "truth", "", "", {}});
+  EXPECT_EQ(report.n_without_result, 1);
+}
+
+TEST_F(Evaluate, JointsAloneAreEnoughOfAnotherProgram) {
+  const EvalOptions options = other_program(
+      "index,keypoint_pelvis_x,keypoint_pelvis_y,keypoint_pelvis_z,joint_left_shoulder_x,joint_left_shoulder_y,"
+      "joint_left_shoulder_z,joint_right_shoulder_x,joint_right_shoulder_y,joint_right_shoulder_z,joint_left_wrist_x,"
+      "joint_left_wrist_y,joint_left_wrist_z\n"
+      "0,,,,,,,,,,,,\n"
+      "1,0.1,0,-3,0.3,0.5,-3.1,-0.1,0.5,-2.9,0.4,0.1,-3.2\n"
+      "2,0,0,-3,0.2,0.5,-3.1,-0.2,0.5,-2.9,0.3,nan,-3.2\n"  // one coordinate is not known: the wrist is missed
+      "3,,,,,,,,,,,,\n");
+  std::vector<std::string> lines;
+  const EvalReport report = with_log(lines, [&] { return evaluate(options); });
+  EXPECT_TRUE(lines.empty()) << lines[0];
+  EXPECT_EQ(report.n_frames, 4);
+  EXPECT_EQ(report.n_tracked, 2);
+  EXPECT_EQ(report.n_lost, 1);
+  EXPECT_EQ(report.n_invented, 0);
+  EXPECT_EQ(report.n_without_result, 1);
+  EXPECT_EQ(report.joint_mm.n, 7);
+  EXPECT_NEAR(report.joint_mm.mean, 4 * 100.0 / 7, test::kMillimetreFloat);
+  EXPECT_LT(report.joint_aligned_mm.max, test::kMillimetreFloat);
+  EXPECT_NEAR(report.pck_similarity.pck, 7.0 / 12, test::kDoubleExact);
+  EXPECT_NEAR(report.pck_root.pck, 5.0 / 9, test::kDoubleExact);
+  EXPECT_NE(eval_report_text(report).find("root-aligned"), std::string::npos);
+
+  EvalOptions unnamed = options;
+  unnamed.actor.clear();
+  test::expect_refused<IoError>([&] { evaluate(unnamed); }, {"report.json", "no such file", "--actor"});
+  unnamed = options;
+  unnamed.camera.clear();
+  test::expect_refused<IoError>([&] { evaluate(unnamed); }, {"report.json", "no such file", "--camera"});
+}
+
+TEST_F(Evaluate, OneLineNamesTheJointsThatACaptureLacks) {
+  const EvalOptions options = other_program(
+      "index,joint_neck_x,joint_neck_y,joint_neck_z,joint_left_shoulder_x,joint_left_shoulder_y,joint_left_shoulder_z,"
+      "joint_right_shoulder_x,joint_right_shoulder_y,joint_right_shoulder_z,joint_left_wrist_x,joint_left_wrist_y,"
+      "joint_left_wrist_z\n"
+      "1,0,0.5,-3,0.2,0.5,-3.1,-0.2,0.5,-2.9,0.3,0.1,-3.2\n"
+      "3,0,0.5,-3,0.2,0.5,-3.1,-0.2,0.5,-2.9,0.3,0.1,-3.2\n");
+  std::vector<std::string> lines;
+  const EvalReport report = with_log(lines, [&] { return evaluate(options); });
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_NE(lines[0].find("no row for 1 of the frames"), std::string::npos) << lines[0];
+  EXPECT_NE(lines[1].find("joints.csv: has no columns joint_<name>_x, _y, _z of root, which"), std::string::npos)
+      << lines[1];
+  EXPECT_EQ(report.joint_mm.n, 6);
+  EXPECT_NEAR(report.video_fps, 15, test::kDoubleExact);  // every second frame
+  const std::string text = eval_report_text(report);
+  EXPECT_EQ(text.find("root-aligned"), std::string::npos) << text;
+  EXPECT_EQ(text.find("nan"), std::string::npos) << text;
+}
+
+TEST_F(Evaluate, RowsOfAnotherFrameAreRefused) {
+  const std::string row = "joint_root_x,joint_root_y,joint_root_z\n";
+  test::expect_refused<IoError>([&] { evaluate(other_program("index," + row + "1,0,0,-3\n1,0,0,-3\n")); },
+                                {"joints.csv: line 3", "1 does not follow 1"});
+  test::expect_refused<IoError>([&] { evaluate(other_program("frame," + row + "1,0,0,-3\n")); },
+                                {"joints.csv", "\"index\""});
+  const EvalOptions options = other_program("index," + row + "1,0,0,-3\n2,0,0,-3\n");
+  write_file_atomically(options.capture / "frames.csv", "index,status\n1,ok\n3,ok\n");
+  test::expect_refused<IoError>([&] { evaluate(options); }, {"joints.csv: line 3 is of frame 2", "frame 3"});
 }
 
 TEST_F(Evaluate, RefusesATruthWithoutAnybody) {

@@ -52,6 +52,19 @@ TEST(JointNames, OwnNamesMatchThemselves) {
   }
 }
 
+TEST(JointNames, TheCapturedRootMayBeThePelvis) {
+  const std::vector<JointPair> pairs = match_joints({"neck", "pelvis"}, {"mixamorig:Hips"});
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_EQ(pairs[0].name, "root");
+  EXPECT_EQ(pairs[0].captured, 1);
+  EXPECT_EQ(match_joints({"pelvis", "root"}, {"Hips"}).at(0).captured, 1);
+}
+
+TEST(JointNames, NamesWhatOnlyTheTruthHas) {
+  EXPECT_EQ(joints_not_captured({"left_knee"}, {"Hips", "LeftLeg", "RightHand", "Tail"}),
+            (std::vector<std::string>{"root", "right_wrist"}));
+}
+
 TEST(JointNames, NothingInCommonGivesNothing) {
   EXPECT_TRUE(match_joints(kCaptured, {"Bone.001"}).empty());
 }

@@ -52,6 +52,16 @@ TEST(MotionMetrics, AWobbleOfTheWholeBodyIsGoneWhenCentred) {
   }
 }
 
+TEST(MotionMetrics, AnUnknownPointBreaksItsOwnSequence) {
+  JitterMeter meter(10);
+  for (int t = 0; t < 4; ++t) {
+    const float unknown = t == 3 ? NAN : 0;
+    meter.add(std::vector<float>{unknown, 0, 0, 10.0f * t * t, 0, 0}, std::vector<float>{0, 0, 0, 0, 0, 0});
+  }
+  EXPECT_EQ(meter.result().n, 3);  // one of the first point, two of the second
+  EXPECT_NEAR(meter.result().error, (0 + 2 + 2) / 3.0, kDoubleExact);
+}
+
 TEST(MotionMetrics, AGapBreaksTheSequence) {
   JitterMeter meter(10);
   const std::vector<float> here = {0, 0, 0}, far = {9999, 0, 0};

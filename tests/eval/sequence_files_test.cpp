@@ -77,6 +77,25 @@ TEST_F(SequenceFiles, JointsCsv) {
   EXPECT_TRUE(track.frames[1].empty());
 }
 
+TEST_F(SequenceFiles, OneUnknownCoordinateMakesItsJointUnknown) {
+  const JointTrack track = read_joints_csv(
+      file("j.csv",
+           "index,pts_ms,tracked,joint_root_x,joint_root_y,joint_root_z,joint_neck_x,joint_neck_y,joint_neck_z\n"
+           "4,160,1,1,2,3,4,nan,6\n5,200,0,1,2,3,4,5,6\n6,240,1,,2,3,4,5,inf\n"));
+  ASSERT_EQ(track.frames.size(), 3u);
+  ASSERT_EQ(track.frames[0].size(), 6u);
+  EXPECT_EQ(std::vector<float>(track.frames[0].begin(), track.frames[0].begin() + 3), (std::vector<float>{1, 2, 3}));
+  for (int k = 3; k < 6; ++k) EXPECT_TRUE(std::isnan(track.frames[0][k])) << k;
+  EXPECT_TRUE(track.frames[2].empty());  // none is known
+  ASSERT_EQ(track.rows.size(), 3u);
+  EXPECT_EQ(track.rows[0].index, 4);
+  EXPECT_EQ(track.rows[1].pts_ms, 200);
+  EXPECT_TRUE(track.rows[0].tracked());
+  EXPECT_FALSE(track.rows[1].tracked());
+  EXPECT_FALSE(track.rows[2].tracked());
+  EXPECT_TRUE(read_joints_csv(file("bare.csv", "joint_root_x,joint_root_y,joint_root_z\n1,2,3\n")).rows.empty());
+}
+
 TEST_F(SequenceFiles, AJointWinsOverTheKeypointOfTheSameName) {
   const JointTrack track = read_joints_csv(
       file("j.csv",

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "acquire/material_labels.h"
+#include "base/median.h"
+#include "base/srgb.h"
 #include "meshing/surface_parts.h"
 
 namespace livecap::acquire {
@@ -30,8 +32,7 @@ enum Lip : uint8_t {
 // CIE L*a*b* of an sRGB colour, D65, divided by 100.
 Vector3d lab(const Vector3d& srgb) {
   Vector3d linear;
-  for (int k = 0; k < 3; ++k)
-    linear[k] = srgb[k] <= 0.04045 ? srgb[k] / 12.92 : std::pow((srgb[k] + 0.055) / 1.055, 2.4);
+  for (int k = 0; k < 3; ++k) linear[k] = linear_from_srgb(srgb[k]);
   Matrix3d to_xyz;
   to_xyz << 0.4124, 0.3576, 0.1805, 0.2126, 0.7152, 0.0722, 0.0193, 0.1192, 0.9505;
   Vector3d f = to_xyz * linear;
@@ -77,10 +78,7 @@ class Guess {
         for (int k = 0; k < 3; ++k) face[k].push_back(lab_[i][k]);
     if (face[0].size() < 5) return;
     Vector3d middle;
-    for (int k = 0; k < 3; ++k) {
-      std::nth_element(face[k].begin(), face[k].begin() + face[k].size() / 2, face[k].end());
-      middle[k] = face[k][face[k].size() / 2];
-    }
+    for (int k = 0; k < 3; ++k) middle[k] = median(face[k]);
     // Shadow moves lightness far and chroma in proportion to it.
     for (size_t i = 0; i < n_; ++i) {
       const double bright = std::clamp(lab_[i][0] / std::max(middle[0], 0.05), 0.3, 1.5);

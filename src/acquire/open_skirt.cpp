@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "acquire/leg_line.h"
+
 namespace livecap::acquire {
 namespace {
 
@@ -14,21 +16,8 @@ constexpr double kAboveHem = 60;    // mm: where hems that are not level are clo
 constexpr double kHemMm = 20;       // of cloth stay at the walls: half an edge of the mesh to be
 constexpr double kLegMm = 150;      // what reaches farther down than that below the slice is a leg
 
-// The leg's point at this height.
-Vector3d leg_at(const SpaceKeypoints& seen, int hip, int knee, int ankle, double y) {
-  const Vector3d &a = seen[hip].position, &b = seen[knee].position, &c = seen[ankle].position;
-  const bool thigh = y > b.y();
-  const Vector3d &top = thigh ? a : b, &bottom = thigh ? b : c;
-  return top + std::clamp((top.y() - y) / std::max(1.0, top.y() - bottom.y()), 0.0, 1.0) * (bottom - top);
-}
-
-bool closed_between_legs(const SpaceKeypoints& seen, const Volume& volume, double y) {
-  const Vector3d left = leg_at(seen, kLeftHip, kLeftKnee, kLeftAnkle, y);
-  const Vector3d right = leg_at(seen, kRightHip, kRightKnee, kRightAnkle, y);
-  constexpr int kSteps = 8;
-  for (int i = 0; i <= kSteps; ++i)
-    if (volume.at(left + (static_cast<double>(i) / kSteps) * (right - left)) > 0) return false;
-  return true;
+LegLine leg_of(const SpaceKeypoints& seen, int hip, int knee, int ankle) {
+  return {seen[hip].position, seen[knee].position, seen[ankle].position};
 }
 
 // The columns of a horizontal slice that belong to the solid at (x, z) of `start`: 1.
@@ -109,16 +98,15 @@ bool open_skirt(const SpaceKeypoints& keypoints, Volume& volume) {
   const double hips = (keypoints[kLeftHip].position.y() + keypoints[kRightHip].position.y()) / 2;
   const double ankles = (keypoints[kLeftAnkle].position.y() + keypoints[kRightAnkle].position.y()) / 2;
   const double highest = hips - kBelowHips * (hips - ankles);
+  const LegLine left = leg_of(keypoints, kLeftHip, kLeftKnee, kLeftAnkle),
+                right = leg_of(keypoints, kRightHip, kRightKnee, kRightAnkle);
   double hem = ankles;
-  while (hem < highest && !closed_between_legs(keypoints, volume, hem)) hem += volume.step;
+  while (hem < highest && !around_both_legs(left, right, volume, hem, 0)) hem += volume.step;
   const int slice = static_cast<int>(std::ceil((hem + kAboveHem - volume.low.y()) / volume.step));
   if (hem >= highest || slice < 1 || slice >= volume.ny) return false;
 
   const double y_slice = volume.low.y() + volume.step * slice;
-  const Vector3d middle = (leg_at(keypoints, kLeftHip, kLeftKnee, kLeftAnkle, y_slice) +
-                           leg_at(keypoints, kRightHip, kRightKnee, kRightAnkle, y_slice)) /
-                          2;
-  const std::vector<char> solid = solid_in_slice(volume, slice, middle);
+  const std::vector<char> solid = solid_in_slice(volume, slice, (left.at(y_slice) + right.at(y_slice)) / 2);
   const int leg_nodes = static_cast<int>(kLegMm / volume.step);
   // The lowest node of the lid in every column; -1: a leg, or not of the solid.
   std::vector<int> bottom(solid.size(), -1);

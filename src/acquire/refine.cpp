@@ -22,6 +22,8 @@ struct GrayView {
   std::vector<float> pixels;
 };
 
+// Not base/luminance.h's weights, of which these are rounded: no patch would match better by them, but every built
+// actor would change a little.
 GrayView gray_of(const ImageRgb& image) {
   GrayView gray{image.width, image.height, std::vector<float>(size_t(image.width) * image.height)};
   for (size_t i = 0; i < gray.pixels.size(); ++i)

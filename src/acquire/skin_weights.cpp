@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "acquire/leg_line.h"
 #include "geometry/segment.h"
 #include "livecap/error.h"
 #include "meshing/surface_parts.h"
@@ -78,22 +79,8 @@ bool sees(const Volume& volume, const Vector3d& vertex, const Vector3d& normal, 
   return true;
 }
 
-// The point of a leg at this height, on the line hip - knee - ankle.
-Vector3d leg_at(const BodyJoints& joints, int thigh, double y) {
-  const bool above_knee = y > joints[thigh + 1].y();
-  const Vector3d &top = joints[above_knee ? thigh : thigh + 1], &bottom = joints[above_knee ? thigh + 1 : thigh + 2];
-  const double share = (top.y() - y) / std::max(1.0, top.y() - bottom.y());
-  return top + std::clamp(share, 0.0, 1.0) * (bottom - top);
-}
-
-// True where one closed ring of cloth (a skirt, a dress) or of flesh goes around both legs: what is between them there
-// is inside.
-bool around_both_legs(const BodyJoints& joints, const Volume& volume, double y) {
-  const Vector3d left = leg_at(joints, kLeftUpLegBone, y), right = leg_at(joints, kRightUpLegBone, y);
-  constexpr int kSteps = 8;
-  for (int i = 0; i <= kSteps; ++i)
-    if (volume.at(left + (static_cast<double>(i) / kSteps) * (right - left)) > 0.5 * volume.step) return false;
-  return true;
+LegLine leg_of(const BodyJoints& joints, int thigh) {
+  return {joints[thigh], joints[thigh + 1], joints[thigh + 2]};
 }
 
 // How far p is off a leg's flesh, mm; below 0 within. A thigh's girth is 1.3 of its length at the top and 0.92 at the
@@ -197,6 +184,7 @@ std::vector<meshing::Influences> heat_weights(const meshing::Surface& surface, c
                                               const Volume& volume, const SkinOptions& options) {
   const int n = static_cast<int>(surface.vertices.size());
   const auto segments = bone_segments(joints);
+  const LegLine left = leg_of(joints, kLeftUpLegBone), right = leg_of(joints, kRightUpLegBone);
   const auto normals = meshing::vertex_normals(surface);
   Eigen::VectorXd areas;
   Sparse system = cotangent_laplacian(surface, areas);
@@ -220,7 +208,9 @@ std::vector<meshing::Influences> heat_weights(const meshing::Surface& surface, c
     const double knee = on_leg ? knee_share(joints, thigh, p) : 1;
     const double strength = knee * options.heat / (distance * distance) * areas[i];
     system.coeffRef(i, i) += strength;
-    const double share = on_leg && around_both_legs(joints, volume, p.y()) ? followed_share(joints, thigh, p) : 1;
+    const double share = on_leg && around_both_legs(left, right, volume, p.y(), 0.5 * volume.step)
+                             ? followed_share(joints, thigh, p)
+                             : 1;
     source(i, kHipsBone) = (1 - share) * strength;
     source(i, bone) += share * strength;
   }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/srgb.h"
+
 namespace livecap {
 
 Eigen::Vector3d sample_texture(const ImageRgb& image, double u, double v) {
@@ -99,8 +101,7 @@ std::vector<float> vertex_colors_from_texture(const ImageRgb& texture, std::span
 }
 
 double encode_srgb(double linear) {
-  linear = std::clamp(linear, 0.0, 1.0);
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+  return srgb_from_linear(std::clamp(linear, 0.0, 1.0));
 }
 
 }  // namespace livecap

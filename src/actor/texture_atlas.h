@@ -41,7 +41,7 @@ std::vector<float> vertex_colors_from_texture(const ImageRgb& texture, std::span
                                               std::span<const int32_t> template_vertex,
                                               std::span<const float> positions);
 
-// Linear to sRGB encoding of one channel.
+// Linear to sRGB encoding of one channel, which files may have beyond [0, 1].
 double encode_srgb(double linear);
 
 }  // namespace livecap

@@ -10,8 +10,8 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "base/median.h"
 #include "base/text.h"
-#include "base/timer.h"
 #include "livecap/error.h"
 
 namespace livecap {

@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "base/luminance.h"
+#include "base/median.h"
 #include "base/text.h"
-#include "base/timer.h"
 #include "calibrate/calibrate.h"
 #include "image/image_io.h"
 #include "image/video.h"

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 
+#include "base/median.h"
 #include "base/text.h"
-#include "base/timer.h"
 #include "livecap/error.h"
 
 namespace livecap {

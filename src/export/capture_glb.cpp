@@ -8,14 +8,14 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "base/log.h"
+#include "base/srgb.h"
 #include "base/text.h"
 #include "export/export_frame.h"
 #include "export/pc2.h"
 #include "export/residual_basis.h"
+#include "image/image_io.h"
 #include "livecap/error.h"
 
 namespace livecap {
@@ -266,8 +266,7 @@ class CaptureGlb {
         positions.push_back(static_cast<float>(kMetresPerMm * actor_.mesh.positions[3 * v + k]));
         normals.push_back(unit[k]);
         const double c = actor_.colors.empty() ? 0.5 : actor_.colors[3 * v + k];
-        colors.push_back(
-            static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4)));  // glTF wants linear
+        colors.push_back(static_cast<float>(linear_from_srgb(c)));  // glTF wants linear
       }
       for (int k = 0; k < kMaxInfluences; ++k) {
         const float w = actor_.skin.weights[4 * v + k];
@@ -332,11 +331,7 @@ class CaptureGlb {
 
   void add_texture() {
     const ImageRgb& image = actor_.texture;
-    const cv::Mat rgb(image.height, image.width, CV_8UC3, const_cast<uint8_t*>(image.pixels.data()));
-    cv::Mat bgr;
-    cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-    std::vector<uint8_t> png;
-    if (!cv::imencode(".png", bgr, png)) throw LogicError("capture.glb: the texture cannot be encoded");
+    const std::string png = encode_png(image);
     glb_.document["images"] = json::array({{{"name", "texture"},
                                             {"mimeType", "image/png"},
                                             {"bufferView", glb_.add_view(png.data(), png.size(), kNoTarget)}}});

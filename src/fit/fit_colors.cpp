@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/median.h"
 #include "fit/fit_actor.h"
 #include "meshing/surface_parts.h"
 #include "texture/texture.h"
@@ -22,11 +23,6 @@ Vector3d color_at(const ImageRgb& image, const Eigen::Vector2f& pixel) {
             y = std::clamp(static_cast<int>(std::lround(pixel.y())), 0, image.height - 1);
   const uint8_t* p = &image.pixels[3 * (static_cast<size_t>(y) * image.width + x)];
   return Vector3d(p[0], p[1], p[2]) / 255;
-}
-
-double median_of(std::vector<double>& values) {
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
 }
 
 }  // namespace
@@ -60,7 +56,7 @@ std::vector<Vector3d> colors_from_frames(FramePoser& poser, const meshing::Surfa
     for (int k = 0; k < 3; ++k) {
       channel.clear();
       for (const Vector3d& sample : samples[i]) channel.push_back(sample[k]);
-      colors[i][k] = median_of(channel);
+      colors[i][k] = median(channel);
     }
     known[i] = 1;
     ++n_seen;

@@ -82,18 +82,7 @@ ViewCoverage FramePoser::cover(const FitFrame& frame) {
   render(actor_.skeleton, frame.pose);
   skinner_.normals(posed_, normals_);
   visibility_.find_visible(posed_, normals_, rasterizer_);
-  const std::vector<int32_t> visible = visibility_.visible().read_all();
-  const std::vector<float> positions = posed_.read_all(), normals = normals_.read_all();
-  const size_t n = visible.size();
-  ViewCoverage seen{std::vector<float>(n, 0), std::vector<Eigen::Vector2f>(n, Eigen::Vector2f::Zero())};
-  for (size_t i = 0; i < n; ++i) {
-    if (!visible[i]) continue;
-    const Eigen::Map<const Eigen::Vector3f> p(&positions[3 * i]), normal(&normals[3 * i]);
-    seen.facing[i] = std::max(0.f, -p.normalized().dot(normal));
-    seen.pixels[i] = {static_cast<float>(camera_.fx) * p.x() / p.z() + static_cast<float>(camera_.cx),
-                      static_cast<float>(camera_.fy) * p.y() / p.z() + static_cast<float>(camera_.cy)};
-  }
-  return seen;
+  return coverage_of(camera_, visibility_.visible().read_all(), posed_.read_all(), normals_.read_all());
 }
 
 }  // namespace livecap

@@ -8,22 +8,24 @@
 
 namespace livecap {
 
+std::array<double, 2> distorted(const Camera& camera, double x, double y) {
+  const auto& [k1, k2, p1, p2, k3] = camera.distortion;
+  const double r2 = x * x + y * y;
+  const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+  return {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
+}
+
 Undistorter::Undistorter(const Camera& camera) : camera_(camera) {
   camera.validate();
   if (!camera.has_distortion()) return;
   map_.resize(size_t(2) * camera.width * camera.height);
   fraction_.resize(size_t(camera.width) * camera.height);
   cv::Mat map_x(camera.height, camera.width, CV_32FC1), map_y = map_x.clone();
-  const auto& [k1, k2, p1, p2, k3] = camera.distortion;
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
-      const double x = (u - camera.cx) / camera.fx, y = (v - camera.cy) / camera.fy;
-      const double r2 = x * x + y * y;
-      const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
-      const double xd = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x);
-      const double yd = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y;
-      map_x.at<float>(v, u) = static_cast<float>(camera.fx * xd + camera.cx);
-      map_y.at<float>(v, u) = static_cast<float>(camera.fy * yd + camera.cy);
+      const auto [x, y] = distorted(camera, (u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy);
+      map_x.at<float>(v, u) = static_cast<float>(camera.fx * x + camera.cx);
+      map_y.at<float>(v, u) = static_cast<float>(camera.fy * y + camera.cy);
     }
   }
   cv::Mat map(camera.height, camera.width, CV_16SC2, map_.data());

@@ -1,6 +1,7 @@
 // Removes lens distortion (Brown-Conrady), so that everything after it works with a plain pinhole camera.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -8,6 +9,10 @@
 #include "livecap/camera.h"
 
 namespace livecap {
+
+// Where the lens images the direction (x, y, 1) of the camera's frame, as the direction that a plain pinhole camera
+// would image there. The pixel is fx * x + cx, fy * y + cy of it.
+std::array<double, 2> distorted(const Camera& camera, double x, double y);
 
 class Undistorter {
  public:

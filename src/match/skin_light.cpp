@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "base/median.h"
 #include "base/text.h"
 #include "geometry/reference.h"
 #include "livecap/error.h"
@@ -25,12 +26,6 @@ constexpr double kTintRate = 0.1;             // likewise of the tint's
 SkinLight::Harmonics harmonics_of(const Eigen::Vector3d& n) {
   const reference::Harmonics h = reference::harmonics(reference::vec3(n.x(), n.y(), n.z()));
   return SkinLight::Harmonics(h.of);
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace

@@ -4,10 +4,9 @@
 
 #include <cstring>
 #include <limits>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <sstream>
 
+#include "image/image_io.h"
 #include "livecap/error.h"
 #include "meshing/surface_parts.h"
 
@@ -47,15 +46,6 @@ class Builder {
     return static_cast<int>(model.accessors.size()) - 1;
   }
 };
-
-std::vector<unsigned char> encode_png(const ImageRgb& image) {
-  const cv::Mat rgb(image.height, image.width, CV_8UC3, const_cast<uint8_t*>(image.pixels.data()));
-  cv::Mat bgr;
-  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  std::vector<unsigned char> png;
-  if (!cv::imencode(".png", bgr, png)) throw LogicError("the texture cannot be encoded as PNG");
-  return png;
-}
 
 void add_bones(const ActorFile& actor, Builder& builder) {
   tinygltf::Skin skin;

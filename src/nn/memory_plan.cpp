@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/round_up.h"
 #include "nn/op_params.h"
 
 namespace livecap::nn {
@@ -15,8 +16,9 @@ struct Interval {
   int64_t offset = -1;
 };
 
+// Of offsets and sizes, so that vectors are aligned.
 int64_t rounded_up(int64_t n) {
-  return (n + 15) / 16 * 16;
+  return static_cast<int64_t>(round_up(static_cast<size_t>(n), 16));
 }
 
 }  // namespace

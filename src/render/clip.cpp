@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/median.h"
 #include "base/text.h"
-#include "base/timer.h"
 #include "eval/body_points.h"
 #include "livecap/error.h"
 

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "base/luminance.h"
+#include "base/median.h"
 #include "geometry/reference.h"
 #include "meshing/surface_parts.h"
 
@@ -92,8 +93,7 @@ Shading find_shading(const meshing::Surface& surface, const std::vector<Vector3d
     const int n = round < kRounds ? kTermsToBegin : Shading::kTerms;
     const auto residual = [&](size_t p) { return pairs[p].light - shading.coefficients.dot(pairs[p].basis); };
     for (size_t p = 0; p < pairs.size(); ++p) sizes[p] = std::abs(residual(p));
-    std::nth_element(sizes.begin(), sizes.begin() + sizes.size() / 2, sizes.end());
-    const double scale = std::max(kLeastScale, 1.4826 * sizes[sizes.size() / 2]);
+    const double scale = std::max(kLeastScale, 1.4826 * median(sizes));
     Eigen::Matrix<double, Shading::kTerms, Shading::kTerms> normal_matrix;
     normal_matrix.setIdentity();
     normal_matrix *= 1e-3;

@@ -23,6 +23,20 @@ Mesh mesh_of(const meshing::Surface& surface) {
   return mesh;
 }
 
+ViewCoverage coverage_of(const Camera& camera, const std::vector<int32_t>& visible, const std::vector<float>& positions,
+                         const std::vector<float>& normals) {
+  const size_t n = visible.size();
+  ViewCoverage seen{std::vector<float>(n, 0), std::vector<Eigen::Vector2f>(n, Eigen::Vector2f::Zero())};
+  for (size_t i = 0; i < n; ++i) {
+    if (!visible[i]) continue;
+    const Eigen::Map<const Eigen::Vector3f> p(&positions[3 * i]), normal(&normals[3 * i]);
+    seen.facing[i] = std::max(0.f, -p.normalized().dot(normal));
+    seen.pixels[i] = {static_cast<float>(camera.fx) * p.x() / p.z() + static_cast<float>(camera.cx),
+                      static_cast<float>(camera.fy) * p.y() / p.z() + static_cast<float>(camera.cy)};
+  }
+  return seen;
+}
+
 std::vector<ViewCoverage> cover_surface(ocl::DeviceContext& device, const Mesh& mesh, const std::vector<View>& views) {
   const int n = mesh.n_vertices();
   const std::vector<float> normals = vertex_normals(mesh.positions, mesh.triangles);
@@ -43,20 +57,11 @@ std::vector<ViewCoverage> cover_surface(ocl::DeviceContext& device, const Mesh& 
     positions_buffer.write(positions);
     normals_buffer.write(turned);
     raster->render(positions_buffer, view.camera);
-    ViewCoverage seen{std::vector<float>(n, 0), std::vector<Eigen::Vector2f>(n, Eigen::Vector2f::Zero())};
+    visibility.find_visible(positions_buffer, normals_buffer, *raster);
+    coverage.push_back(coverage_of(view.camera, visibility.visible().read_all(), positions, turned));
     const ImageGray& mask = view.mask;
     if (mask.width == view.camera.width && mask.height == view.camera.height)
-      seen.overlap = raster->intersection_over_union(ocl::Buffer<uint8_t>(device, mask.pixels));
-    visibility.find_visible(positions_buffer, normals_buffer, *raster);
-    const std::vector<int32_t> visible = visibility.visible().read_all();
-    for (int i = 0; i < n; ++i) {
-      if (!visible[i]) continue;
-      const Row p(&positions[3 * i]), normal(&turned[3 * i]);
-      seen.facing[i] = std::max(0.f, -p.normalized().dot(normal));
-      seen.pixels[i] = {static_cast<float>(view.camera.fx) * p.x() / p.z() + static_cast<float>(view.camera.cx),
-                        static_cast<float>(view.camera.fy) * p.y() / p.z() + static_cast<float>(view.camera.cy)};
-    }
-    coverage.push_back(std::move(seen));
+      coverage.back().overlap = raster->intersection_over_union(ocl::Buffer<uint8_t>(device, mask.pixels));
   }
   return coverage;
 }

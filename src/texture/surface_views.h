@@ -22,6 +22,11 @@ struct ViewCoverage {
   double overlap = std::numeric_limits<double>::quiet_NaN();
 };
 
+// From what a visibility map (raster/visibility.h) says of positions and normals in the camera's frame, mm, [3*n].
+// overlap stays NaN.
+ViewCoverage coverage_of(const Camera& camera, const std::vector<int32_t>& visible, const std::vector<float>& positions,
+                         const std::vector<float>& normals);
+
 // views: in the mesh's frame, mm. One entry per view.
 std::vector<ViewCoverage> cover_surface(ocl::DeviceContext& device, const Mesh& mesh, const std::vector<View>& views);
 

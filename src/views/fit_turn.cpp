@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/median.h"
 #include "base/text.h"
 #include "livecap/error.h"
 #include "views/turn_tracks.h"
@@ -33,13 +34,6 @@ constexpr std::array<std::pair<int, int>, 8> kSides = {{{kLeftHip, kRightHip},
                                                         {kLeftKnee, kRightKnee},
                                                         {kLeftAnkle, kRightAnkle},
                                                         {kLeftToe, kRightToe}}};
-
-template <typename T>
-double median(std::vector<T> values) {
-  if (values.empty()) return 0;
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
-}
 
 // The body at angle 0 as the mean of the network's, and how far away it is.
 Turn first_guess(const Camera& camera, const std::vector<Detections>& detections, const std::vector<double>& angle) {

@@ -5,8 +5,10 @@
 #include <map>
 #include <opencv2/imgproc.hpp>
 
+#include "base/median.h"
 #include "base/text.h"
 #include "image/image_io.h"
+#include "image/undistort.h"
 #include "livecap/error.h"
 #include "views/picture_orientation.h"
 
@@ -19,15 +21,10 @@ using std::filesystem::path;
 // Where each pixel of the reduced, undistorted picture comes from in the picture as it was taken.
 cv::Mat sampling_map(const Camera& from, const Camera& to) {
   cv::Mat map(to.height, to.width, CV_32FC2);
-  const auto& [k1, k2, p1, p2, k3] = from.distortion;
   for (int v = 0; v < to.height; ++v)
     for (int u = 0; u < to.width; ++u) {
-      const double x = (u - to.cx) / to.fx, y = (v - to.cy) / to.fy, r2 = x * x + y * y;
-      const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
-      const double xd = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x);
-      const double yd = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y;
-      map.at<cv::Vec2f>(v, u) = {static_cast<float>(from.fx * xd + from.cx),
-                                 static_cast<float>(from.fy * yd + from.cy)};
+      const auto [x, y] = distorted(from, (u - to.cx) / to.fx, (v - to.cy) / to.fy);
+      map.at<cv::Vec2f>(v, u) = {static_cast<float>(from.fx * x + from.cx), static_cast<float>(from.fy * y + from.cy)};
     }
   return map;
 }
@@ -193,9 +190,7 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
         format("%d pictures have no mask in %s; the network's is used", n_no_mask, files.masks.string().c_str()));
   // A picture much less sharp than the others was moved or out of focus.
   if (!views.empty()) {
-    std::vector<double> sorted = sharp;
-    std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
-    const double usual = sorted[sorted.size() / 2];
+    const double usual = median(sharp);
     std::vector<View> kept;
     for (size_t i = 0; i < views.size(); ++i) {
       if (sharp[i] < 0.4 * usual)

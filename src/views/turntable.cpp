@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/median.h"
 #include "base/text.h"
 #include "detect/pose_detector.h"
 #include "image/undistort.h"
@@ -61,9 +62,7 @@ std::vector<double> unwrapped(const std::vector<TurnSample>& samples, const std:
   std::vector<double> smooth = raw;
   for (int i = 0; i < n; ++i) {
     const int reach = std::min({2, i, n - 1 - i});
-    std::vector<double> around(raw.begin() + i - reach, raw.begin() + i + reach + 1);
-    std::nth_element(around.begin(), around.begin() + reach, around.end());
-    smooth[i] = around[reach];
+    smooth[i] = median(std::vector<double>(raw.begin() + i - reach, raw.begin() + i + reach + 1));
   }
   return smooth;
 }
@@ -234,8 +233,7 @@ TurntableViews read_turntable(ocl::DeviceContext& device, const std::string& mod
   chosen = choose_turn(samples, options.n_views, options.video, angles);
   std::vector<double> sharp;
   for (int i : chosen) sharp.push_back(samples[i].sharpness);
-  std::nth_element(sharp.begin(), sharp.begin() + sharp.size() / 2, sharp.end());
-  const double usual = sharp[sharp.size() / 2];
+  const double usual = median(sharp);
   int n_blurred = 0;
   size_t next = 0;
   VideoReader video(options.video);

@@ -14,7 +14,7 @@ find src include tools tests -name '*.h' -o -name '*.cpp' | sort | xargs grep -H
     for (i = 1; i <= n; ++i) level[list[i]] = i
     network["nn"]; network["detect"]
     solver["solve"]; solver["pose"]; solver["surface"]; solver["cloth"]
-    home["opencv2"] = "image meshing cloth export synth render calibrate views acquire"; home["OpenMesh"] = "actor meshing"; home["clblast.h"] = "nn"
+    home["opencv2"] = "image cloth synth render calibrate views acquire"; home["OpenMesh"] = "actor meshing"; home["clblast.h"] = "nn"
     home["tiny_gltf.h"] = "actor meshing export"; home["CLI"] = ""
   }
   function offence(why) { print file ":" line ": " what " " why }

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/timer.h"
+#include "base/median.h"
 #include "geometry/shortest_turn.h"
 #include "livecap/error.h"
 #include "pose/pose_solver.h"

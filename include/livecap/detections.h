@@ -38,7 +38,6 @@ enum Keypoint : int {
   kKeypointCount
 };
 inline constexpr int kBodyKeypointCount = 19;
-inline constexpr int kFaceKeypointCount = 4;
 
 // snake_case names, index = Keypoint.
 extern const std::array<std::string_view, kKeypointCount> kKeypointNames;

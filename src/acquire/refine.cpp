@@ -168,9 +168,8 @@ RefineResult refine_by_color(const std::vector<View>& views, const std::vector<V
   for (size_t i = 0; i < n; ++i) {
     const double by = std::clamp(sunk[static_cast<int>(i)], 0.0, options.deepest_mm);
     surface.vertices[i] -= by * normals[i];
-    if (trust[i] > 0) result.mean_mm += by, ++result.n_evidence;
+    if (trust[i] > 0) ++result.n_evidence;
   }
-  if (result.n_evidence > 0) result.mean_mm /= result.n_evidence;
   return result;
 }
 

@@ -18,7 +18,6 @@ struct RefineOptions {
 
 struct RefineResult {
   int n_evidence = 0;  // vertices whose pictures agree somewhere
-  double mean_mm = 0;  // how far those moved
 };
 
 // surface: rest frame, mm, moved in place. coverage: of the surface as it is. Vertices without evidence follow their

@@ -115,17 +115,15 @@ bool PoseDetector::find_person(const ImageRgb& image) {
   return true;
 }
 
-// 3D points from the crop's camera to the image's: by the crop's roll, then to the viewing ray of its centre. Origin
+// 3D points from the crop's camera to the image's: by the crop's roll, then, because the network takes every crop for
+// the picture of a camera that looks straight at it, from the optical axis to the viewing ray of its centre. Origin
 // mid-hip.
 void PoseDetector::turn_to_camera_axes(const Camera& camera) {
   const CropRegion& crop = estimate_.crop;
-  Matrix3 ray{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-  if (options_.perspective_correction) {
-    const double x = (crop.center_x_px - camera.cx) / camera.fx;
-    const double y = (crop.center_y_px - camera.cy) / camera.fy;
-    const double n = std::sqrt(x * x + y * y + 1);
-    ray = rotation_from_axis_to(x / n, y / n, 1 / n);
-  }
+  const double x = (crop.center_x_px - camera.cx) / camera.fx;
+  const double y = (crop.center_y_px - camera.cy) / camera.fy;
+  const double n = std::sqrt(x * x + y * y + 1);
+  const Matrix3 ray = rotation_from_axis_to(x / n, y / n, 1 / n);
   const double c = std::cos(crop.angle_rad), s = std::sin(crop.angle_rad);
   for (RawLandmark& l : raw_) {
     const double p[3] = {c * l.x_mm - s * l.y_mm, s * l.x_mm + c * l.y_mm, l.z_mm};

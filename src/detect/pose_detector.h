@@ -25,9 +25,6 @@ struct PoseDetectorOptions {
   bool lay_mask = true;           // over the whole image; else Detections::crop_mask
   float score_threshold = 0.5f;   // below: nobody
   float refine_threshold = 0.5f;  // heatmap probability from which landmarks are refined; > 1 switches it off
-  // The network takes every crop for the picture of a camera that looks straight at it. On: its 3D points are also
-  // turned by the rotation from the optical axis to the viewing ray of the crop's centre. Off: by the crop's roll only.
-  bool perspective_correction = true;
   // Every second picture of a followed person is shown to the network in the mirror. Its errors on a picture and on the
   // mirror image differ, and the filters average over the two at no cost.
   bool alternate_mirror = true;

@@ -112,14 +112,6 @@ Pose add_increment(const Pose& pose, const Eigen::VectorXd& delta) {
   return result;
 }
 
-Pose extrapolate(const Pose& previous, const Pose& pose) {
-  Eigen::VectorXd delta(6 + pose.angles_rad.size());
-  delta.head<3>() = vector_from_rotation(pose.root_rotation * previous.root_rotation.transpose());
-  delta.segment<3>(3) = pose.root_translation_mm - previous.root_translation_mm;
-  delta.tail(pose.angles_rad.size()) = pose.angles_rad - previous.angles_rad;
-  return add_increment(pose, delta);
-}
-
 Eigen::Matrix3d rotation_from_vector(const Eigen::Vector3d& vector_rad) {
   const double angle = vector_rad.norm();
   if (angle < 1e-12) return Eigen::Matrix3d::Identity();

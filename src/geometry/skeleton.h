@@ -72,9 +72,6 @@ std::vector<float> bone_dual_quats(const PosedSkeleton& posed);
 // The rotation is updated on the left by its exponential map, about the root's origin.
 Pose add_increment(const Pose& pose, const Eigen::VectorXd& delta);
 
-// Explicit Euler step: pose + (pose - previous), the root's rotation in its tangent space.
-Pose extrapolate(const Pose& previous, const Pose& pose);
-
 // Rotation matrix of a rotation vector, and back (angle in [0, pi]).
 Eigen::Matrix3d rotation_from_vector(const Eigen::Vector3d& vector_rad);
 Eigen::Vector3d vector_from_rotation(const Eigen::Matrix3d& rotation);

@@ -49,7 +49,6 @@ class Executor {
   size_t step_count() const { return steps_.size(); }
   // Whether layers are launched together. No longer after a launch in which work-groups did not run at once.
   bool together() const { return groups_.work(); }
-  size_t arena_bytes() const { return arena_.size() * sizeof(float); }
 
  private:
   struct Step {

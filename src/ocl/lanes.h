@@ -7,8 +7,6 @@
 
 namespace livecap::ocl {
 
-inline constexpr size_t kSliceRows = 16;  // SLICE there
-
 // Work-items for n rows, `lanes` each (DeviceContext::lanes).
 constexpr size_t lane_items(size_t n, int lanes) {
   return round_up(n, size_t(lanes)) / size_t(lanes);

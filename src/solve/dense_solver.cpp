@@ -3,19 +3,6 @@
 #include <Eigen/Cholesky>
 
 namespace livecap {
-std::string_view solve_status_name(SolveStatus status) {
-  switch (status) {
-    case SolveStatus::kOk:
-      return "ok";
-    case SolveStatus::kNoObservations:
-      return "no observations";
-    case SolveStatus::kRankDeficient:
-      return "rank deficient";
-    case SolveStatus::kNotFinite:
-      return "not finite";
-  }
-  return "unknown";
-}
 
 DenseSolution solve_normal_equations(const Eigen::MatrixXd& A, const Eigen::VectorXd& g,
                                      const Eigen::VectorXd& damping) {

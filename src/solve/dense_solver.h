@@ -4,7 +4,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <string_view>
 
 namespace livecap {
 
@@ -15,9 +14,6 @@ enum class SolveStatus {
   kRankDeficient,   // the damped system still has no unique solution
   kNotFinite,       // NaN or infinity in the system or in the solution
 };
-
-// "ok", "no observations", "rank deficient", "not finite".
-std::string_view solve_status_name(SolveStatus status);
 
 // Pivots below this share of the largest count as zero, in the system scaled to unit diagonal.
 inline constexpr double kRankThreshold = 1e-12;

@@ -51,9 +51,8 @@ struct SurfaceOptions {
   // the true vertices of lit pictures a third of the residuals of striped cloth exceeded 0.2, and without them the
   // gradient no longer pointed to the truth.
   float color_threshold = 0.5f;
-  float damping = 1e-3f;          // added to the diagonal of J^T J; the weakest regulariser is 0.1
-  float max_step_mm = 50.0f;      // no vertex moves farther in one Gauss-Newton step
-  bool evaluate_energies = true;  // of the result; costs about one more linearisation
+  float damping = 1e-3f;      // added to the diagonal of J^T J; the weakest regulariser is 0.1
+  float max_step_mm = 50.0f;  // no vertex moves farther in one Gauss-Newton step
 
   // Throws ConfigError naming the field.
   void validate() const;

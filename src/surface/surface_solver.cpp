@@ -13,10 +13,8 @@ void SurfaceSolver::launch(const SurfaceInput& input) {
     system_.iterate_pcg(options_.pcg_iterations);
     system_.move();
   }
-  if (options_.evaluate_energies) {
-    system_.linearize(input, options_.gaussian_kernels.back());
-    system_.sum_energies();
-  }
+  system_.linearize(input, options_.gaussian_kernels.back());
+  system_.sum_energies();
   system_.finish(input, vertices_);
 }
 
@@ -25,7 +23,7 @@ std::optional<SurfaceResult> SurfaceSolver::result() {
   result.vertices = &vertices_;
   result.status = system_.status();
   if (system_.gave_up()) return std::nullopt;
-  if (options_.evaluate_energies && result.status == SurfaceStatus::kOk) result.energies = system_.summed_energies();
+  if (result.status == SurfaceStatus::kOk) result.energies = system_.summed_energies();
   return result;
 }
 

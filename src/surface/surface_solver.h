@@ -12,7 +12,7 @@ namespace livecap {
 struct SurfaceResult {
   const ocl::Buffer<float>* vertices = nullptr;  // [3n] mm, camera frame; the solver's own, valid until its next solve
   SurfaceEnergies energies;                      // of the vertices, photometric at the last Gaussian level; zero if
-                                                 // options.evaluate_energies is false or the status is not kOk
+                                                 // the status is not kOk
   SurfaceStatus status = SurfaceStatus::kOk;
 };
 

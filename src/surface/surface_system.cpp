@@ -294,9 +294,6 @@ std::vector<float> SurfaceSystem::right_hand_side() const {
 std::vector<float> SurfaceSystem::step() const {
   return from_planes(step_, 3);
 }
-std::vector<float> SurfaceSystem::diagonal_blocks() const {
-  return from_planes(blocks_, 6);
-}
 
 std::vector<float> SurfaceSystem::product(const std::vector<float>& direction) {
   preconditioned_.write(domain_->graph.planes(direction, 3));

@@ -42,7 +42,6 @@ class SurfaceSystem {
   // Blocking, for tests; all in mesh order.
   std::vector<float> right_hand_side() const;                       // [3n] -J^T F, valid before iterate_pcg
   std::vector<float> step() const;                                  // [3n] mm
-  std::vector<float> diagonal_blocks() const;                       // [6n] xx xy xz yy yz zz
   std::vector<float> product(const std::vector<float>& direction);  // (J^T J + damping) direction; breaks a running PCG
 
   const SellGraph& graph() const { return domain_->graph; }

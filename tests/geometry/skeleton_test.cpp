@@ -73,19 +73,6 @@ TEST(Skeleton, IncrementsMatchFiniteDifferencesOfBonePoints) {
   }
 }
 
-TEST(Skeleton, ExtrapolationContinuesConstantMotion) {
-  const Skeleton s = branching_chain();
-  std::mt19937 rng(11);
-  const Pose first = random_pose(s, rng);
-  Eigen::VectorXd step = Eigen::VectorXd::Constant(6 + s.n_dofs(), 0.05);
-  const Pose second = add_increment(first, step);
-  const Pose expected = add_increment(second, step);
-  const Pose third = extrapolate(first, second);
-  EXPECT_LT((third.root_rotation - expected.root_rotation).norm(), test::kDoubleExact);
-  EXPECT_LT((third.root_translation_mm - expected.root_translation_mm).norm(), test::kDoubleExact);
-  EXPECT_LT((third.angles_rad - expected.angles_rad).norm(), test::kDoubleExact);
-}
-
 // Dual quaternion skinning of one vertex with three bones, and its derivative by every unknown.
 TEST(Skeleton, DualQuaternionSkinningDerivativeMatchesFiniteDifferences) {
   using namespace reference;

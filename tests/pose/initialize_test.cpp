@@ -85,6 +85,15 @@ TEST(Initialize, TooLittleToSeeIsNoPose) {
   EXPECT_FALSE(initialize_pose(actor, camera, one_place, {}).has_value());
 }
 
+// Explicit Euler step: pose + (pose - previous), the root's rotation in its tangent space.
+Pose extrapolate(const Pose& previous, const Pose& pose) {
+  Eigen::VectorXd delta(6 + pose.angles_rad.size());
+  delta.head<3>() = vector_from_rotation(pose.root_rotation * previous.root_rotation.transpose());
+  delta.segment<3>(3) = pose.root_translation_mm - previous.root_translation_mm;
+  delta.tail(pose.angles_rad.size()) = pose.angles_rad - previous.angles_rad;
+  return add_increment(pose, delta);
+}
+
 TEST(Initialize, PredictionIsTheEulerStepWithinBounds) {
   const Actor actor = test::make_test_actor();
   std::mt19937 rng(6);

@@ -4,22 +4,20 @@
 #include <cmath>
 #include <memory>
 
+#include "acquire/body_shape.h"
 #include "acquire/facet_offsets.h"
-#include "acquire/hull.h"
 #include "acquire/keypoints.h"
 #include "acquire/material_labels.h"
-#include "acquire/open_skirt.h"
 #include "acquire/person_frame.h"
 #include "acquire/photograph_scan.h"
 #include "acquire/refine.h"
 #include "acquire/skin_weights.h"
+#include "acquire/surface_color.h"
 #include "base/text.h"
 #include "base/timer.h"
 #include "livecap/error.h"
-#include "scan/mesh_volume.h"
 #include "scan/scan.h"
 #include "texture/surface_views.h"
-#include "texture/texture.h"
 #include "views/fit_turn.h"
 #include "views/run_colmap.h"
 
@@ -30,12 +28,8 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kScanViews = 32;
-constexpr double kSearchGridMm = 30;
-constexpr double kScanGridMm = 7;
 constexpr double kAssumedHeightMm = 1700;
-constexpr double kLowestMm = 800, kTallestMm = 2500;  // of a person
-constexpr double kLowOverlap = 0.9;                   // of the surface with the masks; docs/actor_build.md
-constexpr size_t kMostTriangles = 1500000;            // thinned one edge at a time
+constexpr double kLowOverlap = 0.9;  // of the surface with the masks; docs/actor_build.md
 
 class Builder {
  public:
@@ -69,9 +63,9 @@ class Builder {
       stage("scan", [&] { take_scan(); });
     stage("thinning", [&] { thin(); });
     if (options_.refine && options_.mesh.empty()) stage("refining", [&] { refine(); });
-    if (!as_is_) move_along_normals(facet_offsets_mm_, surface());
+    if (!shape_.as_is) move_along_normals(facet_offsets_mm_, surface());
     stage("joints", [&] { place(); });
-    stage("skin weights", [&] { result_.actor.weights = heat_weights(surface(), result_.joints, volume_); });
+    stage("skin weights", [&] { result_.actor.weights = heat_weights(surface(), result_.joints, shape_.volume); });
     stage("texture", [&] { texture(); });
     stage("labels", [&] { label(); });
     finish();
@@ -197,92 +191,24 @@ class Builder {
   }
 
   void carve() {
-    Vector3d low = Vector3d::Constant(1e9), high = -low;
-    for (const SpacePoint& point : keypoints_) {
-      if (!point.found) continue;
-      low = low.cwiseMin(point.position);
-      high = high.cwiseMax(point.position);
-    }
-    low -= Vector3d(250, 200, 420);
-    high += Vector3d(250, 400, 420);
-    HullOptions hull;
-    hull.n_ignored = n_network_masks_ > 0 ? 2 : 0;
-    // Coarsely first: where the body is. A node farther than half a cell's diagonal from the hull has none of it in its
-    // cell.
-    hull.step_mm = kSearchGridMm;
-    volume_ = make_volume(low, high, hull.step_mm);
-    carve_hull(device_, views_, hull, volume_);
-    if (const auto [near_low, near_high] = bounds_within(volume_, hull.step_mm);
-        (near_low.array() < near_high.array()).all()) {
-      low = near_low;
-      high = near_high;
-    }
-    hull.step_mm = options_.grid_mm;
-    volume_ = make_volume(low, high, hull.step_mm);
-    carve_hull(device_, views_, hull, volume_);
-    Volume open = volume_;
-    const bool skirt = open_skirt(keypoints_, open);
-    blur(volume_, 0.8 * options_.grid_mm, 0.35 * options_.grid_mm);
-    if (const int dropped = keep_largest_solid(volume_); dropped > 0)
-      note(format("%d other solids in the pictures' common view were dropped", dropped));
-    if (!skirt) return;
-    blur(open, 0.8 * options_.grid_mm, 0.35 * options_.grid_mm);
-    keep_largest_solid(open);
-    open_volume_ = std::move(open);
+    shape_ = carve_body(device_, views_, keypoints_, options_.grid_mm, n_network_masks_ > 0, result_.notes);
   }
 
-  // The scan in the rest frame, as it is when it is closed and clean, else as a solid on a grid.
   void take_scan() {
-    fine_ = scan_.surface;
-    for (Vector3d& p : fine_.vertices) p = frame_.to_rest(p);
-    scan_.surface.vertices = fine_.vertices;
-    if (const double dropped = keep_largest_piece(fine_); dropped > 1e-3)
-      note(format("%.1f %% of the scan's area is not connected to the rest and is left out", 100 * dropped));
-    const bool clean = is_closed_manifold(fine_);
-    const bool huge = fine_.triangles.size() > kMostTriangles;
-    volume_ = volume_of(fine_, kScanGridMm);
-    as_is_ = clean && !huge;
-    if (as_is_) return;
-    note(clean ? format("the scan has %zu triangles: resampled on a grid of %g mm", fine_.triangles.size(), kScanGridMm)
-               : format("the scan is not closed or not manifold: rebuilt as a solid on a grid of %g mm", kScanGridMm));
-    if (!clean) blur(volume_, 0.5 * kScanGridMm);
-    keep_largest_solid(volume_);
+    for (Vector3d& p : scan_.surface.vertices) p = frame_.to_rest(p);
+    shape_ = shape_of_scan(scan_.surface, result_.notes);
   }
 
   void thin() {
-    const Volume& shape = open_volume_.size() > 0 ? open_volume_ : volume_;
-    if (!as_is_) fine_ = surface_of(shape);
-    const double density = std::sqrt(5000.0 / options_.target_vertices);
-    const meshing::DistanceField field = [&](const Vector3d& p) { return shape.at(p); };
-    surface() = meshing::decimate_surface(fine_, options_.target_vertices, 48 * density,
-                                          as_is_ ? meshing::DistanceField{} : field, 3 * density);
-    fine_ = {};
-    // Refining looks for the surface at the vertices: they move only then.
-    if (!as_is_) facet_offsets_mm_ = facet_offsets(surface(), shape);
-    if (surface().vertices.size() < 200 || !is_closed_manifold(surface()))
-      throw ConfigError(
-          format("the shape has no closed surface of a person (%zu vertices left)", surface().vertices.size()));
-    // The soles are the floor.
-    double bottom = 1e9, top = -1e9;
-    for (const Vector3d& p : surface().vertices) bottom = std::min(bottom, p.y()), top = std::max(top, p.y());
-    double scale = 1;
-    if (given_height_mm_ > 0) scale = given_height_mm_ / (top - bottom);
-    height_mm_ = scale * (top - bottom);
-    if (height_mm_ < kLowestMm || height_mm_ > kTallestMm)
-      throw ConfigError(format("the body is %.0f mm tall; --unit or --height", height_mm_));
-    PersonFrame down;
-    down.scale_mm = scale;
-    down.translation_mm = Vector3d(0, -scale * bottom, 0);
+    surface() = thin_shape(shape_, options_.target_vertices, facet_offsets_mm_);
+    const PersonFrame down = stand_on_floor(surface(), given_height_mm_, height_mm_);
     for (Vector3d& p : surface().vertices) p = down.to_rest(p);
     move_views(down, views_);
     keypoints_ = move_keypoints(down, keypoints_);
-    for (double& offset : facet_offsets_mm_) offset *= scale;
-    volume_.low = down.to_rest(volume_.low);
-    volume_.step *= scale;
-    for (float& d : volume_.distance) d *= static_cast<float>(scale);
+    for (double& offset : facet_offsets_mm_) offset *= down.scale_mm;
+    move_volume(down, shape_.volume);
     for (Vector3d& p : scan_.surface.vertices) p = down.to_rest(p);
-    frame_.translation_mm = scale * frame_.translation_mm + down.translation_mm;
-    frame_.scale_mm *= scale;
+    frame_ = composed(down, frame_);
   }
 
   void refine() {
@@ -295,7 +221,7 @@ class Builder {
   }
 
   void place() {
-    result_.joints = place_joints(keypoints_, height_mm_, volume_, result_.notes);
+    result_.joints = place_joints(keypoints_, height_mm_, shape_.volume, result_.notes);
     make_symmetric(result_.joints);
     if (!options_.joints.empty()) override_joints(given_joints_, frame_, result_.joints);
     for (const auto& [name, position] : face_markers(keypoints_, given_joints_, frame_)) {
@@ -308,8 +234,11 @@ class Builder {
   }
 
   void texture() {
+    result_.actor.atlas =
+        meshing::make_atlas(surface(), std::vector<int>(surface().triangles.size(), 0), {1.0}, options_.texture_size);
     if (!options_.has_pictures()) {
-      texture_from_scan();
+      result_.actor.texture =
+          texture_from_scan(surface(), result_.actor.atlas, options_.texture_size, scan_, result_.notes);
       return;
     }
     coverage_ = cover_surface(device_, mesh_of(surface()), views_);
@@ -319,37 +248,18 @@ class Builder {
           format("the built surface covers the masks by %.3f only (IoU, mean over the pictures; good builds have 0.93 "
                  "and more): are all pictures of one person who did not move?",
                  result_.overlap));
-    result_.actor.atlas =
-        meshing::make_atlas(surface(), std::vector<int>(surface().triangles.size(), 0), {1.0}, options_.texture_size);
-    BlendedTexture blended = blend_texture(surface(), result_.actor.atlas, options_.texture_size, views_, coverage_);
+    BlendedTexture blended =
+        texture_from_views(surface(), result_.actor.atlas, options_.texture_size, views_, coverage_, result_.notes);
     result_.actor.texture = std::move(blended.image);
     result_.seen = std::move(blended.seen);
-    if (const auto unseen = std::count(result_.seen.begin(), result_.seen.end(), 0); unseen > 0)
-      note(format("%d vertices are seen by no picture; their colour is spread from their neighbours",
-                  static_cast<int>(unseen)));
-  }
-
-  void texture_from_scan() {
-    if (!scan_.has_color()) note("the scan has no colour: every vertex is grey, colour cannot guide the surface");
-    result_.actor.atlas =
-        meshing::make_atlas(surface(), std::vector<int>(surface().triangles.size(), 0), {1.0}, options_.texture_size);
-    if (!scan_.has_color()) {
-      const size_t n = static_cast<size_t>(3) * options_.texture_size * options_.texture_size;
-      result_.actor.texture = {options_.texture_size, options_.texture_size, std::vector<uint8_t>(n, 153)};
-      return;
-    }
-    // Cells of about three edges of the scan.
-    const double cell = 3 * std::sqrt(3e6 / static_cast<double>(scan_.surface.triangles.size()));
-    const meshing::NearestSurface near(scan_.surface, std::clamp(cell, 4.0, 40.0));
-    result_.actor.texture = meshing::bake_texture(surface(), result_.actor.atlas, options_.texture_size,
-                                                  [&](const Vector3d& p, int) { return scan_.color_at(near.find(p)); });
   }
 
   void label() {
     const bool given = std::any_of(views_.begin(), views_.end(), [](const View& view) { return !view.labels.empty(); });
     if (given && options_.has_pictures() && vote()) return;
     result_.actor.labels =
-        guess_labels({surface(), result_.actor.weights, result_.joints, volume_, vertex_colors(), nose_vertex()});
+        guess_labels({surface(), result_.actor.weights, result_.joints, shape_.volume,
+                      vertex_colors(surface(), result_.actor.atlas, result_.actor.texture), nose_vertex()});
     note(given ? "the materials are guessed from body parts and colours instead"
                : "no label images: materials are guessed from body parts and colours");
   }
@@ -372,20 +282,6 @@ class Builder {
       note(format("%d vertices have no label in any picture; they have their neighbours'", voted.n_unseen));
     result_.actor.labels = std::move(voted.labels);
     return true;
-  }
-
-  // Of the texture, at each vertex.
-  std::vector<Vector3d> vertex_colors() const {
-    const meshing::Atlas& atlas = result_.actor.atlas;
-    const ImageRgb& image = result_.actor.texture;
-    std::vector<Vector3d> colors(result_.actor.surface.vertices.size(), Vector3d::Constant(0.5));
-    for (size_t i = 0; i < atlas.vertex.size(); ++i) {
-      const int x = std::clamp(static_cast<int>(atlas.uvs[i].x() * image.width), 0, image.width - 1),
-                y = std::clamp(static_cast<int>(atlas.uvs[i].y() * image.height), 0, image.height - 1);
-      const uint8_t* p = &image.pixels[3 * (static_cast<size_t>(y) * image.width + x)];
-      colors[atlas.vertex[i]] = Vector3d(p[0], p[1], p[2]) / 255;
-    }
-    return colors;
   }
 
   int nose_vertex() const {
@@ -415,55 +311,15 @@ class Builder {
   GivenJoints given_joints_;
   SpaceKeypoints keypoints_;
   std::vector<double> facet_offsets_mm_;
-  Volume open_volume_;  // the hull with an open skirt; none: there is no skirt. `volume_` tells what is under cloth
   PersonFrame frame_;
-  Volume volume_;
-  Scan scan_;           // moved into the rest frame with the person
-  bool as_is_ = false;  // the scan is thinned as it is, without a grid
-  meshing::Surface fine_;
+  BodyShape shape_;
+  Scan scan_;  // moved into the rest frame with the person
   double height_mm_ = 0;
   std::vector<ViewCoverage> coverage_;
   BuildResult result_;
 };
 
 }  // namespace
-
-void BuildOptions::validate() const {
-  if (!turntable.video.empty()) {
-    turntable.validate();
-    for (const auto& [option, given] : {std::pair{"--images", !views.images.empty()},
-                                        {"--cameras", !views.cameras.empty()},
-                                        {"--masks", !views.masks.empty()},
-                                        {"--labels", !views.labels.empty()},
-                                        {"--mesh", !mesh.empty()},
-                                        {"--joints", !joints.empty()}})
-      if (given) throw ConfigError(std::string(option) + " does not go with --video, which finds its cameras itself");
-  } else if (!turntable.camera.empty() || turntable.fov_deg > 0) {
-    throw ConfigError("--camera and --fov belong to --video; the cameras of pictures are given by --cameras");
-  }
-  if (colmap) {
-    if (views.images.empty()) throw ConfigError("--colmap needs --images, the pictures whose cameras it finds");
-    for (const auto& [option, given] :
-         {std::pair{"--cameras", !views.cameras.empty()}, {"--mesh", !mesh.empty()}, {"--joints", !joints.empty()}})
-      if (given) throw ConfigError(std::string(option) + " does not go with --colmap, which makes a world of its own");
-  }
-  if (!parser.network.empty()) {
-    parser.validate();
-    if (!has_pictures()) throw ConfigError("--parser needs pictures: --images or --video");
-    if (!views.labels.empty()) throw ConfigError("--labels does not go with --parser, which makes the label images");
-  }
-  if (!has_pictures() && mesh.empty())
-    throw ConfigError(
-        "--images, --video or --mesh is needed: pictures of the person, a video of them turning, or a scan");
-  unit_in_mm(unit);
-  if (target_vertices < 500 || target_vertices > 40000)
-    throw ConfigError(format("--vertices %d; must be within 500..40000", target_vertices));
-  if (!(height_mm == 0 || (height_mm >= kLowestMm && height_mm <= kTallestMm)))
-    throw ConfigError(format("--height %g m; must be within 0.8..2.5", height_mm / 1000));
-  if (!(grid_mm >= 3 && grid_mm <= 30)) throw ConfigError(format("--grid %g mm; must be within 3..30", grid_mm));
-  if (texture_size < 128 || texture_size > 8192)
-    throw ConfigError(format("--texture %d; must be within 128..8192", texture_size));
-}
 
 BuildResult build_actor(ocl::DeviceContext& network_device, ocl::DeviceContext& device, const BuildOptions& options,
                         const BuildProgress& progress) {

@@ -39,7 +39,6 @@ CarveView carve_view(const View& view) {
 }  // namespace
 
 void HullOptions::validate() const {
-  if (!(step_mm >= 2 && step_mm <= 100)) throw ConfigError(format("hull: a grid of %g mm; must be 2 to 100", step_mm));
   if (n_ignored < 0 || n_ignored > 2) throw ConfigError(format("hull: %d views ignored; must be 0, 1 or 2", n_ignored));
   if (!(limit_mm > 0) || !(min_seen >= 0 && min_seen <= 1))
     throw ConfigError("hull: limit or min_seen is not a length or share");
@@ -49,7 +48,6 @@ void carve_hull(ocl::DeviceContext& device, const std::vector<View>& views, cons
                 Volume& volume) {
   options.validate();
   const size_t n = volume.size();
-  if (n > (size_t{1} << 28)) throw ConfigError("hull: the grid has more than 268 million nodes; a coarser --grid");
   ocl::Kernel carve(device, "acquire/carve.cl", "carve_view"), result(device, "acquire/carve.cl", "carve_result");
   ocl::Buffer<float> largest(device, 3 * n), distance(device, n);
   ocl::Buffer<int32_t> seen(device, n);
@@ -95,18 +93,19 @@ std::vector<ocl::SelfTestResult> acquire_self_test(ocl::DeviceContext& device) {
     views.push_back(view);
   }
   Volume volume = make_volume(Eigen::Vector3d::Constant(-300), Eigen::Vector3d::Constant(300), 50);
-  carve_hull(device, views, {50, 0, 500, 0.5}, volume);
+  carve_hull(device, views, {0, 500, 0.5}, volume);
   const double expected[3] = {-205, -5 * 1.05, 95};  // centre; 200 mm right: 20.5 px, half a pixel inside, and 50 mm on
   const double at[3] = {volume.at({0, 0, 0}), volume.at({200, 0, 0}), volume.at({300, 0, 0})};
   std::vector<ocl::SelfTestResult> results;
-  const bool centre = std::abs(at[0] - expected[0]) < 1, face = std::abs(at[1] - expected[1]) < 10,
-             outside = std::abs(at[2] - expected[2]) < 40;
+  const bool centre = std::abs(at[0] - expected[0]) < 1, face = std::abs(at[1] - expected[1]) < 10;
   results.push_back(
       {"acquire/carve_view", centre && face,
        centre && face ? "" : format("expected %g and %g mm, found %g and %g", expected[0], expected[1], at[0], at[1])});
-  carve_hull(device, views, {50, 0, 30, 1}, volume);
-  results.push_back({"acquire/carve_result", outside && volume.at({0, 0, 0}) == -30,
-                     outside ? "" : format("expected about %g mm, found %g", expected[2], at[2])});
+  carve_hull(device, views, {0, 30, 1}, volume);
+  const double cut = volume.at({0, 0, 0});
+  const bool passed = std::abs(at[2] - expected[2]) < 40 && cut == -30;
+  results.push_back({"acquire/carve_result", passed,
+                     passed ? "" : format("expected about %g and -30 mm, found %g and %g", expected[2], at[2], cut)});
   return results;
 }
 

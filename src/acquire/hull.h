@@ -10,7 +10,6 @@
 namespace livecap::acquire {
 
 struct HullOptions {
-  double step_mm = 9;
   int n_ignored = 0;       // views that may be overruled at a point: 0, 1 or 2
   double limit_mm = 60;    // distances are cut there
   double min_seen = 0.35;  // share of the views whose picture must hold a point

@@ -95,6 +95,14 @@ PersonFrame find_person_frame(const SpaceKeypoints& world, double unit_mm, doubl
   return frame;
 }
 
+PersonFrame composed(const PersonFrame& then, const PersonFrame& first) {
+  PersonFrame both;
+  both.scale_mm = then.scale_mm * first.scale_mm;
+  both.rotation = then.rotation * first.rotation;
+  both.translation_mm = then.scale_mm * (then.rotation * first.translation_mm) + then.translation_mm;
+  return both;
+}
+
 void move_views(const PersonFrame& frame, std::vector<View>& views) {
   for (View& view : views) {
     const Eigen::Matrix3d turn = view.camera_from_world.linear() * frame.rotation.transpose();
@@ -108,6 +116,13 @@ SpaceKeypoints move_keypoints(const PersonFrame& frame, const SpaceKeypoints& wo
   SpaceKeypoints rest = world;
   for (SpacePoint& point : rest) point.position = frame.to_rest(point.position);
   return rest;
+}
+
+void move_volume(const PersonFrame& frame, Volume& volume) {
+  if (!frame.rotation.isIdentity()) throw LogicError("a volume cannot be turned");
+  volume.low = frame.to_rest(volume.low);
+  volume.step *= frame.scale_mm;
+  for (float& d : volume.distance) d *= static_cast<float>(frame.scale_mm);
 }
 
 }  // namespace livecap::acquire

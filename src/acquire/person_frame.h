@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "acquire/keypoints.h"
+#include "scan/volume.h"
 #include "views/view.h"
 
 namespace livecap::acquire {
@@ -38,8 +39,13 @@ PersonFrame find_person_frame(const SpaceKeypoints& world, double unit_mm, doubl
                               std::vector<std::string>& notes,
                               const Eigen::Vector3d& vertical = Eigen::Vector3d::Zero());
 
+// The frame that does both, `first` before `then`.
+PersonFrame composed(const PersonFrame& then, const PersonFrame& first);
+
 // Views and keypoints in the rest frame.
 void move_views(const PersonFrame& frame, std::vector<View>& views);
 SpaceKeypoints move_keypoints(const PersonFrame& frame, const SpaceKeypoints& world);
+// A grid has no directions of its own: frame must not turn (LogicError).
+void move_volume(const PersonFrame& frame, Volume& volume);
 
 }  // namespace livecap::acquire

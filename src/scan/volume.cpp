@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text.h"
 #include "livecap/error.h"
 
 namespace livecap {
@@ -10,6 +11,8 @@ namespace livecap {
 namespace {
 
 using Eigen::Vector3d;
+
+constexpr double kMostNodes = 1 << 28;
 
 // Labels the face-connected regions of the `member` nodes; sizes by region.
 std::vector<int> regions(const Volume& volume, const std::vector<char>& member, std::vector<size_t>& sizes) {
@@ -69,13 +72,18 @@ Vector3d Volume::gradient(const Vector3d& p) const {
 }
 
 Volume make_volume(const Vector3d& low, const Vector3d& high, double step) {
+  const Vector3d nodes = ((high - low) / step).array().ceil().max(1) + 1;
+  if (!(high - low).allFinite() || !(nodes.prod() <= kMostNodes))
+    throw ConfigError(
+        format("a solid of %.2f x %.2f x %.2f m on a grid of %g mm has more than 268 million nodes; the "
+               "person has to be alone in it and the --unit right, or a hull's --grid coarser",
+               (high - low).x() / 1000, (high - low).y() / 1000, (high - low).z() / 1000, step));
   Volume volume;
   volume.low = low;
   volume.step = step;
-  const Vector3d nodes = (high - low) / step;
-  volume.nx = std::max(2, static_cast<int>(std::ceil(nodes.x())) + 1);
-  volume.ny = std::max(2, static_cast<int>(std::ceil(nodes.y())) + 1);
-  volume.nz = std::max(2, static_cast<int>(std::ceil(nodes.z())) + 1);
+  volume.nx = static_cast<int>(nodes.x());
+  volume.ny = static_cast<int>(nodes.y());
+  volume.nz = static_cast<int>(nodes.z());
   volume.distance.assign(volume.size(), 0);
   return volume;
 }

@@ -25,7 +25,7 @@ struct Volume {
   Eigen::Vector3d gradient(const Eigen::Vector3d& p) const;
 };
 
-// Nodes that cover low..high.
+// Nodes that cover low..high, mm. Throws ConfigError when these are more than 2^28 (a gigabyte), or not finite.
 Volume make_volume(const Eigen::Vector3d& low, const Eigen::Vector3d& high, double step);
 
 // The box of the nodes whose distance is below `reach`, and as much around it; low > high when there is none.

@@ -75,6 +75,17 @@ acquire::SpaceKeypoints standing(double units_per_mm, const Eigen::Matrix3d& tur
   return points;
 }
 
+TEST(Keypoints, ComposedFramesAreOneAfterTheOther) {
+  acquire::PersonFrame first, then;
+  first.scale_mm = 1000, then.scale_mm = 0.9;
+  first.rotation = Eigen::AngleAxisd(0.3, Vector3d::UnitX()).toRotationMatrix();
+  then.rotation = Eigen::AngleAxisd(-1.1, Vector3d::UnitY()).toRotationMatrix();
+  first.translation_mm = {1, -2, 3}, then.translation_mm = {40, 50, -60};
+  const Vector3d world(0.2, 1.4, -0.7);
+  EXPECT_LT((composed(then, first).to_rest(world) - then.to_rest(first.to_rest(world))).norm(),
+            test::kDoubleExact * 1000);
+}
+
 TEST(Keypoints, PersonFrameUndoesTurnScaleAndShift) {
   const Eigen::Matrix3d turn =
       (Eigen::AngleAxisd(1.1, Vector3d::UnitX()) * Eigen::AngleAxisd(0.7, Vector3d::UnitY())).toRotationMatrix();

@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
+#include "livecap/error.h"
 #include "scan/scan.h"
+#include "support/refusal.h"
 #include "support/tolerances.h"
 
 namespace livecap {
@@ -20,6 +24,15 @@ void append(meshing::Surface& surface, const meshing::Surface& other) {
   const int base = static_cast<int>(surface.vertices.size());
   surface.vertices.insert(surface.vertices.end(), other.vertices.begin(), other.vertices.end());
   for (const auto& t : other.triangles) surface.triangles.push_back(t + Eigen::Vector3i::Constant(base));
+}
+
+// Metres of floor around the person: refused before gigabytes are asked for, whatever the size as an integer would be.
+TEST(MeshVolume, RefusesAGridThatIsTooLarge) {
+  for (const double side : {8000.0, 1e9, 1e300, std::numeric_limits<double>::quiet_NaN()}) {
+    test::expect_refused<ConfigError>([&] { make_volume(Vector3d::Zero(), Vector3d::Constant(side), 7); },
+                                      {" m on a grid of 7 mm", "--unit", "--grid"});
+  }
+  EXPECT_EQ(make_volume(Vector3d::Zero(), {0, 70, 71}, 7).size(), 2u * 11 * 12);
 }
 
 TEST(MeshVolume, HasTheSpheresDistance) {

@@ -1,0 +1,43 @@
+// The body as a solid, of a visual hull or of a scan, and the surface of it that becomes the actor's.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "acquire/keypoints.h"
+#include "acquire/person_frame.h"
+#include "meshing/isosurface.h"
+#include "ocl/context.h"
+#include "scan/volume.h"
+#include "views/view.h"
+
+namespace livecap::acquire {
+
+inline constexpr double kLowestMm = 800, kTallestMm = 2500;  // of a person
+
+struct BodyShape {
+  Volume volume;          // what is inside of the body, also under cloth
+  Volume open;            // the same with an open skirt; of size 0: there is no skirt
+  meshing::Surface fine;  // of a scan
+  bool as_is = false;     // `fine` is closed and clean, and thinned without a grid
+};
+
+// The hull of the views' masks (in the rest frame, mm) around the keypoints, on a grid of grid_mm. rough_masks: a point
+// may be outside of two of them. Throws ConfigError, OclError.
+BodyShape carve_body(ocl::DeviceContext& device, const std::vector<View>& views, const SpaceKeypoints& keypoints,
+                     double grid_mm, bool rough_masks, std::vector<std::string>& notes);
+
+// Of a scan in the rest frame, mm: its largest piece as it is when that is closed and clean, else as a solid on a grid.
+// Throws ConfigError.
+BodyShape shape_of_scan(const meshing::Surface& scan, std::vector<std::string>& notes);
+
+// The shape's surface with about so many vertices. facet_offsets_mm: [n_vertices] how far each is to move along its
+// normal (acquire/facet_offsets.h); unchanged when the shape is taken as it is. Throws ConfigError when it is none of a
+// person.
+meshing::Surface thin_shape(BodyShape& shape, int target_vertices, std::vector<double>& facet_offsets_mm);
+
+// What puts the soles on the floor, y = 0, and with given_height_mm > 0 scales to that height. height_mm: the height
+// then. Throws ConfigError when that is no person's.
+PersonFrame stand_on_floor(const meshing::Surface& surface, double given_height_mm, double& height_mm);
+
+}  // namespace livecap::acquire

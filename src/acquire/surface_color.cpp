@@ -1,0 +1,47 @@
+#include "acquire/surface_color.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/text.h"
+
+namespace livecap::acquire {
+
+using Eigen::Vector3d;
+
+BlendedTexture texture_from_views(const meshing::Surface& surface, const meshing::Atlas& atlas, int size,
+                                  const std::vector<View>& views, const std::vector<ViewCoverage>& coverage,
+                                  std::vector<std::string>& notes) {
+  BlendedTexture blended = blend_texture(surface, atlas, size, views, coverage);
+  if (const auto unseen = std::count(blended.seen.begin(), blended.seen.end(), 0); unseen > 0)
+    notes.push_back(format("%d vertices are seen by no picture; their colour is spread from their neighbours",
+                           static_cast<int>(unseen)));
+  return blended;
+}
+
+ImageRgb texture_from_scan(const meshing::Surface& surface, const meshing::Atlas& atlas, int size, const Scan& scan,
+                           std::vector<std::string>& notes) {
+  if (!scan.has_color()) {
+    notes.emplace_back("the scan has no colour: every vertex is grey, colour cannot guide the surface");
+    return {size, size, std::vector<uint8_t>(static_cast<size_t>(3) * size * size, 153)};
+  }
+  // Cells of about three edges of the scan.
+  const double cell = 3 * std::sqrt(3e6 / static_cast<double>(scan.surface.triangles.size()));
+  const meshing::NearestSurface near(scan.surface, std::clamp(cell, 4.0, 40.0));
+  return meshing::bake_texture(surface, atlas, size,
+                               [&](const Vector3d& p, int) { return scan.color_at(near.find(p)); });
+}
+
+std::vector<Vector3d> vertex_colors(const meshing::Surface& surface, const meshing::Atlas& atlas,
+                                    const ImageRgb& texture) {
+  std::vector<Vector3d> colors(surface.vertices.size(), Vector3d::Constant(0.5));
+  for (size_t i = 0; i < atlas.vertex.size(); ++i) {
+    const int x = std::clamp(static_cast<int>(atlas.uvs[i].x() * texture.width), 0, texture.width - 1),
+              y = std::clamp(static_cast<int>(atlas.uvs[i].y() * texture.height), 0, texture.height - 1);
+    const uint8_t* p = &texture.pixels[3 * (static_cast<size_t>(y) * texture.width + x)];
+    colors[atlas.vertex[i]] = Vector3d(p[0], p[1], p[2]) / 255;
+  }
+  return colors;
+}
+
+}  // namespace livecap::acquire

@@ -28,10 +28,10 @@ PoseRounds::PoseRounds(ocl::DeviceContext& device, const Actor& actor, const Cam
       zero_(device, size_t(3) * actor.n_vertices()),
       skinned_(device, size_t(3) * actor.n_vertices()),
       normals_(device, size_t(3) * actor.n_vertices()),
-      matched_share_(device, matched_share(actor, options.shares)),
-      refined_share_(device, refined_share(actor, options.shares)),
-      on_feet_share_(device, on_feet_share(actor, options.shares)),
-      refining_candidates_(visibility.contour_candidates(is_matched(actor, options.shares))) {
+      matched_share_(device, matched_share(actor, options.shares, options.hanging)),
+      refined_share_(device, refined_share(actor, options.shares, options.hanging)),
+      on_feet_share_(device, on_feet_share(actor, options.shares, options.hanging)),
+      refining_candidates_(visibility.contour_candidates(is_matched(actor, options.shares, options.hanging))) {
   for (ocl::Buffer<float>* buffer : {&zero_, &skinned_, &normals_}) buffer->fill(0);
 }
 

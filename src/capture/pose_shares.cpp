@@ -16,8 +16,9 @@ bool wears_hanging_cloth(const Actor& actor) {
 
 }  // namespace
 
-std::vector<float> matched_share(const Actor& actor, const PoseSharesOptions& options) {
-  const std::vector<float> legs = leg_weights(actor);
+std::vector<float> matched_share(const Actor& actor, const PoseSharesOptions& options,
+                                 const HangingClothOptions& hanging) {
+  const std::vector<float> legs = trusted_leg_weights(actor, hanging);
   std::vector<float> share(actor.n_vertices());
   for (int i = 0; i < actor.n_vertices(); ++i) {
     const bool follows = actor.rigidity[i] >= options.min_matched_rigidity || legs[i] < options.max_matched_leg_weight;
@@ -26,20 +27,23 @@ std::vector<float> matched_share(const Actor& actor, const PoseSharesOptions& op
   return share;
 }
 
-std::vector<uint8_t> is_matched(const Actor& actor, const PoseSharesOptions& options) {
-  const std::vector<float> share = matched_share(actor, options);
+std::vector<uint8_t> is_matched(const Actor& actor, const PoseSharesOptions& options,
+                                const HangingClothOptions& hanging) {
+  const std::vector<float> share = matched_share(actor, options, hanging);
   return {share.begin(), share.end()};
 }
 
-std::vector<float> refined_share(const Actor& actor, const PoseSharesOptions& options) {
-  std::vector<float> share = matched_share(actor, options);
+std::vector<float> refined_share(const Actor& actor, const PoseSharesOptions& options,
+                                 const HangingClothOptions& hanging) {
+  std::vector<float> share = matched_share(actor, options, hanging);
   for (int i = 0; i < actor.n_vertices(); ++i)
     if (hangs(actor, i)) share[i] *= options.refined_hanging_share;
   return share;
 }
 
-std::vector<float> on_feet_share(const Actor& actor, const PoseSharesOptions& options) {
-  std::vector<float> share = refined_share(actor, options);
+std::vector<float> on_feet_share(const Actor& actor, const PoseSharesOptions& options,
+                                 const HangingClothOptions& hanging) {
+  std::vector<float> share = refined_share(actor, options, hanging);
   const int left_foot = actor.skeleton.bone_index("left_ankle"), right_foot = actor.skeleton.bone_index("right_ankle");
   for (int i = 0; i < actor.n_vertices(); ++i) {
     const int strongest = actor.skin.bones[4 * i];
@@ -49,9 +53,8 @@ std::vector<float> on_feet_share(const Actor& actor, const PoseSharesOptions& op
 }
 
 TrackerOptions options_for(const Actor& actor, TrackerOptions options) {
-  if (!actor.guessed_weights) return options;
+  if (!actor.guessed_weights || wears_hanging_cloth(actor)) return options;
   options.pose.weights.keypoint_2d *= options.guessed.keypoint_2d;
-  if (wears_hanging_cloth(actor)) return options;
   options.pose.weights.silhouette *= options.guessed.silhouette;
   options.pose.weights.shading *= options.guessed.shading;
   return options;

@@ -11,12 +11,16 @@
 namespace livecap {
 
 // [n_vertices] 1 for vertices that are matched, else 0.
-std::vector<float> matched_share(const Actor& actor, const PoseSharesOptions& options);
-std::vector<uint8_t> is_matched(const Actor& actor, const PoseSharesOptions& options);
+std::vector<float> matched_share(const Actor& actor, const PoseSharesOptions& options,
+                                 const HangingClothOptions& hanging);
+std::vector<uint8_t> is_matched(const Actor& actor, const PoseSharesOptions& options,
+                                const HangingClothOptions& hanging);
 // The same in refining rounds: less for hanging cloth.
-std::vector<float> refined_share(const Actor& actor, const PoseSharesOptions& options);
+std::vector<float> refined_share(const Actor& actor, const PoseSharesOptions& options,
+                                 const HangingClothOptions& hanging);
 // And where no starts compete: more for feet.
-std::vector<float> on_feet_share(const Actor& actor, const PoseSharesOptions& options);
+std::vector<float> on_feet_share(const Actor& actor, const PoseSharesOptions& options,
+                                 const HangingClothOptions& hanging);
 
 // With the weights of PoseOptions that stage I has for this actor, see GuessedWeightsOptions.
 TrackerOptions options_for(const Actor& actor, TrackerOptions options);

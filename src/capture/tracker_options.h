@@ -69,11 +69,12 @@ struct PoseRoundsOptions {
   void validate() const;  // throws ConfigError
 };
 
-// Of an actor whose skinning weights are guessed: so many times each of these terms in stage I. What is matched near a
-// joint pulls the wrong bones there; where keypoints lie, the body ends and how its skin is lit depend less on weights.
+// Of an actor whose skinning weights are guessed and who wears no hanging cloth: so many times each of these terms in
+// stage I. What is matched near a joint pulls the wrong bones there; where keypoints lie, the body ends and how its
+// skin is lit depend less on weights. Not of one in a skirt: its outline is not the body's, the network sees the bent
+// legs below it straight, and it has guessed_power (HangingClothOptions).
 struct GuessedWeightsOptions {
   double keypoint_2d = 2;
-  // Not of an actor in a skirt, whose outline is not the body's.
   double silhouette = 2;
   double shading = 2;
 

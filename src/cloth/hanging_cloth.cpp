@@ -31,6 +31,11 @@ std::vector<char> leg_bones(const Skeleton& skeleton) {
   return leg;
 }
 
+// What hanging cloth's weights on the legs, which sum to `legs`, should have summed to.
+float trusted_legs(const Actor& actor, float legs, const HangingClothOptions& options) {
+  return actor.guessed_weights ? std::pow(legs, options.guessed_power) : legs;
+}
+
 // The actor's weights with what hanging cloth has too many on the legs given to hanging_bone. kept(L): which share of
 // its weights on the legs a vertex keeps where they sum to L.
 SkinWeights give_to_hanging_bone(const Actor& actor, const std::function<float(float)>& kept, int hanging_bone) {
@@ -77,8 +82,18 @@ std::optional<Eigen::Vector3d> middle_of_the_hips(const Skeleton& skeleton) {
 SkinWeights hanging_weights(const Actor& actor, const HangingClothOptions& options) {
   options.validate();
   const float c = options.leg_share;
-  return give_to_hanging_bone(
-      actor, [c](float legs) { return c / (c + (1 - c) * legs); }, bone_of_the_hips(actor.skeleton).value_or(0));
+  const auto kept = [&](float legs) {
+    const float trusted = trusted_legs(actor, legs, options);
+    return c / (c + (1 - c) * trusted) * (trusted / legs);
+  };
+  return give_to_hanging_bone(actor, kept, bone_of_the_hips(actor.skeleton).value_or(0));
+}
+
+std::vector<float> trusted_leg_weights(const Actor& actor, const HangingClothOptions& options) {
+  std::vector<float> sums = leg_weights(actor);
+  for (int i = 0; i < actor.n_vertices(); ++i)
+    if (hangs(actor, i)) sums[i] = trusted_legs(actor, sums[i], options);
+  return sums;
 }
 
 std::vector<float> leg_weights(const Actor& actor) {
@@ -102,6 +117,10 @@ void HangingClothOptions::validate() const {
     throw ConfigError("hanging cloth: taut is " + std::to_string(taut) + " and loose " + std::to_string(loose) +
                       "; they must be at least 0, and taut the less");
   }
+  if (!(guessed_power >= 1.0f && std::isfinite(guessed_power))) {
+    throw ConfigError("hanging cloth: guessed_power is " + std::to_string(guessed_power) +
+                      ", must be at least 1 and finite");
+  }
   if (!(gravity_share >= 0.0f && gravity_share <= 1.0f)) {
     throw ConfigError("hanging cloth: gravity_share is " + std::to_string(gravity_share) + ", must be from 0 to 1");
   }
@@ -113,8 +132,8 @@ HangingCloth::HangingCloth(const Actor& actor, const HangingClothOptions& option
   opening_ = std::clamp((folds - options.taut) / (options.loose - options.taut), 0.0f, 1.0f);
   const float most = 1 - opening_ * (1 - options.loose_on_legs);
   const int hanging_bone = actor.skeleton.n_bones();
-  weights_ = give_to_hanging_bone(
-      actor, [most](float legs) { return legs <= most ? 1.0f : most / legs; }, hanging_bone);
+  const auto kept = [&](float legs) { return std::min(trusted_legs(actor, legs, options), most) / legs; };
+  weights_ = give_to_hanging_bone(actor, kept, hanging_bone);
   hung_weights_ = give_to_hanging_bone(
       actor, [](float) { return 0.0f; }, hanging_bone);
   const std::optional<Eigen::Vector3d> pivot = middle_of_the_hips(actor.skeleton);

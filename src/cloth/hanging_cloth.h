@@ -15,6 +15,9 @@ struct HangingClothOptions {
   // In stage I a vertex whose weights on the legs sum to L keeps c L / (c + (1 - c) L) of them, c = leg_share in (0,1]:
   // all of a small L, c of L = 1. The rest goes to the hanging bone. 1 = the actor's own skinning (the paper).
   float leg_share = 0.4f;
+  // Where the actor's weights are guessed, L to this power stands for L in both stages: heat lets cloth near the hips
+  // follow the legs two to three times as far as it does.
+  float guessed_power = 2;
   // In stage II cloth with less than `taut` of it in folds (cloth/folds.h) follows the legs as the actor's weights say.
   // With `loose` or more it is only pushed by them, not pulled, and its weights on them sum to at most `loose_on_legs`.
   float taut = 0.10f;
@@ -32,6 +35,9 @@ std::optional<Eigen::Vector3d> middle_of_the_hips(const Skeleton& skeleton);
 
 // [n] sum of each vertex's weights on the legs (below and including the hips).
 std::vector<float> leg_weights(const Actor& actor);
+
+// [n] the same, of hanging cloth as far as they are trusted (guessed_power).
+std::vector<float> trusted_leg_weights(const Actor& actor, const HangingClothOptions& options);
 
 // As stage I has it: the hanging bone is the bone the legs hang from itself, since gravity is none of its unknowns.
 // Throws ConfigError.

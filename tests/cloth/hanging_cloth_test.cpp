@@ -107,6 +107,28 @@ TEST(HangingCloth, WithoutTheHangingBoneTheHipsBoneTakesTheShare) {
   EXPECT_THROW(hanging_weights(actor, {.leg_share = 0.0f}), ConfigError);
 }
 
+// A weight of 0.5 on the legs that was guessed is worth 0.25.
+TEST(HangingCloth, FollowsTheLegsLessWhereWeightsAreGuessed) {
+  Actor actor = actor_with({{{{kRoot, 0.5f}, {kOtherHip, 0.3f}, {kHip, 0.2f}, {0, 0}}},
+                            {{{kRoot, 0.5f}, {kOtherHip, 0.5f}, {0, 0}, {0, 0}}}},
+                           {1, 2});
+  EXPECT_EQ(trusted_leg_weights(actor, {}), leg_weights(actor));
+  actor.guessed_weights = true;
+  EXPECT_EQ(trusted_leg_weights(actor, {}), (std::vector<float>{0.25f, 0.5f}));
+  const auto skirt = weights_of(hanging_weights(actor, {.leg_share = 1}), 0);
+  ASSERT_EQ(skirt.size(), 3u);
+  EXPECT_NEAR(skirt.at(kRoot), 0.75f, 1e-6f);
+  EXPECT_NEAR(skirt.at(kOtherHip), 0.15f, 1e-6f);
+  const auto taut = weights_of(HangingCloth(actor, {}).weights(), 0);
+  ASSERT_EQ(taut.size(), 4u);
+  EXPECT_NEAR(taut.at(kHanging), 0.25f, 1e-6f);
+  EXPECT_NEAR(taut.at(kHip), 0.1f, 1e-6f);
+  const SkinWeights as_it_is = HangingCloth(actor, {.guessed_power = 1}).weights();
+  EXPECT_EQ(as_it_is.weights, actor.skin.weights);
+  EXPECT_EQ(weights_of(HangingCloth(actor, {}).weights(), 1), weights_of(actor.skin, 1)) << "trousers";
+  EXPECT_THROW(hanging_weights(actor, {.guessed_power = 0.5f}), ConfigError);
+}
+
 TEST(HangingCloth, FiveInfluencesBecomeTheFourStrongest) {
   const Actor actor = with_folds(actor_with({{{{kHip, 0.4f}, {kNeck, 0.3f}, {kKnee, 0.2f}, {kOtherHip, 0.1f}}}}, {1}));
   const auto kept = weights_of(loose_weights(actor, 0.35f), 0);

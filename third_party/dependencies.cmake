@@ -11,7 +11,8 @@
 # TinyGLTF        libtinygltf-dev                        2.7      MIT            GLB parsing and writing
 # nlohmann json   nlohmann-json3-dev                     3.11     MIT            JSON files
 # FlatBuffers     libflatbuffers-dev, flatbuffers-compiler  2.0.8  Apache-2.0  verified reading of .tflite files
-# CLI11           libcli11-dev                           2.1      BSD-3-Clause   command line and TOML configuration
+# CLI11           libcli11-dev                           2.1      BSD-3-Clause   command line
+# toml++          libtomlplusplus-dev                    3.3      MIT            TOML files with options (--config)
 # GoogleTest      libgtest-dev, libgmock-dev             1.12     BSD-3-Clause   tests
 # Google Benchmark  libbenchmark-dev                     1.7      Apache-2.0     optional: tests/bench
 # Ceres           libceres-dev                           2.1      BSD-3-Clause   tests only: a trusted solver to compare with
@@ -30,6 +31,7 @@ find_program(FLATC_PROGRAM flatc REQUIRED)
 find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)
 find_library(TINYGLTF_LIBRARY tinygltf REQUIRED)
 find_path(CLI11_INCLUDE_DIR CLI/CLI.hpp REQUIRED)
+find_path(TOMLPLUSPLUS_INCLUDE_DIR toml++/toml.h REQUIRED)
 find_path(CLBLAST_INCLUDE_DIR clblast.h)
 find_library(CLBLAST_LIBRARY clblast)
 if(LIVECAP_BUILD_TESTS)

@@ -79,7 +79,7 @@ struct FrameReport {
 };
 
 struct CaptureReport {
-  bool complete = true;        // false: stopped early by the progress callback
+  bool complete = true;        // false: stopped early by the progress callback, but for a webcam
   bool input_complete = true;  // false: the video ended before the length it promises, or had damaged frames
   int64_t frames = 0;          // rows in frames.csv
   int64_t tracked = 0;

@@ -7,7 +7,6 @@
 #include <thread>
 
 #include "actor/keypoint_offsets.h"
-#include "base/text.h"
 #include "base/trace.h"
 #include "capture/components.h"
 #include "capture/fixed_lag.h"
@@ -16,12 +15,11 @@
 #include "capture/warm_up.h"
 #include "image/image_io.h"
 #include "ocl/context.h"
-#include "synth/synth.h"
+#include "synth/named_actor.h"
 
 namespace livecap {
 namespace {
 
-constexpr std::string_view kBuiltin = "builtin:";
 // Frames between the beginning of the network and the end of the solvers: one in the network, in either half of the
 // segmentation, in the pose solver and in the surface solver, one handed over to each but the first, and those that
 // wait for later poses, as many as there are passes.
@@ -94,12 +92,9 @@ class Solver {
 }  // namespace
 
 CapturedActor load_captured_actor(const MethodOptions& options) {
-  const bool builtin = options.actor.rfind(kBuiltin, 0) == 0;
   CapturedActor who;
-  who.glb = builtin ? make_builtin_actor_glb(options.actor.substr(kBuiltin.size()),
-                                             options.height_mm > 0 ? options.height_mm : kBuiltinHeightMm)
-                    : read_file(options.actor);
-  who.actor = load_actor_bytes(who.glb, options.actor, builtin ? 0 : options.height_mm);
+  who.glb = named_actor_glb(options.actor, options.height_mm);
+  who.actor = load_actor_bytes(who.glb, options.actor, is_builtin_actor(options.actor) ? 0 : options.height_mm);
   use_mediapipe_anchors(who.actor);
   return who;
 }

@@ -7,6 +7,7 @@
 
 #include "image/video.h"
 #include "ocl/buffer.h"
+#include "synth/named_actor.h"
 
 namespace livecap {
 namespace {
@@ -60,14 +61,13 @@ std::string report_json(const CaptureOptions& options, const CaptureReport& repo
   json["device_allocations_while_running"] = report.device_allocations;
   json["warnings"] = report.warnings;
 
-  const bool builtin = options.actor.rfind("builtin:", 0) == 0;
   Json& o = json["options"];
   o["video"] = is_webcam(options.video) ? Json(options.video) : path_json(options.video);
   o["camera"] = path_json(options.camera);
   o["fov_deg"] = options.fov_deg;
   o["background"] = path_json(options.background);
   o["background_frames"] = options.background_frames;
-  o["actor"] = builtin ? Json(options.actor) : path_json(options.actor);
+  o["actor"] = is_builtin_actor(options.actor) ? Json(options.actor) : path_json(options.actor);
   o["height_mm"] = options.height_mm;
   o["model"] = options.model;
   o["detections"] = path_json(options.detections);

@@ -9,7 +9,7 @@
 #include "eval/metrics.h"
 #include "image/image_io.h"
 #include "livecap/error.h"
-#include "synth/synth.h"
+#include "synth/named_actor.h"
 
 namespace livecap {
 namespace {
@@ -18,11 +18,6 @@ namespace fs = std::filesystem;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kAssumedFps = 30;
-const std::string kBuiltin = "builtin:";
-
-bool is_builtin(const std::string& actor) {
-  return actor.rfind(kBuiltin, 0) == 0;
-}
 
 // Field `name` of a JSON object; `fallback` when it is missing, null or of another type.
 template <typename T>
@@ -134,9 +129,8 @@ void require_points(const Pc2Reader& vertices, const fs::path& file, const std::
 }  // namespace
 
 Actor load_actor_named(const std::string& name, double height_mm) {
-  if (!is_builtin(name)) return load_actor(name, height_mm);
-  return load_actor_bytes(
-      make_builtin_actor_glb(name.substr(kBuiltin.size()), height_mm > 0 ? height_mm : kBuiltinHeightMm), name);
+  if (!is_builtin_actor(name)) return load_actor(name, height_mm);
+  return load_actor_bytes(named_actor_glb(name, height_mm), name);
 }
 
 CaptureFolder open_capture(const fs::path& folder, const std::string& actor, const std::string& camera,
@@ -153,9 +147,10 @@ CaptureFolder open_capture(const fs::path& folder, const std::string& actor, con
   std::string actor_name = actor.empty() ? field<std::string>(options, "actor", "") : actor;
   if (actor_name.empty()) throw IoError(not_named(report_path, "actor"));
   const fs::path own_actor = folder / "actor.glb";
-  if (actor.empty() && !is_builtin(actor_name) && fs::exists(own_actor, ignored))  // the file named may have changed
+  if (actor.empty() && !is_builtin_actor(actor_name) &&
+      fs::exists(own_actor, ignored))  // the file named may have changed
     actor_name = own_actor.string();
-  if (actor.empty() && !is_builtin(actor_name)) require_no_pipe(actor_name);
+  if (actor.empty() && !is_builtin_actor(actor_name)) require_no_pipe(actor_name);
   CaptureFolder capture;
   capture.path = folder;
   capture.actor = load_actor_named(actor_name, field<double>(options, "height_mm", 0));

@@ -1,5 +1,6 @@
 #include "synth/named_actor.h"
 
+#include "base/text.h"
 #include "livecap/error.h"
 #include "synth/synth.h"
 
@@ -19,6 +20,11 @@ std::string builtin_actor_name(const std::string& actor) {
   std::string names;
   for (const std::string& name : builtin_actor_names()) names += (names.empty() ? "" : " or ") + kPrefix + name;
   throw ConfigError("--actor " + actor + ": expected " + names);
+}
+
+std::string named_actor_glb(const std::string& actor, double height_mm) {
+  if (!is_builtin_actor(actor)) return read_file(actor);
+  return make_builtin_actor_glb(builtin_actor_name(actor), height_mm > 0 ? height_mm : kBuiltinHeightMm);
 }
 
 }  // namespace livecap

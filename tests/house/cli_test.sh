@@ -94,7 +94,7 @@ expect 2 'unexpected argument b' actor inspect a b
 echo 'nonsense = 1' >bad.toml
 expect 2 'bad.toml:1: no option nonsense' devices --config bad.toml
 printf 'frames = 3\nvideo = [[[\n' >bad.toml
-expect 2 'bad.toml:2: [[[' capture --config bad.toml
+expect 2 'bad.toml:2: array' capture --config bad.toml
 printf '# all\n[capture]\nframes = 0\n' >bad.toml
 expect 2 'bad.toml:3: --frames: must be at least 1' capture --config bad.toml
 printf '[actor.buidl]\nmesh = "none.obj"\n' >bad.toml
@@ -242,17 +242,18 @@ expect_kept() {  # PATTERN ARGS...: capture into kept fails and leaves every byt
   local pattern=$1 before after
   shift
   before=$(cd kept && sha256sum -- * | sort)
-  expect 2 "$pattern" capture --background seq/background.png "$@" --out kept
+  expect 2 "$pattern" capture "$@" --out kept
   after=$(cd kept && sha256sum -- * | sort)
   [[ $before == "$after" ]] || { echo "FAILED: $pattern: kept/ is not what it was"; failures=$((failures + 1)); }
 }
-sequence=(--video seq/video.mp4 --camera seq/camera.json --actor seq/actor.glb)
+plate=(--background seq/background.png)
+sequence=(--video seq/video.mp4 --camera seq/camera.json --actor seq/actor.glb "${plate[@]}")
 expect_kept '--detections kept/detections.jsonl overwritten --out' "${sequence[@]}" --detections kept/detections.jsonl
-expect_kept '--camera kept/camera.json overwritten' --video seq/video.mp4 --camera kept/camera.json --actor seq/actor.glb
-expect_kept '--actor kept/capture.glb overwritten' --video seq/video.mp4 --camera seq/camera.json --actor kept/capture.glb
+expect_kept '--camera kept/camera.json overwritten' --video seq/video.mp4 --camera kept/camera.json --actor seq/actor.glb "${plate[@]}"
+expect_kept '--actor kept/capture.glb overwritten' --video seq/video.mp4 --camera seq/camera.json --actor kept/capture.glb "${plate[@]}"
 expect_kept 'big' "${sequence[@]}" --model big
 expect_kept 'none.jsonl' "${sequence[@]}" --detections none.jsonl
-expect_kept 'garbage.png' "${sequence[@]}" --background garbage.png
+expect_kept 'garbage.png' --video seq/video.mp4 --camera seq/camera.json --actor seq/actor.glb --background garbage.png
 rm -rf kept
 # Another draw has other detections, and its report says so.
 cases=$((cases + 1))

@@ -5,6 +5,7 @@
 
 #include "bvh_unit.h"
 #include "command.h"
+#include "image/video.h"
 #include "livecap/capture.h"
 #include "livecap/error.h"
 #include "method_options.h"
@@ -52,7 +53,8 @@ int run(const Options& options) {
   progress.finish();
   print_summary(report);
   for (const std::string& warning : report.warnings) std::printf("warning     %s\n", warning.c_str());
-  if (interrupted()) throw Error("interrupted after " + std::to_string(done) + " frames");
+  // A camera has no other end.
+  if (interrupted() && !is_webcam(capture.video)) throw Error("interrupted after " + std::to_string(done) + " frames");
   return kExitOk;
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "livecap/error.h"
-#include "toml_lines.h"
+#include "toml_entries.h"
 
 namespace livecap::tools {
 namespace {

@@ -10,6 +10,7 @@
 #include "config_file.h"
 #include "livecap/error.h"
 #include "ocl/device.h"
+#include "progress.h"
 #include "usage_error.h"
 
 namespace livecap::tools {
@@ -80,6 +81,9 @@ int main(int argc, char** argv) {
   } catch (const IoError& error) {
     tools::print_error(error.what());
     return tools::kExitBadInput;
+  } catch (const OclError& error) {
+    // Ctrl-C also reaches the compiler that a driver has started.
+    tools::print_error(tools::interrupted() ? "interrupted" : error.what());
   } catch (const std::bad_alloc&) {
     tools::print_error("out of memory");
   } catch (const std::exception& error) {

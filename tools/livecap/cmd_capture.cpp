@@ -5,7 +5,6 @@
 
 #include "bvh_unit.h"
 #include "command.h"
-#include "image/video.h"
 #include "livecap/capture.h"
 #include "livecap/error.h"
 #include "method_options.h"
@@ -53,8 +52,7 @@ int run(const Options& options) {
   progress.finish();
   print_summary(report);
   for (const std::string& warning : report.warnings) std::printf("warning     %s\n", warning.c_str());
-  // A camera has no other end.
-  if (interrupted() && !is_webcam(capture.video)) throw Error("interrupted after " + std::to_string(done) + " frames");
+  if (interrupted() && !report.complete) throw Error("interrupted after " + std::to_string(done) + " frames");
   return kExitOk;
 }
 

@@ -8,6 +8,7 @@
 #include "base/log.h"
 #include "base/text.h"
 #include "eval/mask_raster.h"
+#include "eval/true_mesh.h"
 #include "eval/truth_folder.h"
 #include "image/undistort.h"
 #include "image/video.h"
@@ -127,7 +128,8 @@ std::map<int64_t, ImageRgb> read_frames(const std::string& given, const std::str
 ContactSheet contact_sheet(const EvalOptions& options, const std::string& video, const std::vector<int64_t>& frames,
                            int height_px) {
   CaptureFolder capture = open_capture(options.capture, options.actor, options.camera, options.truth / "masks");
-  TruthFolder truth = open_truth(options.truth, capture.vertices ? capture.actor.n_vertices() : 0);
+  const TrueMesh true_mesh(options.truth, options.truth_actor, capture.actor);
+  TruthFolder truth = open_truth(options.truth, capture.vertices ? true_mesh.n_vertices() : 0);
   const Undistorter undistorter(capture.camera);
   const Camera camera = undistorter.undistorted_camera();
   const std::set<int64_t> wanted(frames.begin(), frames.end());
@@ -158,8 +160,9 @@ ContactSheet contact_sheet(const EvalOptions& options, const std::string& video,
     if (sheet.has_error) {
       const bool known = !vertices.empty() && !expected.vertices_mm.empty();
       panels.push_back(
-          cut(known ? error_picture(vertices, expected.vertices_mm, capture.actor, camera, input) : plain(camera), box,
-              height_px));
+          cut(known ? error_picture(vertices, true_mesh.of_captured(expected.vertices_mm), capture.actor, camera, input)
+                    : plain(camera),
+              box, height_px));
     }
     sheet.pictures[index] = side_by_side(panels, kGapPx);
   }

@@ -13,6 +13,7 @@
 #include "eval/mask_raster.h"
 #include "eval/other_mesh.h"
 #include "eval/pose_metrics.h"
+#include "eval/true_mesh.h"
 #include "eval/truth_folder.h"
 #include "livecap/error.h"
 
@@ -47,25 +48,6 @@ void judge_limits(const CaptureFolder& capture, EvalReport& report) {
     n_at_limit += here;
   }
   if (n_all > 0) report.at_limit = static_cast<double>(n_at_limit) / static_cast<double>(n_all);
-}
-
-// The actor whose mesh the true vertices are of; nothing when none is given or lies beside the truth. Throws IoError
-// when the given one has another number of vertices than they.
-std::optional<Actor> true_actor(const EvalOptions& options) {
-  std::error_code ignored;
-  const std::filesystem::path points = options.truth / "vertices.pc2";
-  if (!std::filesystem::exists(points, ignored)) return {};
-  const std::filesystem::path beside = std::filesystem::weakly_canonical(options.truth / "..") / "actor.glb";
-  if (options.truth_actor.empty() && !std::filesystem::exists(beside, ignored)) return {};
-  const std::string name = options.truth_actor.empty() ? beside.string() : options.truth_actor;
-  Actor actor = load_actor_named(name, 0);
-  if (const int n = Pc2Reader(points).n_points(); actor.n_vertices() != n) {
-    if (options.truth_actor.empty()) return {};
-    throw IoError(name + format(": has %d vertices, %s has %d; the actor the truth was made with is needed "
-                                "(--truth-actor)",
-                                actor.n_vertices(), points.string().c_str(), n));
-  }
-  return actor;
 }
 
 // Says which joints are not judged, though the truth has them or seems to.
@@ -104,12 +86,12 @@ double view_iou(const std::vector<float>& vertices_mm, const CaptureFolder& capt
 
 EvalReport evaluate(const EvalOptions& options) {
   CaptureFolder capture = open_capture(options.capture, options.actor, options.camera, options.truth / "masks");
-  const std::optional<Actor> truth_actor = true_actor(options);
-  const bool other_mesh = truth_actor && !same_mesh(capture.actor, *truth_actor);
-  TruthFolder truth = open_truth(options.truth, capture.vertices && !other_mesh ? capture.actor.n_vertices() : 0);
-  const RestOverlay overlay = other_mesh ? overlay_rest(capture.actor, *truth_actor) : RestOverlay{};
-  const auto true_on_actor =
-      other_mesh ? true_vertices_on(capture.actor, *truth_actor, overlay) : std::vector<meshing::SurfacePoint>();
+  const TrueMesh true_mesh(options.truth, options.truth_actor, capture.actor);
+  const std::optional<Actor>& truth_actor = true_mesh.actor();
+  const bool other_mesh = true_mesh.is_other();
+  TruthFolder truth = open_truth(options.truth, capture.vertices ? true_mesh.n_vertices() : 0);
+  const auto true_on_actor = other_mesh ? true_vertices_on(capture.actor, *truth_actor, true_mesh.overlay())
+                                        : std::vector<meshing::SurfacePoint>();
   const std::vector<JointPair> pairs = match_joints(capture.joints.names, truth.joints.names);
   warn_of_gaps(capture);
   if (!truth.joints.empty())
@@ -125,7 +107,7 @@ EvalReport evaluate(const EvalOptions& options) {
   report.n_frames = static_cast<int64_t>(capture.rows.size());
   JointJudge joints(pairs, capture.fps), body_points(pairs, capture.fps);
   std::optional<CarriedJoints> true_joints;
-  if (other_mesh) true_joints.emplace(capture.actor, *truth_actor, overlay, pairs);
+  if (other_mesh) true_joints.emplace(capture.actor, *truth_actor, true_mesh.overlay(), pairs);
   NetworkJudge network(capture, truth.joints.names);
   VertexErrors vertex_errors;
   JitterMeter vertex_jitter(capture.fps), vertex_jitter_centred(capture.fps, true);
@@ -162,8 +144,7 @@ EvalReport evaluate(const EvalOptions& options) {
     }
     const std::vector<float> vertices = captured_vertices(capture, row);
     const std::vector<float> true_surface = expected.vertices_mm;
-    if (other_mesh && !expected.vertices_mm.empty())
-      expected.vertices_mm = resample(overlay.nearest, truth_actor->mesh.triangles, true_surface);
+    expected.vertices_mm = true_mesh.of_captured(true_surface);
     if (other_mesh && !vertices.empty() && !true_surface.empty()) {
       const auto distances =
           translation_aligned_distances(resample(true_on_actor, capture.actor.mesh.triangles, vertices), true_surface);

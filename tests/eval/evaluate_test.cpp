@@ -10,6 +10,7 @@
 
 #include "actor/actor.h"
 #include "base/text.h"
+#include "eval/contact_sheet.h"
 #include "eval/html_report.h"
 #include "eval/mask_raster.h"
 #include "export/pc2.h"
@@ -235,6 +236,19 @@ TEST_F(Evaluate, AnotherMeshIsComparedBySurface) {
   EXPECT_EQ(report.true_vertex_aligned_mm.n, 3 * actor_.n_vertices());
   EXPECT_LT(report.true_vertex_aligned_mm.mean, test::kOtherMeshMm);
   EXPECT_NE(eval_report_text(report).find("another mesh"), std::string::npos);
+  // Moved as a whole it has no warm colour in the heat map, the last of three panels (there is no video); any other
+  // order of the vertices would give it some.
+  const ContactSheet sheet = contact_sheet(options, "", {1}, 160);
+  ASSERT_TRUE(sheet.has_error);
+  const ImageRgb& picture = sheet.pictures.at(1);
+  int n_warm = 0;
+  for (int y = 0; y < picture.height; ++y) {
+    for (int x = picture.width * 2 / 3 + 4; x < picture.width; ++x) {
+      const uint8_t* rgb = &picture.pixels[size_t(3) * (size_t(y) * picture.width + x)];
+      n_warm += rgb[0] > rgb[1] + 60;
+    }
+  }
+  EXPECT_EQ(n_warm, 0);
   EvalOptions wrong = options;
   wrong.truth_actor = "builtin:skirt";
   EXPECT_THROW(evaluate(wrong), IoError);

@@ -101,6 +101,10 @@ printf '[actor.buidl]\nmesh = "none.obj"\n' >bad.toml
 expect 2 'bad.toml:2: subcommand' actor build --config bad.toml
 printf '[actor.fit]\nno_option = 1\n[actor.build]\nmesh = "no#ne.obj" # a scan\nno-refine = true\nparser-mean = [\n  0.1, 0.2,\n 0.3]\n' >good.toml
 expect 2 'no#ne.obj' actor build --config good.toml --out a.glb
+printf 'mesh = "top.obj"\nout = "top.glb"\n[actor.build]\nmesh = "own.obj"\nout = "own.glb"\n' >good.toml
+expect 2 'own.obj' actor build --config good.toml
+printf '[actor]\nmesh = "none.obj"\n' >bad.toml
+expect 2 'bad.toml:2: mesh [actor.build]' actor build --config bad.toml --out a.glb
 printf '"mesh" = "none.obj"\nout = "a.glb"\n' >good.toml
 expect 2 'none.obj' actor build --config good.toml
 expect 2 'other.obj' actor build --config good.toml --mesh other.obj

@@ -1,5 +1,6 @@
 #include "config_file.h"
 
+#include <algorithm>
 #include <iterator>
 #include <map>
 #include <memory>
@@ -27,14 +28,20 @@ class SubcommandConfig : public CLI::ConfigTOML {
       chosen.push_back(command->get_name());
     }
     std::vector<CLI::ConfigItem> kept;
-    for (TomlEntry& entry : read_toml(text, file)) {
+    std::vector<TomlEntry> entries = read_toml(text, file);
+    // A subcommand's own section counts before the top of the file: CLI11 keeps the first.
+    std::ranges::stable_partition(entries, [](const TomlEntry& entry) { return !entry.section.empty(); });
+    for (TomlEntry& entry : entries) {
       const std::string place = file + ":" + std::to_string(entry.line) + ": ";
       if (!entry.section.empty() && !exists(entry.section)) throw ConfigError(place + "there is no such subcommand");
+      if (is_above(entry.section, chosen))
+        throw ConfigError(place + entry.name + ": options of `" + CLI::detail::join(chosen, " ") + "` stand in [" +
+                          CLI::detail::join(chosen, ".") + "] or at the top");
       if (!entry.section.empty() && entry.section != chosen) continue;
       const bool of_program = entry.section.empty() && option(app_, entry.name);
       const CLI::Option* found = option(of_program ? app_ : *command, entry.name);
       if (!found) throw ConfigError(place + "no option " + entry.name);
-      if (found->count() == 0) places_[found] = place;
+      if (found->count() == 0) places_.emplace(found, place);
       kept.emplace_back();
       if (!of_program) kept.back().parents = chosen;
       kept.back().name = std::move(entry.name);
@@ -49,6 +56,12 @@ class SubcommandConfig : public CLI::ConfigTOML {
   }
 
  private:
+  // {"actor"} above {"actor", "build"}.
+  static bool is_above(const std::vector<std::string>& section, const std::vector<std::string>& chosen) {
+    return !section.empty() && section.size() < chosen.size() &&
+           std::equal(section.begin(), section.end(), chosen.begin());
+  }
+
   static const CLI::Option* option(const CLI::App& app, const std::string& name) {
     const CLI::Option* option = app.get_option_no_throw("--" + name);
     if (!option) option = app.get_option_no_throw(name);  // an argument without a name on the command line

@@ -98,7 +98,7 @@ struct CaptureReport {
 // stays valid). n_frames: expected number of frames, 0 when unknown.
 using CaptureProgress = std::function<bool(const FrameReport&, int64_t n_frames)>;
 
-// Nothing in `out` is touched before all inputs have been opened. While it runs OpenCV uses one thread in this process
+// No file in `out` is touched before all inputs have been opened. While it runs OpenCV uses one thread in this process
 // (cv::setNumThreads). Throws ConfigError, IoError (bad options, inputs or output folder), OclError (no device, a
 // failed call), Error when the system allows no further thread, and whatever `progress` throws.
 CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& progress = {});

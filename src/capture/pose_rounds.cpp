@@ -109,7 +109,7 @@ std::vector<PoseRounds::Round> PoseRounds::plan_rounds(const PoseStageInput& inp
   if (!matches(input)) return {Round{.shades = has_skin}};
   const std::vector<int>& levels = options_.rounds.match_levels;
   const int n_levels = int(levels.size());
-  const int n_last = rounds == Rounds::kRefining    ? options_.rounds.refining_rounds
+  const int n_last = rounds == Rounds::kRefining    ? std::max(1, options_.rounds.refining_rounds)
                      : rounds == Rounds::kFinishing ? 1
                                                     : n_levels;
   std::vector<Round> plan;

@@ -11,6 +11,7 @@
 #include "capture/pipeline.h"
 #include "detect/find_model.h"
 #include "image/image_io.h"
+#include "image/video.h"
 #include "livecap/capture.h"
 
 namespace livecap {
@@ -57,7 +58,7 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
     run_pipelined(stages, options.realtime, options.realtime ? engine.most_under_way() : 0);
   }
   while (std::optional<WorkItem> last = results.flush()) {
-    if (!stopped_early) publish(*last);
+    if (!stopped_early || is_webcam(options.video)) publish(*last);  // a camera has no other end
   }
   return output.finish(devices, model_sha256,
                        {stopped_early, reader.input_complete(), engine.buffers_made(), reader.warnings()});

@@ -1,5 +1,6 @@
 #include "image/image_io.h"
 
+#include <mutex>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -88,12 +89,32 @@ std::string encode_jpeg(const ImageRgb& image, int quality) {
   return encode(to_bgr(image, "encode_jpeg"), ".jpg", {cv::IMWRITE_JPEG_QUALITY, quality});
 }
 
-ImageThreads::ImageThreads(int n) : before_(cv::getNumThreads()) {
+namespace {
+
+struct ThreadNumber {
+  std::mutex mutex;
+  int users = 0;
+  int before = 0;
+};
+
+ThreadNumber& thread_number() {
+  static ThreadNumber number;
+  return number;
+}
+
+}  // namespace
+
+ImageThreads::ImageThreads(int n) {
+  ThreadNumber& number = thread_number();
+  std::lock_guard lock(number.mutex);
+  if (number.users++ == 0) number.before = cv::getNumThreads();
   cv::setNumThreads(n);
 }
 
 ImageThreads::~ImageThreads() {
-  cv::setNumThreads(before_);
+  ThreadNumber& number = thread_number();
+  std::lock_guard lock(number.mutex);
+  if (--number.users == 0) cv::setNumThreads(number.before);
 }
 
 }  // namespace livecap

@@ -24,18 +24,15 @@ void write_png(const ImageRgb& image, const ImageGray& alpha, const std::filesys
 std::string encode_png(const ImageRgb& image);
 std::string encode_jpeg(const ImageRgb& image, int quality = 88);
 
-// While it lives, image operations of this process use n threads each (OpenCV's number, which is there again
-// afterwards). A pipeline wants 1: its stages already have a thread each, and more would disturb the device that shares
-// the cores.
+// While it lives, image operations of this process use n threads each (OpenCV's number, which is there again once the
+// last of them has gone). A pipeline wants 1: its stages already have a thread each, and more would disturb the device
+// that shares the cores.
 class ImageThreads {
  public:
   explicit ImageThreads(int n);
   ~ImageThreads();
   ImageThreads(const ImageThreads&) = delete;
   ImageThreads& operator=(const ImageThreads&) = delete;
-
- private:
-  int before_;
 };
 
 }  // namespace livecap

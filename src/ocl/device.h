@@ -40,9 +40,9 @@ void prepare_platforms();
 // All devices of all platforms in platform order. Empty when there is none.
 std::vector<DeviceInfo> list_devices();
 
-// selector: "" (first GPU, else first CPU), "cpu", "gpu", "cpu:1", "gpu:1", or a case-insensitive substring of the
-// platform name with an optional index ("pocl", "nvidia:0"). Throws ConfigError listing what would be valid, OclError
-// when there is no device at all.
+// selector: "" (first GPU, else the first of another type), "cpu", "gpu", "cpu:1", "gpu:1", or a case-insensitive
+// substring of the platform name with an optional index ("pocl", "nvidia:0"). Throws ConfigError listing what would be
+// valid, OclError when there is no device at all.
 DeviceInfo select_device(const std::string& selector);
 
 // Selectors of one of `devices`, which are all there are: by its type, where it has one, and by its platform, both with

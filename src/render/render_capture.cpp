@@ -91,7 +91,7 @@ fs::path folder_of(const fs::path& file) {
 }
 
 // A finished picture must not take the place of what it was made from, nor of a picture beside it.
-void require_apart(const RenderOptions& options, const CaptureFolder& capture) {
+void require_pictures_apart(const RenderOptions& options, const CaptureFolder& capture) {
   std::error_code ignored;
   const bool has_picture = options.background != "video" && options.background != "none";
   for (const std::string& input :
@@ -155,7 +155,7 @@ size_t pictures_at_once(int64_t drawn_pixels, unsigned processors) {
 RenderReport render_capture(const RenderOptions& options, const RenderProgress& progress) {
   options.validate();
   Clip clip = open_clip(options);
-  require_apart(options, clip.capture);
+  require_pictures_apart(options, clip.capture);
   const Scene scene(clip, options);
   std::optional<VideoFrames> video;
   if (options.needs_video()) video.emplace(options, clip.capture);

@@ -125,6 +125,7 @@ TEST(Context, UnknownSelectorListsWhatWouldBeValid) {
 
 TEST(Context, EverySelectorThatIsToldSelectsItsDevice) {
   const std::vector<ocl::DeviceInfo> devices = ocl::list_devices();
+  ASSERT_FALSE(devices.empty());
   for (const ocl::DeviceInfo& device : devices) {
     const std::vector<std::string> selectors = ocl::device_selectors(devices, device);
     EXPECT_EQ(selectors.size(), device.is_cpu || device.is_gpu ? 2u : 1u);

@@ -108,7 +108,7 @@ TEST_F(Calls, OptionsThatCannotBeAreRefused) {
     o.background = &small;
     o.n_background = 1;
   });
-  expect_refused(LIVECAP_OCL_ERROR, "no_such_device", [](Options& o) { o.solver_device = "no_such_device"; });
+  expect_refused(LIVECAP_CONFIG_ERROR, "no_such_device", [](Options& o) { o.solver_device = "no_such_device"; });
 }
 
 TEST_F(Calls, TheLastErrorIsTheThreadsOwn) {

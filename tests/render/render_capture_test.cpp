@@ -60,12 +60,12 @@ class RenderCapture : public testing::Test {
     for (int k = 0; k < kFrames; ++k) {
       pc2.append(vertices_m(k));
       frames += format("%d,%g,%s,0\n", k + static_cast<int>(kFirst), 40.0 * k, k == 0 ? "nobody" : "ok");
-      joints += format("%d,0,1", k);
+      joints += format("%d,0,1", k + static_cast<int>(kFirst));
       for (const Eigen::Isometry3d& bone : rest.camera_from_bone) {
         const Eigen::Vector3d p = placed_m(bone.translation(), k);
         joints += format(",%.9g,%.9g,%.9g", p.x(), p.y(), p.z());
       }
-      angles += format("%d,0,1", k);
+      angles += format("%d,0,1", k + static_cast<int>(kFirst));
       for (const Dof& dof : actor_.skeleton.dofs) angles += format(",%.12g", dof.rest_rad * 180 / M_PI);
       joints += "\n";
       angles += "\n";

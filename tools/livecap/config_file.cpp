@@ -30,7 +30,8 @@ class SubcommandConfig : public CLI::ConfigTOML {
     std::vector<CLI::ConfigItem> kept;
     std::vector<TomlEntry> entries = read_toml(text, file);
     // A subcommand's own section counts before the top of the file: CLI11 keeps the first.
-    std::ranges::stable_partition(entries, [](const TomlEntry& entry) { return !entry.section.empty(); });
+    std::stable_partition(entries.begin(), entries.end(),
+                          [](const TomlEntry& entry) { return !entry.section.empty(); });
     for (TomlEntry& entry : entries) {
       const std::string place = file + ":" + std::to_string(entry.line) + ": ";
       if (!entry.section.empty() && !exists(entry.section)) throw ConfigError(place + "there is no such subcommand");

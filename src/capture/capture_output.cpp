@@ -133,12 +133,11 @@ FrameReport CaptureOutput::publish(WorkItem& item) {
 CaptureReport CaptureOutput::finish(const ocl::DevicePair& devices, const std::string& model_sha256,
                                     const RunEnd& end) {
   CaptureReport report;
-  const bool broken_off = end.stopped_early && !is_webcam(options_.video);  // a camera has no other end
-  report.complete = !broken_off;
+  report.complete = !end.broken_off;
   report.input_complete = end.input_complete;
   report.device_allocations = end.device_allocations;
   report.warnings = end.warnings;
-  if (broken_off) report.warnings.push_back(options_.video + ": stopped before its end");
+  if (end.broken_off) report.warnings.push_back(options_.video + ": stopped before its end");
   report.frames = static_cast<int64_t>(reports_.size());
   std::array<std::vector<double>, kStageCount> stage_ms;
   std::vector<double> latency;

@@ -24,7 +24,7 @@ namespace livecap {
 
 // How the run ended.
 struct RunEnd {
-  bool stopped_early = false;  // by the caller
+  bool broken_off = false;     // by the caller, before the end of the video
   bool input_complete = true;  // see CaptureReport
   int64_t device_allocations = 0;
   std::vector<std::string> warnings;

@@ -57,11 +57,13 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   } else {
     run_pipelined(stages, options.realtime, options.realtime ? engine.most_under_way() : 0);
   }
+  // A camera has no other end.
+  const auto broken_off = [&] { return stopped_early && !is_webcam(options.video); };
   while (std::optional<WorkItem> last = results.flush()) {
-    if (!stopped_early || is_webcam(options.video)) publish(*last);  // a camera has no other end
+    if (!broken_off()) publish(*last);
   }
   return output.finish(devices, model_sha256,
-                       {stopped_early, reader.input_complete(), engine.buffers_made(), reader.warnings()});
+                       {broken_off(), reader.input_complete(), engine.buffers_made(), reader.warnings()});
 }
 
 }  // namespace

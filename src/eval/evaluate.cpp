@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "base/joined.h"
 #include "base/log.h"
 #include "base/text.h"
 #include "eval/body_points.h"
@@ -58,10 +59,8 @@ void warn_of_joints(const EvalOptions& options, size_t n_pairs, const std::vecto
                 format(": only %zu joints have a known name (LiveCap, Mixamo, UE)", n_pairs + not_captured.size()) +
                 none);
   } else if (!not_captured.empty()) {
-    std::string names;
-    for (const std::string& name : not_captured) names += (names.empty() ? "" : ", ") + name;
-    log_warning((options.capture / "joints.csv").string() + ": has no columns joint_<name>_x, _y, _z of " + names +
-                ", which are not judged" + none);
+    log_warning((options.capture / "joints.csv").string() + ": has no columns joint_<name>_x, _y, _z of " +
+                joined(not_captured) + ", which are not judged" + none);
   }
 }
 

@@ -79,7 +79,7 @@ BodyShape shape_of_scan(const meshing::Surface& scan, std::vector<std::string>& 
 }
 
 meshing::Surface thin_shape(BodyShape& shape, int target_vertices, std::vector<double>& facet_offsets_mm) {
-  const Volume& solid = shape.open.size() > 0 ? shape.open : shape.volume;
+  const Volume& solid = shape.wears_skirt() ? shape.open : shape.volume;
   if (!shape.as_is) shape.fine = surface_of(solid);
   const double density = std::sqrt(5000.0 / target_vertices);
   const meshing::DistanceField field = [&](const Vector3d& p) { return solid.at(p); };

@@ -20,6 +20,8 @@ struct BodyShape {
   Volume open;            // the same with an open skirt; of size 0: there is no skirt
   meshing::Surface fine;  // of a scan
   bool as_is = false;     // `fine` is closed and clean, and thinned without a grid
+
+  bool wears_skirt() const { return open.size() > 0; }
 };
 
 // The hull of the views' masks (in the rest frame, mm) around the keypoints, on a grid of grid_mm. rough_masks: a point

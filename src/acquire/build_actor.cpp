@@ -6,6 +6,7 @@
 
 #include "acquire/body_shape.h"
 #include "acquire/facet_offsets.h"
+#include "acquire/fit_outlines.h"
 #include "acquire/keypoints.h"
 #include "acquire/material_labels.h"
 #include "acquire/person_frame.h"
@@ -64,6 +65,10 @@ class Builder {
     stage("thinning", [&] { thin(); });
     if (options_.refine && options_.mesh.empty()) stage("refining", [&] { refine(); });
     if (!shape_.as_is) move_along_normals(facet_offsets_mm_, surface());
+    // Not of a network's masks, whose outlines are off by more; nor in a skirt, where captures would lose what they gain
+    // (docs/experiments_actor.md, "Shoes").
+    if (options_.mesh.empty() && n_network_masks_ == 0 && !shape_.wears_skirt())
+      stage("outlines", [&] { fit_outlines(device_, views_, surface()); });
     stage("joints", [&] { place(); });
     stage("skin weights", [&] { result_.actor.weights = heat_weights(surface(), result_.joints, shape_.volume); });
     stage("texture", [&] { texture(); });

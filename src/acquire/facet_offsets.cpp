@@ -8,17 +8,13 @@ namespace livecap::acquire {
 
 using Eigen::Vector3d;
 
-std::vector<double> facet_offsets(const meshing::Surface& surface, const Volume& volume) {
-  constexpr int kRounds = 3;  // more would follow the noise of the triangles
+std::vector<double> mean_offsets(const meshing::Surface& surface, int rounds, double most_mm,
+                                 const OutsideMm& outside) {
   constexpr int kParts = 4;   // of an edge: points of a triangle are the middles of the parts that stand as it does
   const std::vector<Vector3d> normals = meshing::vertex_normals(surface);
   const size_t n = surface.vertices.size();
-  double edges = 0;
-  for (const auto& t : surface.triangles) edges += (surface.vertices[t[0]] - surface.vertices[t[1]]).norm();
-  const double most = 0.25 * edges / static_cast<double>(std::max<size_t>(1, surface.triangles.size()));
-
   std::vector<double> offsets(n, 0), sum(n), weight(n);
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     std::fill(sum.begin(), sum.end(), 0);
     std::fill(weight.begin(), weight.end(), 0);
     for (const auto& t : surface.triangles) {
@@ -28,17 +24,30 @@ std::vector<double> facet_offsets(const meshing::Surface& surface, const Volume&
       for (int i = 0; i < kParts; ++i)
         for (int j = 0; i + j < kParts; ++j) {
           const double b1 = (i + 1.0 / 3) / kParts, b2 = (j + 1.0 / 3) / kParts, share[3] = {1 - b1 - b2, b1, b2};
-          const double outside = volume.at(share[0] * corners[0] + b1 * corners[1] + b2 * corners[2]);
+          const Vector3d normal = share[0] * normals[t[0]] + b1 * normals[t[1]] + b2 * normals[t[2]];
+          double mm = 0;
+          if (!outside(share[0] * corners[0] + b1 * corners[1] + b2 * corners[2], normal.normalized(), mm)) continue;
           for (int k = 0; k < 3; ++k) {
-            sum[t[k]] -= share[k] * area * outside;
+            sum[t[k]] -= share[k] * area * mm;
             weight[t[k]] += share[k] * area;
           }
         }
     }
     for (size_t i = 0; i < n; ++i)
-      if (weight[i] > 0) offsets[i] = std::clamp(offsets[i] + sum[i] / weight[i], -most, most);
+      if (weight[i] > 0) offsets[i] = std::clamp(offsets[i] + sum[i] / weight[i], -most_mm, most_mm);
   }
   return offsets;
+}
+
+std::vector<double> facet_offsets(const meshing::Surface& surface, const Volume& volume) {
+  constexpr int kRounds = 3;  // more would follow the noise of the triangles
+  double edges = 0;
+  for (const auto& t : surface.triangles) edges += (surface.vertices[t[0]] - surface.vertices[t[1]]).norm();
+  const double most = 0.25 * edges / static_cast<double>(std::max<size_t>(1, surface.triangles.size()));
+  return mean_offsets(surface, kRounds, most, [&](const Vector3d& p, const Vector3d&, double& mm) {
+    mm = volume.at(p);
+    return true;
+  });
 }
 
 void move_along_normals(const std::vector<double>& offsets_mm, meshing::Surface& surface) {

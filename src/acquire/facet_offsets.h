@@ -3,12 +3,21 @@
 // taken for a farther one.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "meshing/isosurface.h"
 #include "scan/volume.h"
 
 namespace livecap::acquire {
+
+// By how much a point of the surface, with its unit normal, lies outside of where it should, mm; false: unknown.
+using OutsideMm = std::function<bool(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double& outside_mm)>;
+
+// How far each vertex is to move along its normal, mm, for the triangles around it to be as much outside as inside, in
+// the mean of their points of which it is known; 0 where of none. rounds: of moving and asking again. [n_vertices], at
+// most most_mm.
+std::vector<double> mean_offsets(const meshing::Surface& surface, int rounds, double most_mm, const OutsideMm& outside);
 
 // How far each vertex is to move along its normal, mm, for the triangles around it to lie as much outside of the
 // volume's surface as inside. [n_vertices], at most a quarter of the mean edge.

@@ -1,5 +1,7 @@
 #include "capture/pose_shares.h"
 
+#include <algorithm>
+
 #include "cloth/hanging_cloth.h"
 
 namespace livecap {
@@ -57,6 +59,7 @@ TrackerOptions options_for(const Actor& actor, TrackerOptions options) {
   options.pose.weights.keypoint_2d *= options.guessed.keypoint_2d;
   options.pose.weights.silhouette *= options.guessed.silhouette;
   options.pose.weights.shading *= options.guessed.shading;
+  options.shares.foot_share = std::min(options.shares.foot_share, options.guessed.foot_share);
   return options;
 }
 

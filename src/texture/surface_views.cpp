@@ -37,31 +37,63 @@ ViewCoverage coverage_of(const Camera& camera, const std::vector<int32_t>& visib
   return seen;
 }
 
+namespace {
+
+using Rasters = std::map<std::pair<int, int>, std::unique_ptr<DepthRasterizer>>;  // by picture size
+
+DepthRasterizer& raster_of(ocl::DeviceContext& device, const Mesh& mesh, const Camera& camera, Rasters& rasters) {
+  auto& raster = rasters[{camera.width, camera.height}];
+  if (!raster) raster = std::make_unique<DepthRasterizer>(device, mesh, camera.width, camera.height);
+  return *raster;
+}
+
+// [3*n] as the camera has them.
+std::vector<float> positions_in(const View& view, const Mesh& mesh) {
+  const Eigen::Isometry3f camera_from_rest = view.camera_from_world.cast<float>();
+  std::vector<float> positions(mesh.positions.size());
+  for (int i = 0; i < mesh.n_vertices(); ++i)
+    Eigen::Map<Eigen::Vector3f>(positions.data() + 3 * i) =
+        camera_from_rest * Eigen::Map<const Eigen::Vector3f>(&mesh.positions[3 * i]);
+  return positions;
+}
+
+}  // namespace
+
+std::vector<ImageGray> draw_masks(ocl::DeviceContext& device, const Mesh& mesh, const std::vector<View>& views) {
+  Rasters rasters;
+  ocl::Buffer<float> positions(device, mesh.positions.size());
+  std::vector<ImageGray> masks;
+  for (const View& view : views) {
+    DepthRasterizer& raster = raster_of(device, mesh, view.camera, rasters);
+    positions.write(positions_in(view, mesh));
+    raster.render_depth(positions, view.camera);
+    masks.push_back(raster.read_mask());
+  }
+  return masks;
+}
+
 std::vector<ViewCoverage> cover_surface(ocl::DeviceContext& device, const Mesh& mesh, const std::vector<View>& views) {
   const int n = mesh.n_vertices();
   const std::vector<float> normals = vertex_normals(mesh.positions, mesh.triangles);
   SurfaceVisibility visibility(device, mesh);
-  std::map<std::pair<int, int>, std::unique_ptr<DepthRasterizer>> rasters;  // by picture size
+  Rasters rasters;
   ocl::Buffer<float> positions_buffer(device, mesh.positions.size()), normals_buffer(device, mesh.positions.size());
-  std::vector<float> positions(mesh.positions.size()), turned(mesh.positions.size());
+  std::vector<float> turned(mesh.positions.size());
   std::vector<ViewCoverage> coverage;
   for (const View& view : views) {
-    auto& raster = rasters[{view.camera.width, view.camera.height}];
-    if (!raster) raster = std::make_unique<DepthRasterizer>(device, mesh, view.camera.width, view.camera.height);
-    const Eigen::Isometry3f camera_from_rest = view.camera_from_world.cast<float>();
-    using Row = Eigen::Map<const Eigen::Vector3f>;
-    for (int i = 0; i < n; ++i) {
-      Eigen::Map<Eigen::Vector3f>(positions.data() + 3 * i) = camera_from_rest * Row(&mesh.positions[3 * i]);
-      Eigen::Map<Eigen::Vector3f>(turned.data() + 3 * i) = camera_from_rest.linear() * Row(&normals[3 * i]);
-    }
+    DepthRasterizer& raster = raster_of(device, mesh, view.camera, rasters);
+    const std::vector<float> positions = positions_in(view, mesh);
+    const Eigen::Matrix3f turn = view.camera_from_world.cast<float>().linear();
+    for (int i = 0; i < n; ++i)
+      Eigen::Map<Eigen::Vector3f>(turned.data() + 3 * i) = turn * Eigen::Map<const Eigen::Vector3f>(&normals[3 * i]);
     positions_buffer.write(positions);
     normals_buffer.write(turned);
-    raster->render(positions_buffer, view.camera);
-    visibility.find_visible(positions_buffer, normals_buffer, *raster);
+    raster.render(positions_buffer, view.camera);
+    visibility.find_visible(positions_buffer, normals_buffer, raster);
     coverage.push_back(coverage_of(view.camera, visibility.visible().read_all(), positions, turned));
     const ImageGray& mask = view.mask;
     if (mask.width == view.camera.width && mask.height == view.camera.height)
-      coverage.back().overlap = raster->intersection_over_union(ocl::Buffer<uint8_t>(device, mask.pixels));
+      coverage.back().overlap = raster.intersection_over_union(ocl::Buffer<uint8_t>(device, mask.pixels));
   }
   return coverage;
 }

@@ -30,6 +30,9 @@ ViewCoverage coverage_of(const Camera& camera, const std::vector<int32_t>& visib
 // views: in the mesh's frame, mm. One entry per view.
 std::vector<ViewCoverage> cover_surface(ocl::DeviceContext& device, const Mesh& mesh, const std::vector<View>& views);
 
+// 255 where the mesh covers a view's picture. One per view.
+std::vector<ImageGray> draw_masks(ocl::DeviceContext& device, const Mesh& mesh, const std::vector<View>& views);
+
 // Mean overlap of the views that have one, NaN when none has.
 double mean_overlap(const std::vector<ViewCoverage>& coverage);
 

@@ -65,8 +65,8 @@ class Builder {
     stage("thinning", [&] { thin(); });
     if (options_.refine && options_.mesh.empty()) stage("refining", [&] { refine(); });
     if (!shape_.as_is) move_along_normals(facet_offsets_mm_, surface());
-    // Not of a network's masks, whose outlines are off by more; nor in a skirt, where captures would lose what they gain
-    // (docs/experiments_actor.md, "Shoes").
+    // Not of a network's masks, whose outlines are off by more; nor in a skirt, where captures would lose what they
+    // gain (docs/experiments_actor.md, "Shoes").
     if (options_.mesh.empty() && n_network_masks_ == 0 && !shape_.wears_skirt())
       stage("outlines", [&] { fit_outlines(device_, views_, surface()); });
     stage("joints", [&] { place(); });

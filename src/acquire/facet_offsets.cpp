@@ -10,7 +10,7 @@ using Eigen::Vector3d;
 
 std::vector<double> mean_offsets(const meshing::Surface& surface, int rounds, double most_mm,
                                  const OutsideMm& outside) {
-  constexpr int kParts = 4;   // of an edge: points of a triangle are the middles of the parts that stand as it does
+  constexpr int kParts = 4;  // of an edge: points of a triangle are the middles of the parts that stand as it does
   const std::vector<Vector3d> normals = meshing::vertex_normals(surface);
   const size_t n = surface.vertices.size();
   std::vector<double> offsets(n, 0), sum(n), weight(n);

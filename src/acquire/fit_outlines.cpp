@@ -49,9 +49,9 @@ struct OutlinePair {
   Vector3d center;
   Outline seen, drawn;
 
-  // By how much the drawn outline is beyond the seen one beside a point of the surface. What makes a point lie inside of
-  // an outline (triangles, a limb's roundness) is the same in both. False: the point is beside neither, or is not seen
-  // edge-on.
+  // By how much the drawn outline is beyond the seen one beside a point of the surface. What makes a point lie inside
+  // of an outline (triangles, a limb's roundness) is the same in both. False: the point is beside neither, or is not
+  // seen edge-on.
   bool beyond_mm(const Vector3d& p, const Vector3d& normal, double& mm) const {
     if (std::abs(normal.dot((center - p).normalized())) > kEdgeOn) return false;
     const double seen_mm = seen.outside_mm(p), drawn_mm = drawn.outside_mm(p);

@@ -1,6 +1,6 @@
 // The surface where the pictures' outlines have it. A carved hull is what lies inside of every silhouette, so wherever
-// outlines are uncertain (pixels, blur of the grid) the innermost of them wins: limbs come out a millimetre too thin and
-// shoes two per cent too short, and a capture takes a smaller shoe for a nearer one.
+// outlines are uncertain (pixels, blur of the grid) the innermost of them wins: limbs come out a millimetre too thin
+// and shoes two per cent too short, and a capture takes a smaller shoe for a nearer one.
 #pragma once
 
 #include "meshing/isosurface.h"

@@ -6,7 +6,6 @@
 
 #include "acquire/facet_offsets.h"
 #include "image/silhouette.h"
-#include "raster/depth.h"
 #include "texture/surface_views.h"
 
 namespace livecap::acquire {

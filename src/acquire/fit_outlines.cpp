@@ -1,6 +1,8 @@
 #include "acquire/fit_outlines.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <vector>
 
@@ -20,28 +22,43 @@ constexpr double kMostMm = 6;      // farther from an outline is another part's,
 constexpr double kBeyondMm = 12;   // so far out along the normal a point must be outside of the mask,
 constexpr double kLeastOutMm = 5;  // by so much, or what ends there is another part of the body
 
-// By how much points are outside of a mask, mm across the line of sight.
+// Around the box, px: at 0.5 mm a pixel all that is asked about.
+constexpr int kAround = 40;
+
+// By how much points are outside of a mask, mm across the line of sight. Keeps the distances of a box only.
 class Outline {
  public:
-  Outline(const View& view, const ImageGray& mask) : view_(view), silhouette_(make_silhouette(mask)) {}
+  Outline(const View& view, const Silhouette& silhouette, const PixelBox& box) : view_(view) {
+    if (silhouette.empty() || box.empty()) return;
+    x0_ = std::max(0, box.x0 - kAround);
+    y0_ = std::max(0, box.y0 - kAround);
+    width_ = std::min(silhouette.width, box.x1 + kAround) - x0_;
+    height_ = std::min(silhouette.height, box.y1 + kAround) - y0_;
+    for (int y = y0_; y < y0_ + height_; ++y) {
+      const auto row = silhouette.signed_distance.begin() + static_cast<ptrdiff_t>(y) * silhouette.width + x0_;
+      signed_distance_.insert(signed_distance_.end(), row, row + width_);
+    }
+  }
 
-  // NaN outside of the picture, or when the mask is empty.
+  // NaN outside of the box, or when the mask is empty.
   double outside_mm(const Vector3d& p) const {
     constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
     Eigen::Vector2d q;
-    if (silhouette_.empty() || !view_.project(p, q)) return kUnknown;
-    if (!(q.x() >= 0 && q.y() >= 0 && q.x() < silhouette_.width - 1 && q.y() < silhouette_.height - 1)) return kUnknown;
+    if (!view_.project(p, q)) return kUnknown;
+    q -= Eigen::Vector2d(x0_, y0_);
+    if (!(q.x() >= 0 && q.y() >= 0 && q.x() < width_ - 1 && q.y() < height_ - 1)) return kUnknown;
     const int x = static_cast<int>(q.x()), y = static_cast<int>(q.y());
     const double fx = q.x() - x, fy = q.y() - y;
-    const float* row = &silhouette_.signed_distance[static_cast<size_t>(y) * silhouette_.width + x];
-    const float* below = row + silhouette_.width;
+    const float* row = &signed_distance_[static_cast<size_t>(y) * width_ + x];
+    const float* below = row + width_;
     const double px = (1 - fy) * ((1 - fx) * row[0] + fx * row[1]) + fy * ((1 - fx) * below[0] + fx * below[1]);
     return px * (view_.camera_from_world * p).z() / view_.camera.fx;
   }
 
  private:
   const View& view_;
-  Silhouette silhouette_;
+  int x0_ = 0, y0_ = 0, width_ = 0, height_ = 0;
+  std::vector<float> signed_distance_;  // [width_*height_] px, see image/silhouette.h
 };
 
 struct OutlinePair {
@@ -66,9 +83,12 @@ std::vector<OutlinePair> draw_outlines(ocl::DeviceContext& device, const std::ve
                                        const meshing::Surface& surface) {
   std::vector<OutlinePair> pairs;
   const std::vector<ImageGray> drawn = draw_masks(device, mesh_of(surface), views);
-  for (size_t i = 0; i < views.size(); ++i)
-    if (!views[i].mask.empty())
-      pairs.push_back({views[i].center(), Outline(views[i], views[i].mask), Outline(views[i], drawn[i])});
+  for (size_t i = 0; i < views.size(); ++i) {
+    if (views[i].mask.empty()) continue;
+    const Silhouette seen = make_silhouette(views[i].mask);
+    pairs.push_back(
+        {views[i].center(), Outline(views[i], seen, seen.box), Outline(views[i], make_silhouette(drawn[i]), seen.box)});
+  }
   return pairs;
 }
 

@@ -1,6 +1,7 @@
 #include "acquire/facet_offsets.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "meshing/surface_parts.h"
 
@@ -25,8 +26,8 @@ std::vector<double> mean_offsets(const meshing::Surface& surface, int rounds, do
         for (int j = 0; i + j < kParts; ++j) {
           const double b1 = (i + 1.0 / 3) / kParts, b2 = (j + 1.0 / 3) / kParts, share[3] = {1 - b1 - b2, b1, b2};
           const Vector3d normal = share[0] * normals[t[0]] + b1 * normals[t[1]] + b2 * normals[t[2]];
-          double mm = 0;
-          if (!outside(share[0] * corners[0] + b1 * corners[1] + b2 * corners[2], normal.normalized(), mm)) continue;
+          const double mm = outside(share[0] * corners[0] + b1 * corners[1] + b2 * corners[2], normal.normalized());
+          if (std::isnan(mm)) continue;
           for (int k = 0; k < 3; ++k) {
             sum[t[k]] -= share[k] * area * mm;
             weight[t[k]] += share[k] * area;
@@ -44,10 +45,7 @@ std::vector<double> facet_offsets(const meshing::Surface& surface, const Volume&
   double edges = 0;
   for (const auto& t : surface.triangles) edges += (surface.vertices[t[0]] - surface.vertices[t[1]]).norm();
   const double most = 0.25 * edges / static_cast<double>(std::max<size_t>(1, surface.triangles.size()));
-  return mean_offsets(surface, kRounds, most, [&](const Vector3d& p, const Vector3d&, double& mm) {
-    mm = volume.at(p);
-    return true;
-  });
+  return mean_offsets(surface, kRounds, most, [&](const Vector3d& p, const Vector3d&) { return volume.at(p); });
 }
 
 void move_along_normals(const std::vector<double>& offsets_mm, meshing::Surface& surface) {

@@ -11,8 +11,8 @@
 
 namespace livecap::acquire {
 
-// By how much a point of the surface, with its unit normal, lies outside of where it should, mm; false: unknown.
-using OutsideMm = std::function<bool(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double& outside_mm)>;
+// By how much a point of the surface, with its unit normal, lies outside of where it should, mm; NaN: unknown.
+using OutsideMm = std::function<double(const Eigen::Vector3d& point, const Eigen::Vector3d& normal)>;
 
 // How far each vertex is to move along its normal, mm, for the triangles around it to be as much outside as inside, in
 // the mean of their points of which it is known; 0 where of none. rounds: of moving and asking again. [n_vertices], at

@@ -1,6 +1,5 @@
 #include "acquire/fit_outlines.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -22,90 +21,83 @@ constexpr double kMostMm = 6;      // farther from an outline is another part's,
 constexpr double kBeyondMm = 12;   // so far out along the normal a point must be outside of the mask,
 constexpr double kLeastOutMm = 5;  // by so much, or what ends there is another part of the body
 
-// Around the box, px: at 0.5 mm a pixel all that is asked about.
-constexpr int kAround = 40;
+constexpr int kAroundPx = 40;  // of a person's box: at 0.5 mm a pixel all that is asked about
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 // By how much points are outside of a mask, mm across the line of sight. Keeps the distances of a box only.
 class Outline {
  public:
-  Outline(const View& view, const Silhouette& silhouette, const PixelBox& box) : view_(view) {
+  Outline(const View& view, const Silhouette& silhouette, const PixelBox& box) : view_(view), box_(box) {
     if (silhouette.empty() || box.empty()) return;
-    x0_ = std::max(0, box.x0 - kAround);
-    y0_ = std::max(0, box.y0 - kAround);
-    width_ = std::min(silhouette.width, box.x1 + kAround) - x0_;
-    height_ = std::min(silhouette.height, box.y1 + kAround) - y0_;
-    for (int y = y0_; y < y0_ + height_; ++y) {
-      const auto row = silhouette.signed_distance.begin() + static_cast<ptrdiff_t>(y) * silhouette.width + x0_;
-      signed_distance_.insert(signed_distance_.end(), row, row + width_);
+    distance_.width = box.width();
+    distance_.height = box.height();
+    for (int y = box.y0; y < box.y1; ++y) {
+      const auto row = silhouette.signed_distance.begin() + static_cast<ptrdiff_t>(y) * silhouette.width;
+      distance_.signed_distance.insert(distance_.signed_distance.end(), row + box.x0, row + box.x1);
     }
   }
 
   // NaN outside of the box, or when the mask is empty.
   double outside_mm(const Vector3d& p) const {
-    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
     Eigen::Vector2d q;
     if (!view_.project(p, q)) return kUnknown;
-    q -= Eigen::Vector2d(x0_, y0_);
-    if (!(q.x() >= 0 && q.y() >= 0 && q.x() < width_ - 1 && q.y() < height_ - 1)) return kUnknown;
-    const int x = static_cast<int>(q.x()), y = static_cast<int>(q.y());
-    const double fx = q.x() - x, fy = q.y() - y;
-    const float* row = &signed_distance_[static_cast<size_t>(y) * width_ + x];
-    const float* below = row + width_;
-    const double px = (1 - fy) * ((1 - fx) * row[0] + fx * row[1]) + fy * ((1 - fx) * below[0] + fx * below[1]);
-    return px * (view_.camera_from_world * p).z() / view_.camera.fx;
+    q -= Eigen::Vector2d(box_.x0, box_.y0);
+    if (!(q.x() >= 0 && q.y() >= 0 && q.x() < distance_.width - 1 && q.y() < distance_.height - 1)) return kUnknown;
+    return distance_at(distance_, q.x(), q.y()) * (view_.camera_from_world * p).z() / view_.camera.fx;
   }
 
  private:
   const View& view_;
-  int x0_ = 0, y0_ = 0, width_ = 0, height_ = 0;
-  std::vector<float> signed_distance_;  // [width_*height_] px, see image/silhouette.h
+  PixelBox box_;
+  Silhouette distance_;  // of the box
 };
 
-struct OutlinePair {
-  Vector3d center;
-  Outline seen, drawn;
-
-  // By how much the drawn outline is beyond the seen one beside a point of the surface. What makes a point lie inside
-  // of an outline (triangles, a limb's roundness) is the same in both. False: the point is beside neither, or is not
-  // seen edge-on.
-  bool beyond_mm(const Vector3d& p, const Vector3d& normal, double& mm) const {
-    if (std::abs(normal.dot((center - p).normalized())) > kEdgeOn) return false;
-    const double seen_mm = seen.outside_mm(p), drawn_mm = drawn.outside_mm(p);
-    if (!(std::abs(seen_mm) < kMostMm) || !(std::abs(drawn_mm) < kMostMm)) return false;
-    if (!(seen.outside_mm(p + kBeyondMm * normal) > kLeastOutMm)) return false;
-    mm = seen_mm - drawn_mm;
-    return true;
-  }
+struct SeenOutline {
+  size_t view;
+  Vector3d center;  // of the camera
+  PixelBox box;
+  Outline outline;
 };
 
 // Of the views that have a mask.
-std::vector<OutlinePair> draw_outlines(ocl::DeviceContext& device, const std::vector<View>& views,
-                                       const meshing::Surface& surface) {
-  std::vector<OutlinePair> pairs;
-  const std::vector<ImageGray> drawn = draw_masks(device, mesh_of(surface), views);
+std::vector<SeenOutline> seen_outlines(const std::vector<View>& views) {
+  std::vector<SeenOutline> seen;
   for (size_t i = 0; i < views.size(); ++i) {
     if (views[i].mask.empty()) continue;
-    const Silhouette seen = make_silhouette(views[i].mask);
-    pairs.push_back(
-        {views[i].center(), Outline(views[i], seen, seen.box), Outline(views[i], make_silhouette(drawn[i]), seen.box)});
+    const Silhouette silhouette = make_silhouette(views[i].mask);
+    const PixelBox box = grown(silhouette.box, kAroundPx, silhouette.width, silhouette.height);
+    seen.push_back({i, views[i].center(), box, Outline(views[i], silhouette, box)});
   }
-  return pairs;
+  return seen;
+}
+
+// By how much the drawn outline is beyond the seen one beside a point of the surface, mm. What makes a point lie inside
+// of an outline (triangles, a limb's roundness) is the same in both. NaN: the point is beside neither, or is not seen
+// edge-on.
+double beyond_mm(const SeenOutline& seen, const Outline& drawn, const Vector3d& p, const Vector3d& normal) {
+  if (std::abs(normal.dot((seen.center - p).normalized())) > kEdgeOn) return kUnknown;
+  const double seen_mm = seen.outline.outside_mm(p), drawn_mm = drawn.outside_mm(p);
+  if (!(std::abs(seen_mm) < kMostMm) || !(std::abs(drawn_mm) < kMostMm)) return kUnknown;
+  if (!(seen.outline.outside_mm(p + kBeyondMm * normal) > kLeastOutMm)) return kUnknown;
+  return seen_mm - drawn_mm;
 }
 
 }  // namespace
 
 void fit_outlines(ocl::DeviceContext& device, const std::vector<View>& views, meshing::Surface& surface) {
+  const std::vector<SeenOutline> seen = seen_outlines(views);
   for (int round = 0; round < kRounds; ++round) {
-    const std::vector<OutlinePair> outlines = draw_outlines(device, views, surface);
-    const auto beyond = [&](const Vector3d& p, const Vector3d& normal, double& mm) {
-      double sum = 0, one = 0;
+    const std::vector<ImageGray> masks = draw_masks(device, mesh_of(surface), views);
+    std::vector<Outline> drawn;
+    for (const SeenOutline& one : seen) drawn.emplace_back(views[one.view], make_silhouette(masks[one.view]), one.box);
+    const auto mean_beyond_mm = [&](const Vector3d& p, const Vector3d& normal) {
+      double sum = 0;
       int n = 0;
-      for (const OutlinePair& outline : outlines)
-        if (outline.beyond_mm(p, normal, one)) sum += one, ++n;
-      mm = sum / n;
-      return n > 0;
+      for (size_t i = 0; i < seen.size(); ++i)
+        if (const double mm = beyond_mm(seen[i], drawn[i], p, normal); !std::isnan(mm)) sum += mm, ++n;
+      return n > 0 ? sum / n : kUnknown;
     };
-    move_along_normals(mean_offsets(surface, 1, kMostMm, beyond), surface);
+    move_along_normals(mean_offsets(surface, 1, kMostMm, mean_beyond_mm), surface);
   }
 }
 

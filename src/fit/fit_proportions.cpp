@@ -24,16 +24,6 @@ constexpr double kLargestStep = 0.08;  // of a proportion's logarithm
 constexpr double kEnough = 5e-4;
 constexpr double kAngleStep = 1e-4, kMoveStep = 0.5, kScaleStep = 1e-4;  // of the differences: rad, mm, 1
 
-// Signed distance to the silhouette, bilinear; beyond the picture's border the way to it is added.
-double distance_at(const Silhouette& s, const Vector2d& p) {
-  const double x = std::clamp(p.x(), 0.0, s.width - 1.001), y = std::clamp(p.y(), 0.0, s.height - 1.001);
-  const int ix = static_cast<int>(x), iy = static_cast<int>(y);
-  const double fx = x - ix, fy = y - iy;
-  const float* d = &s.signed_distance[static_cast<size_t>(iy) * s.width + ix];
-  return (1 - fy) * ((1 - fx) * d[0] + fx * d[1]) + fy * ((1 - fx) * d[s.width] + fx * d[s.width + 1]) +
-         (p - Vector2d(x, y)).norm();
-}
-
 // One frame's residuals, whitened, as a function of proportions and pose.
 class FrameProblem {
  public:
@@ -73,7 +63,8 @@ class FrameProblem {
     const double share = std::sqrt(std::min(1.0, options_.outline_points / std::max<size_t>(outline_.size(), 1)));
     for (int vertex : outline_) {
       const Vector3d p = posed_point(quats, actor_.skin, vertex, reshaper_.vertex(shape, vertex));
-      r[row++] = share / silhouette_px_ * distance_at(frame_.silhouette, project_px(camera_, p));
+      const Vector2d pixel = project_px(camera_, p);
+      r[row++] = share / silhouette_px_ * distance_at(frame_.silhouette, pixel.x(), pixel.y());
     }
     for (int k = 0; k < n_angles; ++k) {
       const Dof& dof = shape.skeleton.dofs[k];

@@ -77,4 +77,13 @@ Silhouette make_silhouette(const ImageGray& mask) {
   return result;
 }
 
+double distance_at(const Silhouette& s, double x, double y) {
+  const double in_x = std::clamp(x, 0.0, s.width - 1.001), in_y = std::clamp(y, 0.0, s.height - 1.001);
+  const int ix = static_cast<int>(in_x), iy = static_cast<int>(in_y);
+  const double fx = in_x - ix, fy = in_y - iy, dx = x - in_x, dy = y - in_y;
+  const float* d = &s.signed_distance[static_cast<size_t>(iy) * s.width + ix];
+  return (1 - fy) * ((1 - fx) * d[0] + fx * d[1]) + fy * ((1 - fx) * d[s.width] + fx * d[s.width + 1]) +
+         std::sqrt(dx * dx + dy * dy);
+}
+
 }  // namespace livecap

@@ -27,4 +27,8 @@ int silhouette_margin_px(int box_width, int box_height);
 // mask: > 127 is foreground. Throws LogicError for a malformed mask.
 Silhouette make_silhouette(const ImageGray& mask);
 
+// Signed distance at a place, px (pixel centres at integers), bilinear; beyond the picture's border the way to it is
+// added. silhouette: not empty.
+double distance_at(const Silhouette& silhouette, double x, double y);
+
 }  // namespace livecap

@@ -123,6 +123,17 @@ TEST(Silhouette, FarFromThePersonDistancesAreAnUpperBoundThatRises) {
   }
 }
 
+// Columns 0 to 3 of 8 are foreground: distances go from -3.5 to 3.5, the same in all rows.
+TEST(Silhouette, DistanceBetweenPixelsAndBeyondThePicture) {
+  ImageGray mask{8, 4, std::vector<uint8_t>(32, 0)};
+  for (int p = 0; p < 32; ++p) mask.pixels[p] = p % 8 < 4 ? 255 : 0;
+  const Silhouette half = make_silhouette(mask);
+  EXPECT_DOUBLE_EQ(distance_at(half, 2, 1), half.signed_distance[8 + 2]);
+  EXPECT_DOUBLE_EQ(distance_at(half, 3.5, 1.25), (half.signed_distance[3] + half.signed_distance[4]) / 2.0);
+  EXPECT_NEAR(distance_at(half, 9, 1), half.signed_distance[7] + 2, 0.002);  // the border is at 6.999
+  EXPECT_NEAR(distance_at(half, 2, -3), half.signed_distance[2] + 3, 1e-12);
+}
+
 TEST(Silhouette, NobodyIsEmptyAndEverybodyHasNoContour) {
   ImageGray mask{9, 5, std::vector<uint8_t>(45, 0)};
   const Silhouette nobody = make_silhouette(mask);

@@ -9,6 +9,7 @@
 #include "acquire/open_skirt.h"
 #include "base/text.h"
 #include "livecap/error.h"
+#include "meshing/remesh.h"
 #include "scan/mesh_volume.h"
 #include "scan/scan.h"
 
@@ -81,10 +82,7 @@ BodyShape shape_of_scan(const meshing::Surface& scan, std::vector<std::string>& 
 meshing::Surface thin_shape(BodyShape& shape, int target_vertices, std::vector<double>& facet_offsets_mm) {
   const Volume& solid = shape.wears_skirt() ? shape.open : shape.volume;
   if (!shape.as_is) shape.fine = surface_of(solid);
-  const double density = std::sqrt(5000.0 / target_vertices);
-  const meshing::DistanceField field = [&](const Vector3d& p) { return solid.at(p); };
-  const meshing::Surface surface = meshing::decimate_surface(
-      shape.fine, target_vertices, 48 * density, shape.as_is ? meshing::DistanceField{} : field, 3 * density);
+  const meshing::Surface surface = meshing::remesh(shape.fine, target_vertices);
   shape.fine = {};
   // Refining looks for the surface at the vertices: they move only then.
   if (!shape.as_is) facet_offsets_mm = facet_offsets(surface, solid);

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "meshing/isosurface.h"
-#include "meshing/nearest_surface.h"
 
 namespace livecap::meshing {
 
@@ -25,32 +24,19 @@ double roundness(const Point& a, const Point& b, const Point& c) {
   return OpenMesh::cross(b - a, c - a).norm() / std::max({(a - b).sqrnorm(), (b - c).sqrnorm(), (c - a).sqrnorm()});
 }
 
-Eigen::Vector3d eigen(const Point& p) {
-  return {p[0], p[1], p[2]};
-}
-
-Eigen::Vector3d nearest_on_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                                    const Eigen::Vector3d& c) {
-  const auto weights = nearest_in_triangle(p, a, b, c);
-  return weights[0] * a + weights[1] * b + weights[2] * c;
-}
-
 // Forbids collapses that would leave an edge longer than the limit or a sliver: cloth needs evenly spread vertices,
-// which the quadrics of a flat or conical piece do not ask for. And those that would cut off a vertex that sticks out:
-// quadrics weigh by area, and a fingertip has next to none.
+// which the quadrics of a flat or conical piece do not ask for.
 template <class MeshT>
 class ModShape : public OpenMesh::Decimater::ModBaseT<MeshT> {
  public:
   DECIMATING_MODULE(ModShape, MeshT, Shape);
   explicit ModShape(MeshT& mesh) : Base(mesh, true) {}
   void set_max_edge(double length) { max_edge_ = length; }
-  void set_deepest_cut(double length) { deepest_cut_ = length; }
   void set_least_roundness(double roundness) { least_roundness_ = roundness; }
 
   float collapse_priority(const CollapseInfo& info) override {
     const MeshT& mesh = Base::mesh();
-    double worst_before = 1, worst_after = 1, cut = 1e9;  // cut: how far the vertex is from the surface without it
-    const Eigen::Vector3d removed = eigen(info.p0);
+    double worst_before = 1, worst_after = 1;
     for (const auto half_edge : mesh.voh_range(info.v0)) {
       const auto a = mesh.to_vertex_handle(half_edge);
       const auto b = mesh.to_vertex_handle(mesh.next_halfedge_handle(half_edge));
@@ -59,14 +45,12 @@ class ModShape : public OpenMesh::Decimater::ModBaseT<MeshT> {
       if (a == info.v1 || b == info.v1) continue;
       if ((pa - info.p1).sqrnorm() > max_edge_ * max_edge_) return Base::ILLEGAL_COLLAPSE;
       worst_after = std::min(worst_after, roundness(info.p1, pa, pb));
-      cut = std::min(cut, (removed - nearest_on_triangle(removed, eigen(info.p1), eigen(pa), eigen(pb))).norm());
     }
-    if (cut > deepest_cut_) return Base::ILLEGAL_COLLAPSE;
     return worst_after > std::min(least_roundness_, worst_before) ? Base::LEGAL_COLLAPSE : Base::ILLEGAL_COLLAPSE;
   }
 
  private:
-  double max_edge_ = 1e9, deepest_cut_ = 1e9, least_roundness_ = 0.15;
+  double max_edge_ = 1e9, least_roundness_ = 0.15;
 };
 
 double smallest_angle(const Point& a, const Point& b, const Point& c) {
@@ -109,7 +93,7 @@ Point field_gradient(const DistanceField& distance, const Point& p) {
 
 // Moves each vertex towards the mean of its neighbours within the tangent plane, then back onto the surface. A move
 // that turns a triangle over is undone.
-void relax(TriMesh& mesh, const DistanceField& distance, double strength, bool keep_tips) {
+void relax(TriMesh& mesh, const DistanceField& distance, double strength) {
   for (const auto v : mesh.vertices()) {
     const Point p = mesh.point(v);
     Point mean(0, 0, 0);
@@ -121,8 +105,6 @@ void relax(TriMesh& mesh, const DistanceField& distance, double strength, bool k
     normal.normalize();
     Point move = mean - p;
     move -= normal * OpenMesh::dot(move, normal);
-    // A fingertip or a sharp rim is what its vertex makes it: sliding it would cut it off.
-    if (keep_tips && std::abs(OpenMesh::dot(mean - p, normal)) > 0.7 * (mean - p).norm()) continue;
     Point q = p + move * strength;
     for (int step = 0; step < 2; ++step) {
       const Point g = field_gradient(distance, q);
@@ -150,8 +132,7 @@ void relax(TriMesh& mesh, const DistanceField& distance, double strength, bool k
 
 }  // namespace
 
-Surface decimate_surface(const Surface& fine, int target_vertices, double max_edge, const DistanceField& distance,
-                         double deepest_cut) {
+Surface decimate_surface(const Surface& fine, int target_vertices, double max_edge, const DistanceField& distance) {
   TriMesh mesh;
   for (const auto& v : fine.vertices) mesh.add_vertex(Point(v.x(), v.y(), v.z()));
   for (const auto& t : fine.triangles)
@@ -169,14 +150,12 @@ Surface decimate_surface(const Surface& fine, int target_vertices, double max_ed
   decimater.module(quadric).unset_max_err();
   decimater.module(flipping).set_max_normal_deviation(60);
   decimater.module(shape).set_max_edge(max_edge);
-  if (deepest_cut > 0) decimater.module(shape).set_deepest_cut(deepest_cut);
   decimater.initialize();
   decimater.decimate_to(static_cast<size_t>(target_vertices));
   mesh.garbage_collection();
   // A surface with more area or more folds than usual cannot have so few vertices that are so even.
   for (int more = 0; more < 5 && mesh.n_vertices() > 1.02 * target_vertices; ++more) {
     decimater.module(shape).set_max_edge(max_edge * (1.3 + 0.3 * more));
-    if (deepest_cut > 0) decimater.module(shape).set_deepest_cut(deepest_cut * (1.5 + more));
     decimater.module(shape).set_least_roundness(more < 2 ? 0.15 : 0.02);
     decimater.module(flipping).set_max_normal_deviation(more < 3 ? 60 : 100);
     decimater.initialize();
@@ -186,7 +165,7 @@ Surface decimate_surface(const Surface& fine, int target_vertices, double max_ed
 
   for (int round = 0; round < 4; ++round) {
     flip_edges(mesh);
-    if (distance) relax(mesh, distance, 0.35, deepest_cut > 0);
+    relax(mesh, distance, 0.35);
   }
   flip_edges(mesh);
 

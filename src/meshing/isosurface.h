@@ -21,11 +21,9 @@ Surface extract_surface(const DistanceField& distance, const Eigen::Vector3d& lo
                         double step);
 
 // Quadric decimation to about target_vertices with edges no longer than max_edge, then edge flips and tangential
-// relaxation that even the triangles out, each vertex put back on the zero of `distance`; without `distance` vertices
-// stay where they are. Where the vertices do not suffice for max_edge it gives way. Keeps the surface closed.
-// deepest_cut: vertices that stick out farther than this from the surface without them (fingertips, toes) stay; 0:
-// none.
-Surface decimate_surface(const Surface& fine, int target_vertices, double max_edge, const DistanceField& distance,
-                         double deepest_cut = 0);
+// relaxation that even the triangles out, each vertex put back on the zero of `distance`. Where the vertices do not
+// suffice for max_edge it gives way. Keeps the surface closed. For surfaces not much finer than wanted; of others the
+// flat parts become as coarse as max_edge allows and the rest stays as fine as it was: see meshing/remesh.h.
+Surface decimate_surface(const Surface& fine, int target_vertices, double max_edge, const DistanceField& distance);
 
 }  // namespace livecap::meshing

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "meshing/isosurface.h"
+#include "meshing/remesh.h"
 #include "support/tolerances.h"
 
 namespace livecap::acquire {
@@ -40,7 +41,7 @@ double solid_volume(const meshing::Surface& surface) {
 
 TEST(FacetOffsets, ALimbOfFewTrianglesIsAsThickAsTheLimb) {
   const meshing::Surface fine = meshing::extract_surface(capsule, {-80, -280, -80}, {80, 280, 80}, 6);
-  meshing::Surface coarse = meshing::decimate_surface(fine, 90, 48, capsule, 3);
+  meshing::Surface coarse = meshing::remesh(fine, 90);
   const double truth = M_PI * kRadius * kRadius * (2 * kHalf + 4.0 / 3 * kRadius);
   const double before = solid_volume(coarse) / truth;
   EXPECT_LT(before, 0.93);  // the vertices are on the surface

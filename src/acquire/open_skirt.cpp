@@ -14,6 +14,7 @@ using Eigen::Vector3d;
 constexpr double kBelowHips = 0.2;  // of the leg's length: trousers meet higher
 constexpr double kAboveHem = 60;    // mm: where hems that are not level are closed all around
 constexpr double kHemMm = 20;       // of cloth stay at the walls: half an edge of the mesh to be
+constexpr double kDeepestMm = 80;   // above the lid; deeper would be vertices that nobody sees
 constexpr double kLegMm = 150;      // what reaches farther down than that below the slice is a leg
 
 LegLine leg_of(const SpaceKeypoints& seen, int hip, int knee, int ankle) {
@@ -110,7 +111,7 @@ bool open_skirt(const SpaceKeypoints& keypoints, Volume& volume) {
   const int leg_nodes = static_cast<int>(kLegMm / volume.step);
   // The lowest node of the lid in every column; -1: a leg, or not of the solid.
   std::vector<int> bottom(solid.size(), -1);
-  std::vector<std::pair<int, int>> walls;
+  std::vector<std::pair<int, int>> walls;  // of air around the cloth
   for (int z = 0; z < volume.nz; ++z)
     for (int x = 0; x < volume.nx; ++x) {
       const size_t column = static_cast<size_t>(z) * volume.nx + x;
@@ -123,7 +124,8 @@ bool open_skirt(const SpaceKeypoints& keypoints, Volume& volume) {
   };
   for (int z = 0; z < volume.nz; ++z)
     for (int x = 0; x < volume.nx; ++x)
-      if (at(x, z) < 0 && std::max({at(x + 1, z), at(x - 1, z), at(x, z + 1), at(x, z - 1)}) >= 0)
+      if (!solid[static_cast<size_t>(z) * volume.nx + x] &&
+          std::max({at(x + 1, z), at(x - 1, z), at(x, z + 1), at(x, z - 1)}) >= 0)
         walls.emplace_back(x, z);
 
   std::vector<char> taken(volume.size(), 0);
@@ -139,7 +141,7 @@ bool open_skirt(const SpaceKeypoints& keypoints, Volume& volume) {
       for (int dz = -kSmooth; dz <= kSmooth; ++dz)
         for (int dx = -kSmooth; dx <= kSmooth; ++dx)
           if (at(x + dx, z + dz) >= 0) lid += at(x + dx, z + dz), ++n_near;
-      const double roof = lid / n_near + nearest - kHemMm / volume.step;
+      const double roof = lid / n_near + std::min(nearest - kHemMm / volume.step, kDeepestMm / volume.step);
       for (int y = at(x, z); y < volume.ny && y < roof; ++y) taken[volume.index(x, y, z)] = 1;
     }
   return take_out(taken, volume);

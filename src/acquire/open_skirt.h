@@ -7,10 +7,10 @@
 
 namespace livecap::acquire {
 
-// Takes a roof at 45 degrees out of what is between a ring of cloth around both legs and the legs, from the hem
-// upwards: as much as needs no knowledge of what is inside but that cloth is thin. keypoints: in the volume's frame;
-// hips, knees and ankles are needed. False, and nothing changed, when no ring of cloth goes around both legs well below
-// the hips.
+// Takes a roof at 45 degrees, and no higher than 80 mm, out of what is inside of a ring of cloth around both legs, from
+// the hem upwards; the legs in it go on as they are below. As much as needs no knowledge of what is inside but that
+// cloth is thin. keypoints: in the volume's frame; hips, knees and ankles are needed. False, and nothing changed, when
+// no ring of cloth goes around both legs well below the hips.
 bool open_skirt(const SpaceKeypoints& keypoints, Volume& volume);
 
 }  // namespace livecap::acquire

@@ -65,10 +65,9 @@ class Builder {
     stage("thinning", [&] { thin(); });
     if (options_.refine && options_.mesh.empty()) stage("refining", [&] { refine(); });
     if (!shape_.as_is) move_along_normals(facet_offsets_mm_, surface());
-    // Not of a network's masks, whose outlines are off by more; nor in a skirt, where captures would lose what they
-    // gain (docs/experiments_actor.md, "Shoes").
-    if (options_.mesh.empty() && n_network_masks_ == 0 && !shape_.wears_skirt())
-      stage("outlines", [&] { fit_outlines(device_, views_, surface()); });
+    // Not of a network's masks, whose outlines are off by more.
+    if (options_.mesh.empty() && n_network_masks_ == 0)
+      stage("outlines", [&] { fit_outlines(device_, views_, ankles_mm(), surface()); });
     stage("joints", [&] { place(); });
     stage("skin weights", [&] { result_.actor.weights = heat_weights(surface(), result_.joints, shape_.volume); });
     stage("texture", [&] { texture(); });
@@ -214,6 +213,15 @@ class Builder {
     move_volume(down, shape_.volume);
     for (Vector3d& p : scan_.surface.vertices) p = down.to_rest(p);
     frame_ = composed(down, frame_);
+  }
+
+  // Shoes stay as the hull has them: captures of bent legs need them so (docs/experiments_actor.md, "An even mesh").
+  double ankles_mm() const {
+    double sum = 0;
+    int n = 0;
+    for (const int k : {kLeftAnkle, kRightAnkle})
+      if (keypoints_[k].found) sum += keypoints_[k].position.y(), ++n;
+    return n > 0 ? sum / n : 0;
   }
 
   void refine() {

@@ -1,5 +1,6 @@
 #include "acquire/fit_outlines.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -19,6 +20,7 @@ constexpr int kRounds = 2;
 constexpr double kEdgeOn = 0.2;    // cosine between normal and line of sight
 constexpr double kMostMm = 6;      // farther from an outline is another part's, or hidden
 constexpr double kBeyondMm = 12;   // so far out along the normal a point must be outside of the mask,
+constexpr double kRampMm = 20;     // from what stays to what moves
 constexpr double kLeastOutMm = 5;  // by so much, or what ends there is another part of the body
 
 constexpr int kAroundPx = 40;  // of a person's box: at 0.5 mm a pixel all that is asked about
@@ -84,7 +86,8 @@ double beyond_mm(const SeenOutline& seen, const Outline& drawn, const Vector3d& 
 
 }  // namespace
 
-void fit_outlines(ocl::DeviceContext& device, const std::vector<View>& views, meshing::Surface& surface) {
+void fit_outlines(ocl::DeviceContext& device, const std::vector<View>& views, double lowest_mm,
+                  meshing::Surface& surface) {
   const std::vector<SeenOutline> seen = seen_outlines(views);
   for (int round = 0; round < kRounds; ++round) {
     const std::vector<ImageGray> masks = draw_masks(device, mesh_of(surface), views);
@@ -97,7 +100,10 @@ void fit_outlines(ocl::DeviceContext& device, const std::vector<View>& views, me
         if (const double mm = beyond_mm(seen[i], drawn[i], p, normal); !std::isnan(mm)) sum += mm, ++n;
       return n > 0 ? sum / n : kUnknown;
     };
-    move_along_normals(mean_offsets(surface, 1, kMostMm, mean_beyond_mm), surface);
+    std::vector<double> offsets = mean_offsets(surface, 1, kMostMm, mean_beyond_mm);
+    for (size_t i = 0; i < offsets.size(); ++i)
+      offsets[i] *= std::clamp((surface.vertices[i].y() - lowest_mm) / kRampMm, 0.0, 1.0);
+    move_along_normals(offsets, surface);
   }
 }
 

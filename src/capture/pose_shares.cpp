@@ -55,11 +55,11 @@ std::vector<float> on_feet_share(const Actor& actor, const PoseSharesOptions& op
 }
 
 TrackerOptions options_for(const Actor& actor, TrackerOptions options) {
-  if (!actor.guessed_weights || wears_hanging_cloth(actor)) return options;
+  if (!actor.guessed_weights) return options;
+  options.pose.weights.shading *= options.guessed.shading;
+  if (wears_hanging_cloth(actor)) return options;
   options.pose.weights.keypoint_2d *= options.guessed.keypoint_2d;
   options.pose.weights.silhouette *= options.guessed.silhouette;
-  options.pose.weights.shading *= options.guessed.shading;
-  options.shares.foot_share = std::min(options.shares.foot_share, options.guessed.foot_share);
   return options;
 }
 

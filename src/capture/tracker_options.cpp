@@ -25,10 +25,6 @@ void share(const char* field, double value) {
   require(value >= 0 && value <= 1, field, value, "from 0 to 1");
 }
 
-void times_on_feet(const char* field, float value) {
-  require(value >= 1 && value <= LC_EXACT_MOST_SHARE, field, value, format("from 1 to %d", LC_EXACT_MOST_SHARE));
-}
-
 void factor_of_guessed(const char* field, double value) {
   require(value > 0 && value <= kMostGuessedFactor, field, value, format("above 0 and at most %g", kMostGuessedFactor));
 }
@@ -39,7 +35,8 @@ void PoseSharesOptions::validate() const {
   not_negative("shares.min_matched_rigidity", min_matched_rigidity);
   not_negative("shares.max_matched_leg_weight", max_matched_leg_weight);
   share("shares.refined_hanging_share", refined_hanging_share);
-  times_on_feet("shares.foot_share", foot_share);
+  require(foot_share >= 1 && foot_share <= LC_EXACT_MOST_SHARE, "shares.foot_share", foot_share,
+          format("from 1 to %d", LC_EXACT_MOST_SHARE));
 }
 
 void PoseRoundsOptions::validate() const {
@@ -60,7 +57,6 @@ void GuessedWeightsOptions::validate() const {
   factor_of_guessed("guessed.keypoint_2d", keypoint_2d);
   factor_of_guessed("guessed.silhouette", silhouette);
   factor_of_guessed("guessed.shading", shading);
-  times_on_feet("guessed.foot_share", foot_share);
 }
 
 void OtherStartsOptions::validate() const {

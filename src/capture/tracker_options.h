@@ -69,17 +69,14 @@ struct PoseRoundsOptions {
   void validate() const;  // throws ConfigError
 };
 
-// Of a built actor, whose skinning weights are guessed, who wears no hanging cloth: so many times each of these terms
-// in stage I. What is matched near a joint pulls the wrong bones there; where keypoints lie, the body ends and how its
-// skin is lit depend less on weights. Not of one in a skirt: its outline is not the body's, the network sees the bent
-// legs below it straight, and it has guessed_power (HangingClothOptions).
+// Of a built actor, whose skinning weights are guessed: so many times each of these terms in stage I. What is matched
+// near a joint pulls the wrong bones there; where keypoints lie, the body ends and how its skin is lit depend less on
+// weights. In a skirt shading alone: its outline is not the body's, the network sees the bent legs below it straight,
+// and it has guessed_power (HangingClothOptions).
 struct GuessedWeightsOptions {
   double keypoint_2d = 2;
   double silhouette = 2;
   double shading = 2;
-  // PoseSharesOptions::foot_share of such an actor, no more than of others: its shoes, a few of the pictures' pixels,
-  // are a per cent larger or smaller than the person's, and so nearer or farther.
-  float foot_share = 4;
 
   void validate() const;  // throws ConfigError
 };

@@ -15,6 +15,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kRadius = 35, kHalf = 200;
+constexpr double kBelowAll = -1000;
 
 double capsule(const Vector3d& p, double radius) {
   return (p - Vector3d(0, std::clamp(p.y(), -kHalf, kHalf), 0)).norm() - radius;
@@ -73,7 +74,7 @@ TEST(FitOutlines, ALimbEndsWhereItsOutlinesEnd) {
   test::on_every_device([&](ocl::DeviceContext& device) {
     for (const double off : {-3.0, 2.0}) {
       meshing::Surface surface = capsule_surface(kRadius + off);
-      fit_outlines(device, views, surface);
+      fit_outlines(device, views, kBelowAll, surface);
       double sum = 0, worst = 0;
       for (const Vector3d& p : surface.vertices) {
         const double outside = capsule(p, kRadius);
@@ -85,6 +86,21 @@ TEST(FitOutlines, ALimbEndsWhereItsOutlinesEnd) {
       EXPECT_NEAR(mean, 0, test::kOutlineMeanMm);
       EXPECT_LT(worst, test::kOutlineMm);
     }
+  });
+}
+
+TEST(FitOutlines, WhatIsLowerStays) {
+  const std::vector<View> views = views_of_capsule();
+  test::on_every_device([&](ocl::DeviceContext& device) {
+    meshing::Surface surface = capsule_surface(kRadius - 3);
+    const std::vector<Vector3d> before = surface.vertices;
+    fit_outlines(device, views, 0, surface);
+    int n_moved = 0;
+    for (size_t i = 0; i < before.size(); ++i) {
+      if (before[i].y() <= 0) EXPECT_EQ(surface.vertices[i], before[i]);
+      n_moved += before[i].y() > 20 && (surface.vertices[i] - before[i]).norm() > 1;
+    }
+    EXPECT_GT(n_moved, static_cast<int>(before.size() / 3));
   });
 }
 
@@ -100,7 +116,7 @@ TEST(FitOutlines, WithoutOutlinesNothingMoves) {
   test::on_every_device([&](ocl::DeviceContext& device) {
     meshing::Surface surface = capsule_surface(kRadius);
     const std::vector<Vector3d> before = surface.vertices;
-    fit_outlines(device, views, surface);
+    fit_outlines(device, views, kBelowAll, surface);
     EXPECT_EQ(surface.vertices, before);
   });
 }

@@ -327,22 +327,22 @@ std::vector<double> energies_with(ocl::DeviceContext& device, bool guessed, bool
   return result.step_energy;
 }
 
-TEST(PoseStage, KeypointsOutlineAndShadingCountMoreAndFeetLessWhereWeightsAreGuessed) {
+TEST(PoseStage, KeypointsOutlineAndShadingCountMoreWhereWeightsAreGuessed) {
   test::on_every_device([](ocl::DeviceContext& device) {
     TrackerOptions guess, weighted;
     guess.guessed.keypoint_2d = 5;
     guess.guessed.silhouette = 3;
     guess.guessed.shading = 1.5;
-    guess.guessed.foot_share = 7;
     weighted.pose.weights.keypoint_2d *= 5;
     weighted.pose.weights.silhouette *= 3;
     weighted.pose.weights.shading *= 1.5;
-    weighted.shares.foot_share = 7;
     const std::vector<double> as_ever = energies_with(device, false, false, {});
     EXPECT_EQ(energies_with(device, false, false, guess), as_ever) << "painted weights";
     EXPECT_EQ(energies_with(device, true, false, guess), energies_with(device, false, false, weighted));
     EXPECT_NE(energies_with(device, true, false, {}), as_ever);
-    const std::vector<double> in_a_skirt = energies_with(device, false, true, {});
+    TrackerOptions shaded;
+    shaded.pose.weights.shading *= 1.5;
+    const std::vector<double> in_a_skirt = energies_with(device, false, true, shaded);
     EXPECT_NE(energies_with(device, true, true, guess), in_a_skirt);
     guess.hanging.guessed_power = 1;
     EXPECT_EQ(energies_with(device, true, true, guess), in_a_skirt);

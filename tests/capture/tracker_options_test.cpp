@@ -78,7 +78,6 @@ std::vector<Field> fields() {
       factor(LC_FIELD(guessed.keypoint_2d)),
       factor(LC_FIELD(guessed.silhouette)),
       factor(LC_FIELD(guessed.shading)),
-      LC_FIELD(guessed.foot_share, {1, most_share}, {0.9, most_share + 0.5, nan}),
       length(LC_FIELD(starts.least_turn_rad)),
       length(LC_FIELD(starts.strayed_share)),
       length(LC_FIELD(starts.cost_of_covering)),

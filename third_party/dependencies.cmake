@@ -7,7 +7,7 @@
 # OpenCV          libopencv-dev                          4.6      Apache-2.0     background model, distance transform, PNG/JPEG, calibration boards
 # FFmpeg          libav{codec,device,format,util}-dev, libswscale-dev  5.1  LGPL/GPL  video and webcams in, video out, every damaged frame reported
 # CLBlast         libclblast-dev                         1.5.3    Apache-2.0     optional: what bench_pointwise compares convolutions with
-# OpenMesh        libopenmesh-dev                        9.0      BSD-3-Clause   quadric edge-collapse decimation
+# OpenMesh        libopenmesh-dev                        9.0      BSD-3-Clause   meshes whose edges are collapsed, split and flipped
 # TinyGLTF        libtinygltf-dev                        2.7      MIT            GLB parsing and writing
 # nlohmann json   nlohmann-json3-dev                     3.11     MIT            JSON files
 # FlatBuffers     libflatbuffers-dev, flatbuffers-compiler  2.0.8  Apache-2.0  verified reading of .tflite files

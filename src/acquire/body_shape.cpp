@@ -1,7 +1,6 @@
 #include "acquire/body_shape.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "acquire/facet_offsets.h"

@@ -216,13 +216,7 @@ class Builder {
   }
 
   // Shoes stay as the hull has them: captures of bent legs need them so (docs/experiments_actor.md, "An even mesh").
-  double ankles_mm() const {
-    double sum = 0;
-    int n = 0;
-    for (const int k : {kLeftAnkle, kRightAnkle})
-      if (keypoints_[k].found) sum += keypoints_[k].position.y(), ++n;
-    return n > 0 ? sum / n : 0;
-  }
+  double ankles_mm() const { return (keypoints_[kLeftAnkle].position.y() + keypoints_[kRightAnkle].position.y()) / 2; }
 
   void refine() {
     const RefineResult refined =

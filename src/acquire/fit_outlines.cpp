@@ -20,8 +20,8 @@ constexpr int kRounds = 2;
 constexpr double kEdgeOn = 0.2;    // cosine between normal and line of sight
 constexpr double kMostMm = 6;      // farther from an outline is another part's, or hidden
 constexpr double kBeyondMm = 12;   // so far out along the normal a point must be outside of the mask,
-constexpr double kRampMm = 20;     // from what stays to what moves
 constexpr double kLeastOutMm = 5;  // by so much, or what ends there is another part of the body
+constexpr double kRampMm = 20;     // above lowest_mm: from staying to moving wholly
 
 constexpr int kAroundPx = 40;  // of a person's box: at 0.5 mm a pixel all that is asked about
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();

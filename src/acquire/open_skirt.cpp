@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 constexpr double kBelowHips = 0.2;  // of the leg's length: trousers meet higher
 constexpr double kAboveHem = 60;    // mm: where hems that are not level are closed all around
-constexpr double kHemMm = 20;       // of cloth stay at the walls: half an edge of the mesh to be
+constexpr double kHemMm = 20;       // of cloth stay at the walls: an edge of the mesh to be
 constexpr double kDeepestMm = 80;   // above the lid; deeper would be vertices that nobody sees
 constexpr double kLegMm = 150;      // what reaches farther down than that below the slice is a leg
 

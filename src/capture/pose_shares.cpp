@@ -1,7 +1,5 @@
 #include "capture/pose_shares.h"
 
-#include <algorithm>
-
 #include "cloth/hanging_cloth.h"
 
 namespace livecap {

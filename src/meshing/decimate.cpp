@@ -1,9 +1,10 @@
-// decimate_surface of isosurface.h: OpenMesh stays in this file.
+// decimate_surface of isosurface.h.
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModBaseT.hh>
 #include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
+#include <algorithm>
 #include <cmath>
 
 #include "meshing/isosurface.h"

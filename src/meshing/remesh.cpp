@@ -5,7 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "livecap/error.h"
 #include "meshing/nearest_surface.h"
 #include "meshing/surface_parts.h"
 
@@ -17,10 +21,12 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr int kRounds = 12;
-constexpr double kRoundMm = 60;                          // curved with this radius: edges of the usual length
+constexpr double kRoundMm = 60;                          // a cylinder of this radius: edges of the usual length
+constexpr double kAroundMm = 14;                         // curvature is a mean of so far around
 constexpr double kShortest = 0.5, kLongest = 1.3;        // of the usual length
 constexpr double kSplit = 4.0 / 3, kCollapse = 4.0 / 5;  // of the wanted length
 constexpr double kDeepestCut = 0.15;  // of the usual length: what sticks out farther stays (fingertips, toes)
+constexpr double kLeastCellMm = 4;    // of the grid that finds the nearest triangle
 constexpr double kCrease = 0.15;      // share of the normals' second moment across which nothing slides
 
 struct Traits : OpenMesh::DefaultTraits {
@@ -53,10 +59,17 @@ double smallest_angle(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   return std::min({angle(a, b, c), angle(b, c, a), angle(c, a, b)});
 }
 
-// Root mean square of both principal curvatures, 1/mm, around each vertex: of the normals as they change over the
-// triangles, in the mean of some rings.
+double mean_edge(const Surface& surface) {
+  double sum = 0;
+  for (const auto& t : surface.triangles) sum += (surface.vertices[t[0]] - surface.vertices[t[1]]).norm();
+  return std::max(1e-6, sum / static_cast<double>(std::max<size_t>(1, surface.triangles.size())));
+}
+
+// sqrt(k1^2 + k2^2) of the principal curvatures, 1/mm, around each vertex: of the normals as they change over the
+// triangles, in the mean of rings of kAroundMm.
 std::vector<double> curvature_of(const Surface& surface) {
-  constexpr int kNormalRounds = 2, kRings = 4;
+  constexpr int kNormalRounds = 2, kMostRings = 40;
+  const int rings = std::clamp(static_cast<int>(std::lround(kAroundMm / mean_edge(surface))), 1, kMostRings);
   const auto neighbors = neighbors_of(surface);
   const std::vector<Vector3d> normals = smooth_normals(surface, neighbors, kNormalRounds);
   const size_t n = surface.vertices.size();
@@ -73,7 +86,7 @@ std::vector<double> curvature_of(const Surface& surface) {
     }
     for (int k = 0; k < 3; ++k) bent[t[k]] += std::max(0.0, sum), area[t[k]] += 0.5 * twice;
   }
-  for (int ring = 0; ring < kRings; ++ring) {
+  for (int ring = 0; ring < rings; ++ring) {
     std::vector<double> next_bent = bent, next_area = area;
     for (size_t i = 0; i < n; ++i)
       for (int other : neighbors[i]) next_bent[i] += bent[other], next_area[i] += area[other];
@@ -84,7 +97,7 @@ std::vector<double> curvature_of(const Surface& surface) {
   return curvature;
 }
 
-// The length of edges at each vertex, of the usual one: short where it is curved, and changing slowly.
+// The length of edges at each vertex, of the usual one: short where it is curved.
 std::vector<double> sizes_of(const Surface& surface) {
   std::vector<double> sizes;
   for (const double curvature : curvature_of(surface))
@@ -95,12 +108,17 @@ std::vector<double> sizes_of(const Surface& surface) {
 class Remesher {
  public:
   Remesher(const Surface& fine, int target)
-      : fine_(fine), target_(target), sizes_(sizes_of(fine)), nearest_(fine, longest_usual_edge(fine)) {
+      : fine_(fine),
+        target_(target),
+        sizes_(sizes_of(fine)),
+        nearest_(fine, std::max(kLeastCellMm, 2 * mean_edge(fine))) {
     for (size_t i = 0; i < fine.vertices.size(); ++i) {
       const Vector3d& p = fine.vertices[i];
       mesh_.data(mesh_.add_vertex({p.x(), p.y(), p.z()})).size = sizes_[i];
     }
-    for (const auto& t : fine.triangles) mesh_.add_face(Vertex(t[0]), Vertex(t[1]), Vertex(t[2]));
+    for (const auto& t : fine.triangles)
+      if (!mesh_.add_face(Vertex(t[0]), Vertex(t[1]), Vertex(t[2])).is_valid())
+        throw LogicError("remesh: the surface is not manifold");
     n_vertices_ = static_cast<int>(fine.vertices.size());
     usual_ = usual_edge();
   }
@@ -113,7 +131,7 @@ class Remesher {
       length_ = usual_ * std::pow(first, 1 - at);
       split_long();
       collapse_short();
-      if (n_vertices_ > 4 * target_) continue;
+      if (at < 1 && n_vertices_ > 4 * target_) continue;
       flip();
       relax();
       if (at == 1) usual_ *= std::sqrt(double(n_vertices_) / target_);
@@ -141,12 +159,6 @@ class Remesher {
     return {mesh_.from_vertex_handle(h), mesh_.to_vertex_handle(h), mesh_.to_vertex_handle(next)};
   }
 
-  static double longest_usual_edge(const Surface& surface) {
-    double sum = 0;
-    for (const auto& t : surface.triangles) sum += (surface.vertices[t[0]] - surface.vertices[t[1]]).norm();
-    return 2 * sum / static_cast<double>(std::max<size_t>(1, surface.triangles.size()));
-  }
-
   // Of a size of 1, for target_ vertices on the whole surface.
   double usual_edge() const {
     double units = 0;  // area by that of equilateral triangles of the wanted size; two for each vertex
@@ -169,17 +181,19 @@ class Remesher {
     const Vector3d middle = 0.5 * (at(mesh_.from_vertex_handle(h)) + at(mesh_.to_vertex_handle(h)));
     const Vertex v = mesh_.add_vertex({middle.x(), middle.y(), middle.z()});
     mesh_.split(e, v);
-    put(v, middle);
     ++n_vertices_;
+    put(v, middle);
   }
 
-  // Onto the fine surface.
+  // To the place of the fine surface nearest to p, unless that turns a triangle over: of thin cloth it may be that of
+  // the other side.
   void put(Vertex v, const Vector3d& p) {
     const SurfacePoint found = nearest_.find(p);
-    mesh_.set_point(v, {found.position.x(), found.position.y(), found.position.z()});
     double size = 0;
     for (int k = 0; k < 3; ++k) size += found.weights[k] * sizes_[fine_.triangles[found.triangle][k]];
     mesh_.data(v).size = size;
+    if (keeps_triangles(v, found.position))
+      mesh_.set_point(v, {found.position.x(), found.position.y(), found.position.z()});
   }
 
   void split_long() {
@@ -190,8 +204,8 @@ class Remesher {
     }
   }
 
-  // Whether the vertex h comes from may go to where it points.
-  bool may_collapse(Halfedge h, double longest) {
+  // Whether the vertex h comes from may go to where it points. loose: 1, more where too few may.
+  bool may_collapse(Halfedge h, double loose) {
     if (!mesh_.is_collapse_ok(h)) return false;
     const Vertex from = mesh_.from_vertex_handle(h), to = mesh_.to_vertex_handle(h);
     const Vector3d p = at(from), q = at(to);
@@ -202,23 +216,25 @@ class Remesher {
       const Vector3d pa = at(a), pb = at(b);
       worst_before = std::min(worst_before, smallest_angle(p, pa, pb));
       if (a == to || b == to) continue;
-      if ((pa - q).norm() > longest * 0.5 * length_ * (size(a) + size(to))) return false;
+      if ((pa - q).norm() > kSplit * loose * 0.5 * length_ * (size(a) + size(to))) return false;
       const Vector3d before = twice_area(p, pa, pb), after = twice_area(q, pa, pb);
       if (!(before.dot(after) > 0.5 * before.norm() * after.norm())) return false;
       worst_after = std::min(worst_after, smallest_angle(q, pa, pb));
       const auto w = nearest_in_triangle(p, q, pa, pb);
       cut = std::min(cut, (p - w[0] * q - w[1] * pa - w[2] * pb).norm());
     }
-    return cut < kDeepestCut * usual_ && worst_after > std::min(0.15, 0.5 * worst_before);
+    return cut < kDeepestCut * loose * usual_ && worst_after > std::min(0.15, 0.5 * worst_before);
   }
 
   // The end that sticks out more stays.
-  bool collapse(Edge e, double longest) {
+  bool collapse(Edge e, double loose) {
     Halfedge h = mesh_.halfedge_handle(e, 0);
     if (sharpness(mesh_.from_vertex_handle(h)) > sharpness(mesh_.to_vertex_handle(h)))
       h = mesh_.opposite_halfedge_handle(h);
-    if (!may_collapse(h, longest)) h = mesh_.opposite_halfedge_handle(h);
-    if (!may_collapse(h, longest)) return false;
+    if (!may_collapse(h, loose)) {
+      h = mesh_.opposite_halfedge_handle(h);
+      if (!may_collapse(h, loose)) return false;
+    }
     mesh_.collapse(h);
     --n_vertices_;
     return true;
@@ -228,13 +244,13 @@ class Remesher {
     const size_t n = mesh_.n_edges();
     for (size_t i = 0; i < n; ++i) {
       const Edge e(static_cast<int>(i));
-      if (!mesh_.status(e).deleted() && relative_length(e) < kCollapse) collapse(e, kSplit);
+      if (!mesh_.status(e).deleted() && relative_length(e) < kCollapse) collapse(e, 1);
     }
     mesh_.garbage_collection();
   }
 
-  // Second moment of the normals around a vertex, trace 1: its eigenvectors other than the first are the directions
-  // across creases.
+  // Second moment of the normals around a vertex, trace 1: its eigenvectors other than that of the largest eigenvalue
+  // are the directions across and along creases.
   Matrix3d moment(Vertex v) const {
     Matrix3d sum = Matrix3d::Zero();
     for (const auto f : mesh_.vf_range(v)) {
@@ -246,12 +262,10 @@ class Remesher {
     return trace > 0 ? Matrix3d(sum / trace) : sum;
   }
 
-  double sharpness(Vertex v) const {
-    // 1 - the largest eigenvalue, but for the ones beside it: |M|^2 is enough to compare.
-    return 1 - moment(v).squaredNorm();
-  }
+  // 0 where it is flat, 2/3 at a corner.
+  double sharpness(Vertex v) const { return 1 - moment(v).squaredNorm(); }
 
-  // Turns edges whose two triangles get a better smallest angle that way, unless the surface is creased there.
+  // Turns edges whose two triangles get a better smallest angle that way, unless that makes a sharper crease.
   void flip() {
     for (const auto e : mesh_.edges()) {
       if (!mesh_.is_flip_ok(e)) continue;
@@ -289,8 +303,6 @@ class Remesher {
       for (int k = 0; k < 3; ++k)
         if (k == 2 || axes.eigenvalues()[k] > kCrease)
           move -= axes.eigenvectors().col(k) * axes.eigenvectors().col(k).dot(move);
-      const SurfacePoint found = nearest_.find(p + move);
-      if (!keeps_triangles(v, found.position)) continue;
       put(v, p + move);
     }
   }
@@ -317,7 +329,7 @@ class Remesher {
       std::sort(edges.begin(), edges.end());
       if (n_vertices_ > target_) {
         for (const auto& [length, e] : edges)
-          if (n_vertices_ > target_ && !mesh_.status(e).deleted()) collapse(e, kSplit * (1 + 0.1 * round));
+          if (n_vertices_ > target_ && !mesh_.status(e).deleted()) collapse(e, 1 + 0.2 * round);
         mesh_.garbage_collection();
       } else {
         for (auto it = edges.rbegin(); it != edges.rend() && n_vertices_ < target_; ++it) split(it->second);
@@ -337,6 +349,7 @@ class Remesher {
 }  // namespace
 
 Surface remesh(const Surface& fine, int target_vertices) {
+  if (target_vertices < 4) throw LogicError("remesh to " + std::to_string(target_vertices) + " vertices");
   if (static_cast<int>(fine.vertices.size()) <= target_vertices) return fine;
   return Remesher(fine, target_vertices).run();
 }

@@ -48,7 +48,7 @@ TEST(OpenSkirt, ARoofAtFortyFiveDegrees) {
   const Volume closed = volume_with_hem(kHem);
   Volume open = closed;
   ASSERT_TRUE(open_skirt(standing(), open));
-  // In front of the legs, 100 mm from the cloth, the roof is as much higher than the hem, less what cloth keeps; it is
+  // In front of the legs, 80 mm from the cloth, the roof is as much higher than the hem, less what cloth keeps; it is
   // no higher than 80 mm, though between the legs the cloth is 240 mm away.
   EXPECT_GT(open.at({0, kHem + 40, 160}), 0);
   EXPECT_LT(open.at({0, kHem + 80, 160}), 0);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <set>
 
+#include "livecap/error.h"
 #include "meshing/isosurface.h"
 #include "scan/scan.h"
 
@@ -98,9 +99,9 @@ TEST(Remesh, AFingerIsFinerAndAsLongAsItWas) {
   std::vector<double> trunk, finger;
   for (const auto& t : coarse.triangles) {
     const Vector3d &a = coarse.vertices[t[0]], &b = coarse.vertices[t[1]];
-    reach = std::max(reach, a.x());
     (a.x() > 110 ? finger : trunk).push_back((a - b).norm());
   }
+  for (const Vector3d& p : coarse.vertices) reach = std::max(reach, p.x());
   std::sort(trunk.begin(), trunk.end());
   std::sort(finger.begin(), finger.end());
   std::printf("a finger of 190 mm reaches %.1f; edges %.1f there and %.1f on the trunk\n", reach, quantile(finger, 0.5),
@@ -131,7 +132,31 @@ TEST(Remesh, TheSameTwice) {
   const Surface fine = fine_surface(trunk_with_finger, 260, 8);
   const Surface one = remesh(fine, 300), other = remesh(fine, 300);
   ASSERT_EQ(one.vertices.size(), other.vertices.size());
-  for (size_t i = 0; i < one.vertices.size(); ++i) EXPECT_EQ(one.vertices[i], other.vertices[i]);
+  EXPECT_EQ(one.vertices, other.vertices);
+  EXPECT_EQ(one.triangles, other.triangles);
+}
+
+// A crumpled ring to few vertices: more than a hundred times fewer than there were, and with a hole through it.
+TEST(Remesh, ANoisyRingStaysARing) {
+  const DistanceField ring = [](const Vector3d& p) {
+    const double noise = 0.6 * std::sin(0.9 * p.x()) * std::sin(1.1 * p.y()) * std::sin(0.7 * p.z());
+    return std::hypot(std::hypot(p.x(), p.z()) - 120, p.y()) - 40 + noise;
+  };
+  const Surface fine = fine_surface(ring, 180, 5);
+  const Surface coarse = remesh(fine, 250);
+  EXPECT_GT(fine.vertices.size(), 100 * coarse.vertices.size());
+  EXPECT_EQ(coarse.vertices.size(), 250u);
+  EXPECT_TRUE(is_closed_manifold(coarse));
+  // Euler's formula with one hole.
+  EXPECT_EQ(fine.triangles.size(), 2 * fine.vertices.size());
+  EXPECT_EQ(coarse.triangles.size(), 2 * coarse.vertices.size());
+}
+
+TEST(Remesh, OneVertexLess) {
+  const Surface fine = fine_surface(skirt, 300, 40);
+  const int n = static_cast<int>(fine.vertices.size());
+  EXPECT_EQ(remesh(fine, n - 1).vertices.size(), static_cast<size_t>(n - 1));
+  EXPECT_THROW(remesh(fine, 3), LogicError);
 }
 
 TEST(Remesh, WhatIsCoarseEnoughStaysAsItIs) {

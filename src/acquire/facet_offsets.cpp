@@ -42,9 +42,7 @@ std::vector<double> mean_offsets(const meshing::Surface& surface, int rounds, do
 
 std::vector<double> facet_offsets(const meshing::Surface& surface, const Volume& volume) {
   constexpr int kRounds = 3;  // more would follow the noise of the triangles
-  double edges = 0;
-  for (const auto& t : surface.triangles) edges += (surface.vertices[t[0]] - surface.vertices[t[1]]).norm();
-  const double most = 0.25 * edges / static_cast<double>(std::max<size_t>(1, surface.triangles.size()));
+  const double most = 0.25 * meshing::mean_edge(surface);
   return mean_offsets(surface, kRounds, most, [&](const Vector3d& p, const Vector3d&) { return volume.at(p); });
 }
 

@@ -59,17 +59,12 @@ double smallest_angle(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   return std::min({angle(a, b, c), angle(b, c, a), angle(c, a, b)});
 }
 
-double mean_edge(const Surface& surface) {
-  double sum = 0;
-  for (const auto& t : surface.triangles) sum += (surface.vertices[t[0]] - surface.vertices[t[1]]).norm();
-  return std::max(1e-6, sum / static_cast<double>(std::max<size_t>(1, surface.triangles.size())));
-}
-
 // sqrt(k1^2 + k2^2) of the principal curvatures, 1/mm, around each vertex: of the normals as they change over the
 // triangles, in the mean of rings of kAroundMm.
 std::vector<double> curvature_of(const Surface& surface) {
   constexpr int kNormalRounds = 2, kMostRings = 40;
-  const int rings = std::clamp(static_cast<int>(std::lround(kAroundMm / mean_edge(surface))), 1, kMostRings);
+  const int rings =
+      std::clamp(static_cast<int>(std::lround(kAroundMm / std::max(1e-6, mean_edge(surface)))), 1, kMostRings);
   const auto neighbors = neighbors_of(surface);
   const std::vector<Vector3d> normals = smooth_normals(surface, neighbors, kNormalRounds);
   const size_t n = surface.vertices.size();

@@ -1,6 +1,7 @@
 #include "meshing/surface_parts.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 namespace livecap::meshing {
 
@@ -13,6 +14,12 @@ Surface surface_of(const Mesh& mesh) {
   const auto& t = mesh.triangles;
   for (size_t i = 0; i < t.size(); i += 3) surface.triangles.emplace_back(t[i], t[i + 1], t[i + 2]);
   return surface;
+}
+
+double mean_edge(const Surface& surface) {
+  double sum = 0;
+  for (const auto& t : surface.triangles) sum += (surface.vertices[t[0]] - surface.vertices[t[1]]).norm();
+  return sum / static_cast<double>(std::max<size_t>(1, surface.triangles.size()));
 }
 
 std::vector<Vector3d> vertex_normals(const Surface& surface) {

@@ -10,6 +10,9 @@ namespace livecap::meshing {
 
 Surface surface_of(const Mesh& mesh);
 
+// Of one edge of each triangle; 0 where there are none.
+double mean_edge(const Surface& surface);
+
 // Area-weighted unit normal of each vertex; of one without triangles (0, 0, 0).
 std::vector<Eigen::Vector3d> vertex_normals(const Surface& surface);
 

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "livecap/error.h"
 #include "meshing/isosurface.h"

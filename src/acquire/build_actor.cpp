@@ -70,8 +70,10 @@ class Builder {
       stage("outlines", [&] { fit_outlines(device_, views_, ankles_mm(), surface()); });
     stage("joints", [&] { place(); });
     stage("skin weights", [&] { result_.actor.weights = heat_weights(surface(), result_.joints, shape_.volume); });
+    if (options_.has_pictures()) stage("visibility", [&] { find_visible(); });
+    if (has_label_images()) stage("labels", [&] { vote(); });
     stage("texture", [&] { texture(); });
-    stage("labels", [&] { label(); });
+    if (result_.actor.labels.empty()) stage("guessing labels", [&] { guess(); });
     finish();
     return std::move(result_);
   }
@@ -240,14 +242,7 @@ class Builder {
     }
   }
 
-  void texture() {
-    result_.actor.atlas =
-        meshing::make_atlas(surface(), std::vector<int>(surface().triangles.size(), 0), {1.0}, options_.texture_size);
-    if (!options_.has_pictures()) {
-      result_.actor.texture =
-          texture_from_scan(surface(), result_.actor.atlas, options_.texture_size, scan_, result_.notes);
-      return;
-    }
+  void find_visible() {
     coverage_ = cover_surface(device_, mesh_of(surface()), views_);
     result_.overlap = mean_overlap(coverage_);
     if (options_.mesh.empty() && result_.overlap < kLowOverlap)
@@ -255,24 +250,15 @@ class Builder {
           format("the built surface covers the masks by %.3f only (IoU, mean over the pictures; good builds have 0.93 "
                  "and more): are all pictures of one person who did not move?",
                  result_.overlap));
-    BlendedTexture blended =
-        texture_from_views(surface(), result_.actor.atlas, options_.texture_size, views_, coverage_, result_.notes);
-    result_.actor.texture = std::move(blended.image);
-    result_.seen = std::move(blended.seen);
   }
 
-  void label() {
-    const bool given = std::any_of(views_.begin(), views_.end(), [](const View& view) { return !view.labels.empty(); });
-    if (given && options_.has_pictures() && vote()) return;
-    result_.actor.labels =
-        guess_labels({surface(), result_.actor.weights, result_.joints, shape_.volume,
-                      vertex_colors(surface(), result_.actor.atlas, result_.actor.texture), nose_vertex()});
-    note(given ? "the materials are guessed from body parts and colours instead"
-               : "no label images: materials are guessed from body parts and colours");
+  bool has_label_images() const {
+    return options_.has_pictures() &&
+           std::any_of(views_.begin(), views_.end(), [](const View& view) { return !view.labels.empty(); });
   }
 
-  // False when the label images say nothing.
-  bool vote() {
+  // No labels when the label images say nothing.
+  void vote() {
     MaterialLabels voted = vote_labels(surface(), views_, coverage_);
     const int n = static_cast<int>(voted.labels.size());
     if (voted.foreign > 0.02)
@@ -280,15 +266,42 @@ class Builder {
           format("%.0f %% of the label images' pixels on the person are above 19: they must hold LIP ids, one byte a "
                  "pixel, not colours",
                  100 * voted.foreign));
-    const auto n_seen = std::count(result_.seen.begin(), result_.seen.end(), 1);
-    if (voted.foreign > 0.5 || 2 * (n - voted.n_unseen) < n_seen) {
+    int n_visible = 0;
+    for (int i = 0; i < n; ++i) {
+      bool visible = false;
+      for (size_t v = 0; v < views_.size(); ++v)
+        visible |= !views_[v].labels.empty() && coverage_[v].facing[i] > kEdgeOn;
+      n_visible += visible;
+    }
+    if (voted.foreign > 0.5 || 2 * (n - voted.n_unseen) < n_visible) {
       note(format("the label images say nothing about %d of %d vertices", voted.n_unseen, n));
-      return false;
+      return;
     }
     if (voted.n_unseen > 0)
-      note(format("%d vertices have no label in any picture; they have their neighbours'", voted.n_unseen));
+      note(format("%d vertices have no label in enough pictures; they have the nearest one along the surface",
+                  voted.n_unseen));
     result_.actor.labels = std::move(voted.labels);
-    return true;
+  }
+
+  void texture() {
+    result_.actor.atlas = body_atlas(surface(), result_.actor.weights, options_.texture_size);
+    if (!options_.has_pictures()) {
+      result_.actor.texture =
+          texture_from_scan(surface(), result_.actor.atlas, options_.texture_size, scan_, result_.notes);
+      return;
+    }
+    BlendedTexture blended = texture_from_views(surface(), result_.actor.atlas, options_.texture_size, views_,
+                                                coverage_, result_.actor.labels, result_.notes);
+    result_.actor.texture = std::move(blended.image);
+    result_.seen = std::move(blended.seen);
+  }
+
+  void guess() {
+    result_.actor.labels =
+        guess_labels({surface(), result_.actor.weights, result_.joints, shape_.volume,
+                      vertex_colors(surface(), result_.actor.atlas, result_.actor.texture), nose_vertex()});
+    note(has_label_images() ? "the materials are guessed from body parts and colours instead"
+                            : "no label images: materials are guessed from body parts and colours");
   }
 
   int nose_vertex() const {

@@ -31,7 +31,7 @@ struct BuildOptions {
   double height_mm = 0;        // > 0: the person is this tall
   int target_vertices = 5000;
   double grid_mm = 7;       // of the hull
-  int texture_size = 1024;  // px
+  int texture_size = 2048;  // px
   bool refine = true;       // move the hull to where the pictures agree in colour
 
   bool has_pictures() const { return !views.images.empty() || !turntable.video.empty(); }

@@ -15,20 +15,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-enum Lip : uint8_t {
-  kHair = 2,
-  kUpperClothes = 5,
-  kPants = 9,
-  kSkirt = 12,
-  kFace = 13,
-  kLeftArm = 14,
-  kRightArm = 15,
-  kLeftLeg = 16,
-  kRightLeg = 17,
-  kLeftShoe = 18,
-  kRightShoe = 19
-};
-
 // CIE L*a*b* of an sRGB colour, D65, divided by 100.
 Vector3d lab(const Vector3d& srgb) {
   Vector3d linear;

@@ -11,13 +11,29 @@
 
 namespace livecap::acquire {
 
+// Those that the program itself tells apart.
+enum Lip : uint8_t {
+  kHair = 2,
+  kUpperClothes = 5,
+  kPants = 9,
+  kSkirt = 12,
+  kFace = 13,
+  kLeftArm = 14,
+  kRightArm = 15,
+  kLeftLeg = 16,
+  kRightLeg = 17,
+  kLeftShoe = 18,
+  kRightShoe = 19
+};
+
 struct MaterialLabels {
   std::vector<uint8_t> labels;  // [n_vertices]
-  int n_unseen = 0;             // vertices without a vote; they take their neighbours' label
+  int n_unseen = 0;             // vertices with too few votes; they take the label that is nearest along the surface
   double foreign = 0;           // share of the pixels looked at whose value is no LIP id
 };
 
-// Majority over the views that see a vertex, each weighted by how straight it looks at it; background does not vote.
+// Majority over the views that see a vertex (kEdgeOn), each weighted by how straight it looks at it; background does
+// not vote, pixels beside those of another label hardly.
 MaterialLabels vote_labels(const meshing::Surface& surface, const std::vector<View>& views,
                            const std::vector<ViewCoverage>& coverage);
 

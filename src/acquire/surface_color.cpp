@@ -3,18 +3,44 @@
 #include <algorithm>
 #include <cmath>
 
+#include "acquire/body_rig.h"
 #include "base/text.h"
 
 namespace livecap::acquire {
 
 using Eigen::Vector3d;
 
+namespace {
+
+enum AtlasGroup { kRestGroup, kHeadGroup, kLeftArmGroup, kRightArmGroup };
+const std::vector<double> kGroupDensity = {1, 2, 1, 1};
+
+AtlasGroup group_of(int bone) {
+  if (bone == kHeadBone || bone == kNeckBone) return kHeadGroup;
+  if (bone >= kLeftArmBone && bone <= kLeftKnuckleBone) return kLeftArmGroup;
+  if (bone >= kRightArmBone && bone <= kRightKnuckleBone) return kRightArmGroup;
+  return kRestGroup;
+}
+
+}  // namespace
+
+meshing::Atlas body_atlas(const meshing::Surface& surface, const std::vector<meshing::Influences>& weights, int size) {
+  std::vector<int> groups;
+  for (const auto& t : surface.triangles) {
+    // That of two corners, or of the first.
+    const AtlasGroup a = group_of(weights[t[0]][0].bone), b = group_of(weights[t[1]][0].bone),
+                     c = group_of(weights[t[2]][0].bone);
+    groups.push_back(b == c ? b : a);
+  }
+  return meshing::make_atlas(surface, groups, kGroupDensity, size);
+}
+
 BlendedTexture texture_from_views(const meshing::Surface& surface, const meshing::Atlas& atlas, int size,
                                   const std::vector<View>& views, const std::vector<ViewCoverage>& coverage,
-                                  std::vector<std::string>& notes) {
-  BlendedTexture blended = blend_texture(surface, atlas, size, views, coverage);
+                                  const std::vector<uint8_t>& labels, std::vector<std::string>& notes) {
+  BlendedTexture blended = blend_texture(surface, atlas, size, views, coverage, labels);
   if (const auto unseen = std::count(blended.seen.begin(), blended.seen.end(), 0); unseen > 0)
-    notes.push_back(format("%d vertices are seen by no picture; their colour is spread from their neighbours",
+    notes.push_back(format("%d vertices get no colour from any picture; it is spread from their neighbours",
                            static_cast<int>(unseen)));
   return blended;
 }

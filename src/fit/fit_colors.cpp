@@ -76,7 +76,7 @@ std::vector<Vector3d> colors_from_frames(FramePoser& poser, const meshing::Surfa
       }
     }
   }
-  spread_colors(neighbors, std::move(filled), colors);
+  spread_colors(neighbors, filled, colors);
   return colors;
 }
 

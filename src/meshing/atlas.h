@@ -19,7 +19,7 @@ struct Atlas {
   std::vector<Eigen::Vector3i> triangles;  // of textured vertices, in the order of the surface's
 };
 
-// group[t]: triangles of different groups never share a chart. density[g]: texel density of a group, relative.
+// group[t]: triangles of different groups never share a chart. density[g]: texels per length of a group, relative.
 Atlas make_atlas(const Surface& surface, const std::vector<int>& group, const std::vector<double>& density, int size);
 
 // color(position, triangle): sRGB in [0,1]. Texels around the charts repeat the nearest chart's border.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 
@@ -10,7 +11,6 @@
 #include "image/silhouette.h"
 #include "livecap/error.h"
 #include "raster/depth.h"
-#include "raster/visibility.h"
 #include "views/camera_files.h"
 
 namespace livecap {
@@ -47,6 +47,34 @@ DepthRasterizer& raster_of(ocl::DeviceContext& device, const Mesh& mesh, const C
   return *raster;
 }
 
+constexpr float kOccluderMm = 10;  // nearer to the camera than the vertex and the slope of its own surface
+constexpr float kSlopePx = 2;      // how far from the vertex the corners of the 3x3 pixels are
+constexpr float kFlattest = 0.1f;  // cosine that the slope is taken for at most
+
+// 1 where the vertex projects into the picture, its normal faces the camera and none of the 3x3 pixels around it shows
+// something in front of it. SurfaceVisibility asks for one pixel that does not: behind a hem or an arm it calls a
+// vertex visible whose pixel has the colour and the label of something else.
+std::vector<int32_t> wholly_visible(const Camera& camera, const std::vector<float>& depth,
+                                    const std::vector<float>& positions, const std::vector<float>& normals) {
+  std::vector<int32_t> visible(positions.size() / 3, 0);
+  for (size_t i = 0; i < visible.size(); ++i) {
+    const Eigen::Map<const Eigen::Vector3f> p(&positions[3 * i]), normal(&normals[3 * i]);
+    const float facing = -p.normalized().dot(normal);
+    if (!(p.z() > 0) || !(facing > 0)) continue;
+    const double u = camera.fx * p.x() / p.z() + camera.cx, v = camera.fy * p.y() / p.z() + camera.cy;
+    if (!(u > -0.5 && v > -0.5 && u < camera.width - 0.5 && v < camera.height - 0.5)) continue;
+    const int x = static_cast<int>(std::lround(u)), y = static_cast<int>(std::lround(v));
+    float nearest = std::numeric_limits<float>::infinity();
+    for (int row = std::max(0, y - 1); row <= std::min(camera.height - 1, y + 1); ++row)
+      for (int column = std::max(0, x - 1); column <= std::min(camera.width - 1, x + 1); ++column)
+        nearest = std::min(nearest, depth[static_cast<size_t>(row) * camera.width + column]);
+    const float cosine = std::clamp(facing, kFlattest, 1.0f);
+    const float slope = std::sqrt(1 - cosine * cosine) / cosine, mm_per_px = p.z() / static_cast<float>(camera.fx);
+    visible[i] = nearest > p.z() - kOccluderMm - kSlopePx * mm_per_px * slope;
+  }
+  return visible;
+}
+
 // [3*n] as the camera has them.
 std::vector<float> positions_in(const View& view, const Mesh& mesh) {
   const Eigen::Isometry3f camera_from_rest = view.camera_from_world.cast<float>();
@@ -75,9 +103,8 @@ std::vector<ImageGray> draw_masks(ocl::DeviceContext& device, const Mesh& mesh, 
 std::vector<ViewCoverage> cover_surface(ocl::DeviceContext& device, const Mesh& mesh, const std::vector<View>& views) {
   const int n = mesh.n_vertices();
   const std::vector<float> normals = vertex_normals(mesh.positions, mesh.triangles);
-  SurfaceVisibility visibility(device, mesh);
   Rasters rasters;
-  ocl::Buffer<float> positions_buffer(device, mesh.positions.size()), normals_buffer(device, mesh.positions.size());
+  ocl::Buffer<float> positions_buffer(device, mesh.positions.size());
   std::vector<float> turned(mesh.positions.size());
   std::vector<ViewCoverage> coverage;
   for (const View& view : views) {
@@ -87,10 +114,9 @@ std::vector<ViewCoverage> cover_surface(ocl::DeviceContext& device, const Mesh& 
     for (int i = 0; i < n; ++i)
       Eigen::Map<Eigen::Vector3f>(turned.data() + 3 * i) = turn * Eigen::Map<const Eigen::Vector3f>(&normals[3 * i]);
     positions_buffer.write(positions);
-    normals_buffer.write(turned);
-    raster.render(positions_buffer, view.camera);
-    visibility.find_visible(positions_buffer, normals_buffer, raster);
-    coverage.push_back(coverage_of(view.camera, visibility.visible().read_all(), positions, turned));
+    raster.render_depth(positions_buffer, view.camera);
+    const std::vector<int32_t> visible = wholly_visible(view.camera, raster.depth().read_all(), positions, turned);
+    coverage.push_back(coverage_of(view.camera, visible, positions, turned));
     const ImageGray& mask = view.mask;
     if (mask.width == view.camera.width && mask.height == view.camera.height)
       coverage.back().overlap = raster.intersection_over_union(ocl::Buffer<uint8_t>(device, mask.pixels));
@@ -134,7 +160,6 @@ std::vector<char> visible_hull_vertices(ocl::DeviceContext& device, const Mesh& 
     }
     views.push_back(view);
   }
-  constexpr float kEdgeOn = 0.1f;  // cosine; the same limit as for a vote about materials
   std::vector<char> seen(n, 0);
   for (const ViewCoverage& view : cover_surface(device, mesh, views))
     for (int i = 0; i < n; ++i) seen[i] |= view.facing[i] > kEdgeOn && depth[i] <= kConcavityMm;

@@ -14,6 +14,8 @@ namespace livecap {
 
 Mesh mesh_of(const meshing::Surface& surface);
 
+inline constexpr float kEdgeOn = 0.1f;  // cosine; flatter views tell nothing of a vertex
+
 // For one view, per vertex: the cosine between normal and viewing ray where the vertex is visible, 0 elsewhere; and its
 // pixel. overlap: of the surface's silhouette with the view's mask, intersection over union; NaN without a mask.
 struct ViewCoverage {
@@ -27,7 +29,8 @@ struct ViewCoverage {
 ViewCoverage coverage_of(const Camera& camera, const std::vector<int32_t>& visible, const std::vector<float>& positions,
                          const std::vector<float>& normals);
 
-// views: in the mesh's frame, mm. One entry per view.
+// views: in the mesh's frame, mm. One entry per view. A vertex is visible where none of the
+// 3x3 pixels around it shows anything in front of it.
 std::vector<ViewCoverage> cover_surface(ocl::DeviceContext& device, const Mesh& mesh, const std::vector<View>& views);
 
 // 255 where the mesh covers a view's picture. One per view.

@@ -35,10 +35,21 @@ Vector3d sample(const ImageRgb& image, double u, double v) {
   return c;
 }
 
+// Whether what the view shows at the pixel is labelled so, left or right, which parsers exchange in views from behind;
+// true when its label is not known.
+bool shows_label(const View& view, int x, int y, int label) {
+  const ImageGray& image = view.labels;
+  if (x < 0 || y < 0 || x >= image.width || y >= image.height) return true;
+  const int shown = image.pixels[static_cast<size_t>(y) * image.width + x];
+  const auto either_side = [](int id) { return id >= 14 ? id & ~1 : id; };  // arms, legs, shoes
+  return shown == 0 || shown > 19 || either_side(shown) == either_side(label);
+}
+
 // The best views of each vertex. A vertex counts as seen when its neighbours are: near an occluder's edge a pixel shows
 // the occluder.
 std::vector<std::vector<Share>> choose_views(const meshing::Surface& surface, const std::vector<View>& views,
                                              const std::vector<ViewCoverage>& coverage,
+                                             const std::vector<uint8_t>& labels,
                                              const std::vector<std::vector<int>>& neighbors) {
   const size_t n = surface.vertices.size();
   std::vector<std::vector<Share>> shares(n);
@@ -50,10 +61,11 @@ std::vector<std::vector<Share>> choose_views(const meshing::Surface& surface, co
       if (facing < kMinFacing) continue;
       for (int other : neighbors[i]) facing = coverage[v].facing[other] > 0 ? facing : 0;
       if (facing <= 0) continue;
+      const int x = static_cast<int>(std::lround(coverage[v].pixels[i].x())),
+                y = static_cast<int>(std::lround(coverage[v].pixels[i].y()));
+      if (!labels.empty() && !shows_label(views[v], x, y, labels[i])) continue;
       double inside = 1;
       if (!silhouette.empty()) {
-        const int x = static_cast<int>(std::lround(coverage[v].pixels[i].x())),
-                  y = static_cast<int>(std::lround(coverage[v].pixels[i].y()));
         if (x < 0 || y < 0 || x >= silhouette.width || y >= silhouette.height) continue;
         const double depth = -silhouette.signed_distance[static_cast<size_t>(y) * silhouette.width + x];
         inside = std::clamp(depth / kBorderPx - 0.3, 0.0, 1.0);
@@ -76,9 +88,17 @@ std::vector<std::vector<Share>> choose_views(const meshing::Surface& surface, co
   return shares;
 }
 
+std::vector<std::vector<int>> of_one_label(std::vector<std::vector<int>> neighbors,
+                                           const std::vector<uint8_t>& labels) {
+  if (!labels.empty())
+    for (size_t i = 0; i < neighbors.size(); ++i)
+      std::erase_if(neighbors[i], [&](int other) { return labels[other] != labels[i]; });
+  return neighbors;
+}
+
 }  // namespace
 
-void spread_colors(const std::vector<std::vector<int>>& neighbors, std::vector<char> known,
+void spread_colors(const std::vector<std::vector<int>>& neighbors, std::vector<char>& known,
                    std::vector<Vector3d>& colors) {
   for (bool changed = true; changed;) {
     changed = false;
@@ -99,10 +119,12 @@ void spread_colors(const std::vector<std::vector<int>>& neighbors, std::vector<c
 }
 
 BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atlas& atlas, int size,
-                             const std::vector<View>& views, const std::vector<ViewCoverage>& coverage) {
+                             const std::vector<View>& views, const std::vector<ViewCoverage>& coverage,
+                             const std::vector<uint8_t>& labels) {
   const auto neighbors = meshing::neighbors_of(surface);
-  const auto shares = choose_views(surface, views, coverage, neighbors);
-  std::vector<Vector3d> colors(surface.vertices.size(), Vector3d::Constant(0.5));
+  const auto shares = choose_views(surface, views, coverage, labels, neighbors);
+  std::vector<Vector3d> colors(surface.vertices.size(),
+                               Vector3d::Constant(0.5));  // as pictured; below, without the light
   std::vector<char> known(surface.vertices.size(), 0);
   for (size_t i = 0; i < shares.size(); ++i) {
     if (shares[i].empty()) continue;
@@ -112,10 +134,13 @@ BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atl
       colors[i] += weight * sample(views[view].image, coverage[view].pixels[i].x(), coverage[view].pixels[i].y());
   }
   BlendedTexture result;
-  spread_colors(neighbors, known, colors);
   result.seen = known;
   const std::vector<Vector3d> normals = shading_normals(surface);
-  const Shading light = find_shading(surface, colors, result.seen);
+  const Shading light = find_shading(surface, colors, known);
+  for (size_t i = 0; i < colors.size(); ++i)
+    if (known[i]) colors[i] = (colors[i] / light.at(normals[i])).cwiseMin(1.0);
+  spread_colors(of_one_label(neighbors, labels), known, colors);
+  spread_colors(neighbors, known, colors);
   const auto color = [&](const Vector3d& p, int triangle) {
     const auto& t = surface.triangles[triangle];
     const Vector3d &a = surface.vertices[t[0]], &b = surface.vertices[t[1]], &c = surface.vertices[t[2]];
@@ -127,21 +152,21 @@ BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atl
       bary[2] = (b - a).cross(p - a).dot(normal) / area;
       bary[0] = 1 - bary[1] - bary[2];
     }
-    Vector3d sum = Vector3d::Zero(), facing = Vector3d::Zero();
+    Vector3d lit = Vector3d::Zero(), unlit = Vector3d::Zero(), facing = Vector3d::Zero();
     for (int k = 0; k < 3; ++k) {
       facing += bary[k] * normals[t[k]];
-      if (shares[t[k]].empty()) sum += bary[k] * colors[t[k]];
+      if (shares[t[k]].empty()) unlit += bary[k] * colors[t[k]];
       for (const auto& [view, weight] : shares[t[k]]) {
         // A view that does not show the whole triangle stands back for the corner's own colour.
         const bool whole = coverage[view].facing[t[(k + 1) % 3]] > 0 && coverage[view].facing[t[(k + 2) % 3]] > 0;
         Eigen::Vector2d pixel;
         if (whole && views[view].project(p, pixel))
-          sum += bary[k] * weight * sample(views[view].image, pixel.x(), pixel.y());
+          lit += bary[k] * weight * sample(views[view].image, pixel.x(), pixel.y());
         else
-          sum += bary[k] * weight * colors[t[k]];
+          unlit += bary[k] * weight * colors[t[k]];
       }
     }
-    return Vector3d((sum / light.at(facing.normalized())).cwiseMin(1.0));
+    return Vector3d((lit / light.at(facing.normalized()) + unlit).cwiseMin(1.0));
   };
   result.image = meshing::bake_texture(surface, atlas, size, color);
   return result;

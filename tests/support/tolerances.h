@@ -184,8 +184,11 @@ inline constexpr double kThighAtKnee = 0.043;
 // polynomial of third order of its logarithm leaves 0.004, with stripes 0.010, with two materials 0.004, with rough
 // normals 0.008. Without a beginning by the second order the stripes are taken for light (1.07).
 inline constexpr double kShadingLeft = 0.03;
-// The same of a lamp that makes one side three times as bright, root mean square of the logarithm: the third order
-// leaves 0.0017, the second 0.0073.
+// Levels of 255 between what no picture shows and the one colour of its material: rounding. Spread from whatever is
+// beside it, it is a mixture of two.
+inline constexpr double kSpreadLevels = 3;
+// Light that is left (kShadingLeft) of a lamp that makes one side three times as bright, root mean square of the
+// logarithm: the third order leaves 0.0017, the second 0.0073.
 inline constexpr double kStrongShadingLeft = 0.004;
 // What smoothing leaves of the noise of normals: one would leave 0.4 where neighbours had noise of their own, more
 // since they share vertices.

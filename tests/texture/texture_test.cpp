@@ -1,0 +1,107 @@
+// Colours of a ball of two materials that one picture shows from the front.
+#include "texture/texture.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "meshing/surface_parts.h"
+#include "support/test_device.h"
+#include "support/tolerances.h"
+#include "texture/surface_views.h"
+
+namespace livecap {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int kSize = 240, kTexels = 512;
+constexpr uint8_t kRed[3] = {200, 40, 40}, kBlue[3] = {40, 40, 200};
+
+// Looks along -z from 1 m in front of the origin.
+View view_from_front() {
+  View view;
+  view.camera = camera_from_fov(kSize, kSize, 20);
+  view.camera_from_world.linear() = Vector3d(1, -1, -1).asDiagonal();
+  view.camera_from_world.translation() = Vector3d(0, 0, 1000);
+  view.image = {kSize, kSize, std::vector<uint8_t>(3 * kSize * kSize)};
+  view.labels = {kSize, kSize, std::vector<uint8_t>(kSize * kSize)};
+  return view;
+}
+
+TEST(Texture, HasTheColourOfItsMaterialWhereNothingIsSeen) {
+  constexpr double kRadius = 100;
+  const meshing::Surface ball = meshing::extract_surface([](const Vector3d& p) { return p.norm() - kRadius; },
+                                                         {-130, -130, -130}, {130, 130, 130}, 20);
+  const size_t n = ball.vertices.size();
+  View view = view_from_front();
+  // The picture's border between the colours is 4 px beside that of the materials, as where a surface is not exact.
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x) {
+      const size_t pixel = static_cast<size_t>(y) * kSize + x;
+      view.labels.pixels[pixel] = x < kSize / 2 + 4 ? 1 : 2;
+      std::copy_n(x < kSize / 2 + 4 ? kRed : kBlue, 3, &view.image.pixels[3 * pixel]);
+    }
+  const std::vector<Vector3d> normals = meshing::vertex_normals(ball);
+  ViewCoverage coverage{std::vector<float>(n, 0), std::vector<Eigen::Vector2f>(n)};
+  std::vector<uint8_t> labels;
+  for (size_t i = 0; i < n; ++i) {
+    const Vector3d to_camera = (view.center() - ball.vertices[i]).normalized();
+    coverage.facing[i] = static_cast<float>(std::max(0.0, normals[i].dot(to_camera)));
+    Eigen::Vector2d pixel;
+    ASSERT_TRUE(view.project(ball.vertices[i], pixel));
+    coverage.pixels[i] = pixel.cast<float>();
+    labels.push_back(ball.vertices[i].x() < 0 ? 1 : 2);
+  }
+  const meshing::Atlas atlas = meshing::make_atlas(ball, std::vector<int>(ball.triangles.size(), 0), {1.0}, kTexels);
+  const BlendedTexture texture = blend_texture(ball, atlas, kTexels, {view}, {coverage}, labels);
+  int n_unseen = 0;
+  for (size_t t = 0; t < ball.triangles.size(); ++t) {
+    const Eigen::Vector3i corners = ball.triangles[t], textured = atlas.triangles[t];
+    const uint8_t label = labels[corners[0]];
+    if (labels[corners[1]] != label || labels[corners[2]] != label) continue;
+    if (texture.seen[corners[0]] || texture.seen[corners[1]] || texture.seen[corners[2]]) continue;
+    ++n_unseen;
+    const Eigen::Vector2d uv = (atlas.uvs[textured[0]] + atlas.uvs[textured[1]] + atlas.uvs[textured[2]]) / 3;
+    const int x = static_cast<int>(uv.x() * kTexels), y = static_cast<int>(uv.y() * kTexels);
+    const uint8_t* color = &texture.image.pixels[3 * (static_cast<size_t>(y) * kTexels + x)];
+    const uint8_t* expected = label == 1 ? kRed : kBlue;
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(color[c], expected[c], test::kSpreadLevels) << "at " << ball.vertices[corners[0]].transpose();
+  }
+  EXPECT_GT(n_unseen, static_cast<int>(ball.triangles.size()) / 3);
+}
+
+// A wall 500 mm behind a plate that hides its left half: what projects to within a pixel of the plate's edge does not
+// count as visible, because its pixel may show the plate.
+TEST(Texture, IsNotTakenFromThePixelsOfAnEdge) {
+  const View view = view_from_front();
+  Mesh mesh;
+  const auto add_quad = [&](double x0, double x1, double z) {
+    const int first = mesh.n_vertices();
+    for (double x : {x0, x1})
+      for (double y : {-60.0, 60.0}) {
+        const float p[3] = {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
+        mesh.positions.insert(mesh.positions.end(), p, p + 3);
+      }
+    for (int k : {0, 2, 1, 1, 2, 3}) mesh.triangles.push_back(first + k);
+  };
+  add_quad(-80, 0, 500);
+  const double mm_per_px = 1000 / view.camera.fx;
+  std::vector<double> beside_px;
+  for (double px : {-6.0, -2.0, 0.6, 3.0, 6.0}) {
+    beside_px.push_back(px);
+    add_quad(px * mm_per_px, (px + 20) * mm_per_px, 0);
+  }
+  test::on_every_device([&](ocl::DeviceContext& device) {
+    const ViewCoverage coverage = cover_surface(device, mesh, {view}).front();
+    for (size_t k = 0; k < beside_px.size(); ++k) {
+      const int vertex = static_cast<int>(4 + 4 * k);
+      EXPECT_EQ(coverage.facing[vertex] > 0, beside_px[k] > 1.5) << beside_px[k] << " px beside the edge";
+    }
+  });
+}
+
+}  // namespace
+}  // namespace livecap

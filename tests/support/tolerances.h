@@ -187,6 +187,9 @@ inline constexpr double kShadingLeft = 0.03;
 // Levels of 255 between what no picture shows and the one colour of its material: rounding. Spread from whatever is
 // beside it, it is a mixture of two.
 inline constexpr double kSpreadLevels = 3;
+// Of the texels per mm of two charts, of edges that lie along both: the curvature of a cylinder of 80 mm under edges
+// of 20.
+inline constexpr double kTexelRatio = 0.05;
 // Light that is left (kShadingLeft) of a lamp that makes one side three times as bright, root mean square of the
 // logarithm: the third order leaves 0.0017, the second 0.0073.
 inline constexpr double kStrongShadingLeft = 0.004;

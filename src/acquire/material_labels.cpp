@@ -11,7 +11,7 @@ namespace livecap::acquire {
 
 namespace {
 
-constexpr float kBorderVote = 0.05f;  // of a pixel beside one of another label, where a mm decides
+constexpr float kBorderVote = 0.25f;  // of a pixel beside one of another label, where a mm decides
 constexpr float kFewVotes = 0.03f;    // of all label images; fewer are of edges: a built hem is mm beside the true one
 constexpr double kDown = -0.7;        // of a normal's y, up in the rest frame: what is below it looks down
 constexpr double kCrease = 10;        // times the way that an edge between normals at right angles is longer

@@ -33,7 +33,7 @@ struct MaterialLabels {
 };
 
 // Majority over the views that see a vertex (kEdgeOn), each weighted by how straight it looks at it; background does
-// not vote, pixels beside those of another label hardly.
+// not vote, pixels beside those of another label little.
 MaterialLabels vote_labels(const meshing::Surface& surface, const std::vector<View>& views,
                            const std::vector<ViewCoverage>& coverage);
 

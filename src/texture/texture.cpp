@@ -14,9 +14,10 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kViewsPerVertex = 5;
-constexpr double kSharpness = 5;     // power of the weights: how much the best view outweighs the others
-constexpr double kBorderPx = 3;      // from the silhouette: background bleeds in there
-constexpr double kMinFacing = 0.25;  // cosine; flatter views are stretched
+constexpr double kSharpness = 5;  // power of the weights: how much the best view outweighs the others
+constexpr double kBorderPx = 3;   // from the silhouette: background bleeds in there
+constexpr double kFewestViews = 3, kManyViews = 0.1;  // of all: more than an edge a mm beside the true one has
+constexpr double kMinFacing = 0.25;                   // cosine; flatter views are stretched
 
 struct Share {
   int view;
@@ -52,7 +53,7 @@ std::vector<std::vector<Share>> choose_views(const meshing::Surface& surface, co
                                              const std::vector<uint8_t>& labels,
                                              const std::vector<std::vector<int>>& neighbors) {
   const size_t n = surface.vertices.size();
-  std::vector<std::vector<Share>> shares(n);
+  std::vector<std::vector<Share>> shares(n), of_other_label(n);
   for (size_t v = 0; v < views.size(); ++v) {
     const Silhouette silhouette = views[v].mask.empty() ? Silhouette{} : make_silhouette(views[v].mask);
     const Vector3d center = views[v].center();
@@ -63,7 +64,6 @@ std::vector<std::vector<Share>> choose_views(const meshing::Surface& surface, co
       if (facing <= 0) continue;
       const int x = static_cast<int>(std::lround(coverage[v].pixels[i].x())),
                 y = static_cast<int>(std::lround(coverage[v].pixels[i].y()));
-      if (!labels.empty() && !shows_label(views[v], x, y, labels[i])) continue;
       double inside = 1;
       if (!silhouette.empty()) {
         if (x < 0 || y < 0 || x >= silhouette.width || y >= silhouette.height) continue;
@@ -72,9 +72,18 @@ std::vector<std::vector<Share>> choose_views(const meshing::Surface& surface, co
       }
       // Pixels per mm of the surface.
       const double resolution = views[v].camera.fx / (surface.vertices[i] - center).norm() * facing;
-      if (inside > 0) shares[i].push_back({static_cast<int>(v), inside * (facing - kMinFacing) * resolution});
+      if (inside <= 0) continue;
+      const bool agrees = labels.empty() || shows_label(views[v], x, y, labels[i]);
+      (agrees ? shares : of_other_label)[i].push_back(
+          {static_cast<int>(v), inside * (facing - kMinFacing) * resolution});
     }
   }
+  // At a border of materials most views may disagree with the vote: then they are right.
+  for (size_t i = 0; i < n; ++i)
+    if (of_other_label[i].size() > shares[i].size() &&
+        static_cast<double>(of_other_label[i].size()) >=
+            std::max(kFewestViews, kManyViews * static_cast<double>(views.size())))
+      shares[i] = std::move(of_other_label[i]);
   for (auto& list : shares) {
     std::sort(list.begin(), list.end(), [](const Share& a, const Share& b) {
       return a.weight != b.weight ? a.weight > b.weight : a.view < b.view;

@@ -71,6 +71,12 @@ TEST(Texture, HasTheColourOfItsMaterialWhereNothingIsSeen) {
       EXPECT_NEAR(color[c], expected[c], test::kSpreadLevels) << "at " << ball.vertices[corners[0]].transpose();
   }
   EXPECT_GT(n_unseen, static_cast<int>(ball.triangles.size()) / 3);
+  // Four such pictures are believed, and not the label.
+  const BlendedTexture many =
+      blend_texture(ball, atlas, kTexels, std::vector<View>(4, view), std::vector<ViewCoverage>(4, coverage), labels);
+  int n_of_one = 0, n_of_many = 0;
+  for (size_t i = 0; i < n; ++i) n_of_one += texture.seen[i], n_of_many += many.seen[i];
+  EXPECT_GT(n_of_many, n_of_one);
 }
 
 // A wall 500 mm behind a plate that hides its left half: what projects to within a pixel of the plate's edge does not

@@ -31,10 +31,9 @@ bool is_even_around(const ImageGray& image, int x, int y) {
 // Vertices without a label take that of the nearest with one, along the surface, where a crease is a long way: inside
 // of a skirt nothing is seen, legs go on in it and its lining does not go down on them. They end where it closes: what
 // looks down there is no leg, unless `legs_everywhere`.
-void spread_labels(const meshing::Surface& surface, bool legs_everywhere, std::vector<char>& known,
+void spread_labels(const meshing::Surface& surface, const std::vector<std::vector<int>>& neighbors,
+                   const std::vector<Eigen::Vector3d>& normals, bool legs_everywhere, std::vector<char>& known,
                    std::vector<uint8_t>& labels) {
-  const std::vector<std::vector<int>> neighbors = meshing::neighbors_of(surface);
-  const std::vector<Eigen::Vector3d> normals = meshing::vertex_normals(surface);
   struct Step {
     double way;
     int vertex;
@@ -99,7 +98,10 @@ MaterialLabels vote_labels(const meshing::Surface& surface, const std::vector<Vi
     if (known[i]) result.labels[i] = static_cast<uint8_t>(best - votes[i].begin());
     result.n_unseen += !known[i];
   }
-  for (bool legs_everywhere : {false, true}) spread_labels(surface, legs_everywhere, known, result.labels);
+  const std::vector<std::vector<int>> neighbors = meshing::neighbors_of(surface);
+  const std::vector<Eigen::Vector3d> normals = meshing::vertex_normals(surface);
+  for (bool legs_everywhere : {false, true})
+    spread_labels(surface, neighbors, normals, legs_everywhere, known, result.labels);
   return result;
 }
 

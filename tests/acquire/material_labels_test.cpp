@@ -9,11 +9,16 @@
 namespace livecap::acquire {
 namespace {
 
-// Three vertices of a tetrahedron's four are looked at, one label is none of LIP's.
-TEST(MaterialLabels, VotesCountWhatTheyCannotUse) {
+meshing::Surface tetrahedron() {
   meshing::Surface surface;
   surface.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   surface.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  return surface;
+}
+
+// Three vertices of a tetrahedron's four are looked at, one label is none of LIP's.
+TEST(MaterialLabels, VotesCountWhatTheyCannotUse) {
+  const meshing::Surface surface = tetrahedron();
   View view;
   view.labels = {96, 64, std::vector<uint8_t>(96 * 64, 5)};
   view.labels.pixels[0] = 200;
@@ -77,9 +82,7 @@ TEST(MaterialLabels, LegsGoOnWhereASkirtHidesThem) {
 
 // A pixel at the border of two labels is of either by chance.
 TEST(MaterialLabels, PixelsWithinALabelOutvoteThoseAtItsBorder) {
-  meshing::Surface surface;
-  surface.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  surface.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  const meshing::Surface surface = tetrahedron();
   View view;
   view.labels = {96, 64, std::vector<uint8_t>(96 * 64, 5)};
   for (int y = 0; y < 64; ++y)

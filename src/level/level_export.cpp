@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "base/require_writable.h"
 #include "base/text.h"
 #include "eval/body_points.h"
 #include "export/bvh.h"
@@ -139,6 +140,7 @@ LevelExportReport export_level(const LevelExportOptions& options) {
     const fs::path kind = out.extension();
     if (kind != ".glb" && kind != ".bvh" && kind != ".pc2")
       throw ConfigError("--out " + out.string() + ": must end with .glb, .bvh or .pc2");
+    require_writable(out);
   }
   LevelClip clip(options);
   for (const fs::path& out : options.out) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "base/require_writable.h"
 #include "base/text.h"
 #include "image/image_io.h"
 #include "image/video.h"
@@ -78,13 +79,7 @@ class Folder : public PictureSink {
 
 class OnePicture : public PictureSink {
  public:
-  explicit OnePicture(const std::string& file) : file_(file) {
-    const fs::path folder = fs::path(file).parent_path();
-    std::error_code ignored;
-    if (fs::is_directory(file, ignored)) throw IoError(file + ": is a folder, expected a file to write");
-    if (!folder.empty() && !fs::is_directory(folder, ignored))
-      throw IoError(file + ": there is no folder " + folder.string());
-  }
+  explicit OnePicture(const std::string& file) : file_(file) { require_writable(file); }
   void write(int64_t, const ScenePicture& picture) override { write_picture(picture, file_); }
   void finish() override {}
 

@@ -300,7 +300,7 @@ expect 2 'none folder' export --capture none --out up.glb
 expect 2 'nothing/report.json' export --capture nothing --out up.glb
 expect 2 '--camera seq/camera.json floor' export --capture good --out up.glb --camera seq/camera.json
 expect 2 'good/frames.csv nobody' export --capture good --out up.glb --first 100000
-expect 2 'nowhere/up.glb' export --capture good --out nowhere/up.glb
+expect 2 'nowhere/up.glb' export --capture none --out nowhere/up.glb
 expect 2 '--bvh-unit' export --capture good --out up.bvh --bvh-unit inch
 
 # render.
@@ -354,6 +354,8 @@ if ! "$livecap" eval --ablate --truth seq/truth --video seq/video.mp4 --camera s
 fi
 
 # actor build.
+ln -s seq/video.mp4 link.glb
+echo '{}' >a.html
 expect 2 '--images --mesh' actor build --out a.glb
 expect 2 'nowhere' actor build --images nowhere --out a.glb
 expect 2 'none.obj' actor build --mesh none.obj --out a.glb
@@ -379,6 +381,13 @@ expect 2 '--camera --video' actor build --images seq/truth/masks --camera seq/ca
 expect 2 'nobody' actor views builtin:nobody --out v
 expect 2 'nobody' actor compare seq/actor.glb builtin:nobody
 expect 2 'none.glb' actor compare none.glb seq/actor.glb
+expect 2 '--out a.html: .glb' actor build --mesh seq/actor.glb --out a.html
+expect 2 'nowhere/a.glb: nowhere' actor build --mesh none.obj --out nowhere/a.glb
+expect 2 '--mesh seq/actor.glb overwritten --out' actor build --mesh seq/actor.glb --out seq/actor.glb
+expect 2 '--joints a.html overwritten --out' actor build --mesh none.obj --joints a.html --out a.glb
+expect 2 '--video overwritten' actor build --video link.glb --out link.glb
+expect 2 'nowhere/c.html nowhere' actor compare none.glb seq/actor.glb --html nowhere/c.html
+rm a.html link.glb
 [[ ! -e a.glb ]] || { echo "FAILED: actor build left a file"; failures=$((failures + 1)); }
 
 # actor fit.
@@ -393,6 +402,11 @@ expect 2 'none.png' "${fit[@]}" --background none.png
 expect 2 'none.mp4' actor fit --video none.mp4 --camera seq/camera.json --out a.glb
 expect 2 'wide.json 640x960 540x960' actor fit --video seq/video.mp4 --camera wide.json --out a.glb
 expect 2 'seq/video.mp4 nobody' "${fit[@]}" --frames 2 --model lite
+expect 2 '--out a.html: .glb' "${fit[@]:0:6}" --out a.html
+expect 2 'nowhere/a.glb: nowhere' actor fit --video none.mp4 --camera seq/camera.json --out nowhere/a.glb
+cp seq/camera.json a.html
+expect 2 '--camera a.html overwritten --out' actor fit --video none.mp4 --camera a.html --out a.glb
+rm a.html
 [[ ! -e a.glb ]] || { echo "FAILED: actor fit left a file"; failures=$((failures + 1)); }
 expect 2 '--legs 9 0.6 1.6' synth --legs 9 --out s
 expect 2 '--crouch 60' synth --crouch 60 --out s
@@ -403,6 +417,7 @@ expect 2 '--board --charuco' calibrate --images seq/truth/masks --out c.json
 expect 2 '--board nine 9x6' calibrate --images seq/truth/masks --board nine --out c.json
 expect 2 '--dictionary 9x9' calibrate --images seq/truth/masks --charuco 7x5 --dictionary 9x9 --out c.json
 expect 2 '--marker' calibrate --images seq/truth/masks --charuco 7x5 --marker 75 --out c.json
+expect 2 'nowhere/c.json: nowhere' calibrate --video none.mp4 --board 9x6 --out nowhere/c.json
 expect 2 'none.mp4' calibrate --video none.mp4 --board 9x6 --out c.json
 expect 2 'nothing holds no .png' calibrate --images nothing --board 9x6 --out c.json
 expect 2 'seq/truth/masks: no board with 9x6 inner corners' calibrate --images seq/truth/masks --board 9x6 --out c.json

@@ -9,11 +9,13 @@
 #include "acquire/report.h"
 #include "actor/actor.h"
 #include "actor/inspect.h"
+#include "base/require_writable.h"
 #include "base/text.h"
 #include "cloth/folds.h"
 #include "cloth/hanging_cloth.h"
 #include "eval/capture_folder.h"
 #include "eval/compare_actors.h"
+#include "livecap/error.h"
 #include "method_options.h"
 #include "ocl/context.h"
 #include "texture/surface_views.h"
@@ -31,6 +33,7 @@ struct Options {
 };
 
 int compare(const Options& options) {
+  if (!options.html.empty()) require_writable(options.html);
   const Actor built = load_actor_named(options.file, options.height_mm);
   const Actor truth = load_actor_named(options.truth, 0);
   std::vector<char> seen;
@@ -69,6 +72,14 @@ int inspect(const Options& options) {
 }
 
 }  // namespace
+
+void require_actor_output(const std::string& out, const std::vector<InputFile>& inputs) {
+  const std::filesystem::path file = out;
+  if (file.extension() != ".glb") throw ConfigError("--out " + out + ": must end with .glb");
+  const std::filesystem::path report = std::filesystem::path(file).replace_extension(".html");
+  for (const std::filesystem::path& written : {file, report}) require_writable(written);
+  require_apart(inputs, {file, report});
+}
 
 void add_actor_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();

@@ -1,9 +1,17 @@
 // The subcommands of `livecap actor` that have files of their own.
 #pragma once
 
+#include <string>
+#include <vector>
+
+#include "base/require_apart.h"
 #include "command.h"
 
 namespace livecap::tools {
+
+// Of --out of `build` and `fit`: NAME.glb, and NAME.html with the report beside it. Throws ConfigError or IoError,
+// before any work, where it is called otherwise, cannot be written or is one of the inputs.
+void require_actor_output(const std::string& out, const std::vector<InputFile>& inputs);
 
 void add_actor_build_command(CLI::App& actor, Action& action);
 void add_actor_views_command(CLI::App& actor, Action& action);

@@ -50,6 +50,10 @@ int build(const BuildCommand& options) {
   acquire::BuildOptions build = options.build;
   build.name = std::filesystem::path(options.out).stem().string();
   build.validate();
+  require_actor_output(options.out, {{"--mesh", build.mesh},
+                                     {"--joints", build.joints},
+                                     {"--video", build.turntable.video},
+                                     {"--camera", build.turntable.camera}});
   const ocl::DevicePair devices = ocl::select_device_pair(options.cnn_device, options.solver_device);
   ocl::DeviceContext network(devices.cnn), solver(devices.solver);
   catch_interrupt();

@@ -26,6 +26,8 @@ int fit(const FitCommand& command) {
   FitActorOptions options = command.fit;
   options.actor = builtin_actor_name(command.actor);
   options.validate();
+  require_actor_output(
+      command.out, {{"--video", options.video}, {"--camera", options.camera}, {"--background", options.background}});
   const ocl::DevicePair devices = ocl::select_device_pair(command.cnn_device, command.solver_device);
   ocl::DeviceContext network(devices.cnn), solver(devices.solver);
   catch_interrupt();

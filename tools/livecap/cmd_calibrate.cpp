@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/log.h"
+#include "base/require_writable.h"
 #include "base/text.h"
 #include "calibrate/calibrate.h"
 #include "calibrate/floor_board.h"
@@ -91,6 +92,7 @@ int calibrate(const Options& options) {
   views.source = options.images.empty() ? options.video : options.images;
   if (!has_camera) views.validate();
   if (has_floor) floor.validate();
+  require_writable(options.out);
 
   Camera camera;
   if (has_camera) camera = load_camera(options.camera);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ablate.h"
+#include "base/require_writable.h"
 #include "base/text.h"
 #include "command.h"
 #include "eval/bars.h"
@@ -43,16 +44,6 @@ std::string with_fields(const std::string& report_json,
   std::string json = "{\n";
   for (const auto& [name, value] : fields) json += "\"" + name + "\": " + value + ",\n";
   return json + report_json.substr(report_json.find('{') + 1);
-}
-
-// A file that cannot be written is found before the work is done.
-void require_writable(const std::string& file) {
-  if (file.empty()) return;
-  const fs::path folder = fs::path(file).parent_path();
-  std::error_code ignored;
-  if (fs::is_directory(file, ignored)) throw IoError(file + ": is a folder, expected a file to write");
-  if (!folder.empty() && !fs::is_directory(folder, ignored))
-    throw IoError(file + ": there is no folder " + folder.string());
 }
 
 int finish(const Options& options, const EvalOptions& pictured, const EvalReport& report, const EvalReport* pose_only,
@@ -107,8 +98,8 @@ int run_all(Options options) {
 
 int run(Options options) {
   for (const auto& [camera, masks] : options.views) options.eval.views.push_back(open_view(camera, masks));
-  require_writable(options.html);
-  if (!options.ablate) require_writable(options.out);
+  if (!options.html.empty()) require_writable(options.html);
+  if (!options.ablate && !options.out.empty()) require_writable(options.out);
   return options.ablate ? run_all(std::move(options)) : run_one(options);
 }
 

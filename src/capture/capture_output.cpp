@@ -12,6 +12,7 @@
 #include "capture/report_json.h"
 #include "export/export_frame.h"
 #include "export/frame_times.h"
+#include "image/empty_picture.h"
 #include "livecap/error.h"
 #include "picture/overlay.h"
 
@@ -103,6 +104,7 @@ void CaptureOutput::write_row(const FrameReport& report) {
 }
 
 FrameReport CaptureOutput::publish(WorkItem& item) {
+  n_in_empty_ += item.detections.person && item.report.index < options_.background_frames;
   for (FrameReport& dropped : item.dropped_before) {
     Detections nobody;
     nobody.frame_index = dropped.index;
@@ -155,6 +157,8 @@ CaptureReport CaptureOutput::finish(const ocl::DevicePair& devices, const std::s
   for (int i = 0; i < kStageCount; ++i) report.stage_median_ms[i] = median(stage_ms[i]);
   report.latency_ms = median(latency);
   if (first_to_last_ms_ > 0) report.fps = 1000.0 * static_cast<double>(n_after_first_) / first_to_last_ms_;
+  if (n_in_empty_ > 0)
+    report.warnings.push_back(not_empty_warning(options_.video, n_in_empty_, options_.background_frames));
   if (report.tracked == 0) report.warnings.push_back(options_.video + ": nobody was tracked in any frame");
 
   if (overlay_) {

@@ -28,20 +28,12 @@ int64_t FrameReader::n_frames() const {
 }
 
 std::vector<ImageRgb> FrameReader::empty_plates() {
-  std::vector<ImageRgb> plates;
-  if (!options_.background.empty()) {
-    plates.push_back(undistorter_->undistort(read_empty_picture(options_.background, info_)));
-  } else if (options_.background_frames > 0) {
-    // A reader of its own, so that the plate frames are also captured; a webcam has no second start.
-    const bool live = is_webcam(options_.video);
-    std::unique_ptr<VideoReader> own = live ? nullptr : std::make_unique<VideoReader>(options_.video);
-    VideoReader& reader = live ? *video_ : *own;
-    Frame frame;
-    for (int i = 0; i < options_.background_frames && reader.read(frame); ++i) {
-      if (!frame.damaged) plates.push_back(undistorter_->undistort(frame.image));
-    }
-    if (plates.empty()) throw IoError(options_.video + ": none of the background frames could be decoded");
-  }
+  // A reader of its own, so that the plate frames are also captured; a webcam has no second start.
+  const bool own = options_.background_frames > 0 && !is_webcam(options_.video);
+  const std::unique_ptr<VideoReader> second = own ? std::make_unique<VideoReader>(options_.video) : nullptr;
+  std::vector<ImageRgb> plates =
+      read_empty_pictures(options_.background, options_.background_frames, options_.video, own ? *second : *video_);
+  for (ImageRgb& plate : plates) plate = undistorter_->undistort(std::move(plate));
   return plates;
 }
 

@@ -100,6 +100,8 @@ void FitActorOptions::validate() const {
   if (camera.empty() == (fov_deg <= 0)) throw ConfigError("actor fit: give either --camera or --fov");
   if (!background.empty() && background_frames > 0)
     throw ConfigError("actor fit: give either --background or --background-frames");
+  if (background_frames < 0)
+    throw ConfigError(format("--background-frames %d: must not be negative", background_frames));
   synth::outfit_from_name(actor);
   if (!(height_mm == 0 || (height_mm >= 800 && height_mm <= 2500)))
     throw ConfigError(format("--height %g m; must be within 0.8..2.5", height_mm / 1000));
@@ -113,6 +115,7 @@ FitResult fit_actor(ocl::DeviceContext& device, FitFootage footage, const FitAct
   FitResult result;
   result.n_looked_at = footage.n_looked_at;
   result.n_seen = footage.n_seen;
+  result.notes = std::move(footage.notes);
   const double height_mm = options.height_mm > 0 ? options.height_mm : kBuiltinHeightMm;
   if (options.height_mm <= 0)
     result.notes.push_back(

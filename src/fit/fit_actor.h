@@ -43,6 +43,7 @@ struct FitFootage {
   Camera camera;  // undistorted
   std::vector<FitFrame> frames;
   int n_looked_at = 0, n_seen = 0;
+  std::vector<std::string> notes;
 };
 
 using FitProgress = std::function<bool(const std::string& stage, int done, int total)>;

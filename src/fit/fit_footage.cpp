@@ -41,15 +41,11 @@ bool is_cut_off(const ImageGray& mask, int area_px) {
   return on_border * on_border > 0.01 * area_px;
 }
 
-BackgroundModel train(const FitActorOptions& options, const VideoInfo& video, const Undistorter& undistorter) {
+BackgroundModel train(const FitActorOptions& options, const Undistorter& undistorter) {
   BackgroundModel background;
-  if (!options.background.empty())
-    background.train(undistorter.undistort(read_empty_picture(options.background, video)));
-  if (options.background_frames <= 0) return background;
   VideoReader reader(options.video);
-  Frame frame;
-  for (int i = 0; i < options.background_frames && reader.read(frame); ++i)
-    if (!frame.damaged) background.train(undistorter.undistort(frame.image));
+  for (ImageRgb& picture : read_empty_pictures(options.background, options.background_frames, options.video, reader))
+    background.train(undistorter.undistort(std::move(picture)));
   return background;
 }
 
@@ -63,13 +59,13 @@ FitFootage read_footage(ocl::DeviceContext& network_device, ocl::DeviceContext& 
   const Undistorter undistorter(video_camera(options.camera, options.fov_deg, info, options.video));
   FitFootage footage;
   footage.camera = undistorter.undistorted_camera();
-  ForegroundSegmenter foreground(device, train(options, info, undistorter), info.width, info.height);
+  ForegroundSegmenter foreground(device, train(options, undistorter), info.width, info.height);
   DeviceFrame device_frame(device, info.width, info.height);
   detect::PoseDetectorOptions detector_options;
   detector_options.model = options.model;
   detect::PoseDetector detector(network_device, detector_options);
 
-  int n_person = 0, spacing = 1;
+  int n_person = 0, n_in_empty = 0, spacing = 1;
   const int total = info.frame_count_hint > 0
                         ? static_cast<int>(std::min<int64_t>(info.frame_count_hint, options.max_frames))
                         : options.max_frames;
@@ -82,6 +78,7 @@ FitFootage read_footage(ocl::DeviceContext& network_device, ocl::DeviceContext& 
     ImageRgb image = undistorter.undistort(std::move(frame.image));
     Detections detections = detector.detect(image, footage.camera, frame.index, frame.pts_ms / 1000);
     n_person += detections.person;
+    n_in_empty += detections.person && frame.index < options.background_frames;
     if (!is_whole(detections, footage.camera)) continue;
     if (footage.n_seen++ % spacing != 0) continue;
     FitFrame kept;
@@ -108,6 +105,7 @@ FitFootage read_footage(ocl::DeviceContext& network_device, ocl::DeviceContext& 
     throw ConfigError(options.video +
                       format(": %zu of %d frames show a whole person, from head to feet; at least %d are needed",
                              footage.frames.size(), footage.n_looked_at, kLeastFrames));
+  if (n_in_empty > 0) footage.notes.push_back(not_empty_warning(options.video, n_in_empty, options.background_frames));
   return footage;
 }
 

@@ -218,6 +218,7 @@ TEST(FitActor, RefusesImpossibleOptions) {
   refused([](FitActorOptions& o) { o.actor = "nobody"; });
   refused([](FitActorOptions& o) { o.height_mm = 9000; });
   refused([](FitActorOptions& o) { o.background = "a.png", o.background_frames = 3; });
+  refused([](FitActorOptions& o) { o.background_frames = -1; });
   refused([](FitActorOptions& o) { o.n_frames = 2; });
 }
 

@@ -196,6 +196,7 @@ unset OCL_ICD_VENDORS
 
 # A first frame after the last: the video's length, and nothing is written.
 expect_capture 2 '--first 100000 seq/video.mp4 6 frames' --camera seq/camera.json --first 100000
+expect_capture 2 '--background-frames 6: seq/video.mp4 6 frames' --background '' --background-frames 6
 expect 2 '--first 6: seq/video.mp4 6 frames' detect --video seq/video.mp4 --camera seq/camera.json --model lite --first 6 --out detected
 [[ ! -e detected ]] || { echo "FAILED: detect left a folder"; failures=$((failures + 1)); }
 
@@ -209,7 +210,7 @@ expect 2 'wide.json 640 540' live --video seq/video.mp4 --camera wide.json --act
 expect 2 'here HOST:PORT 39539' "${live[@]}" --vmc here
 expect 2 'nobody.invalid host' "${live[@]}" --vmc nobody.invalid:39539
 expect 2 'nonsense' "${live[@]}" --without nonsense
-expect 2 'video.mp4 no picture' live --video seq/video.mp4 --camera seq/camera.json --background-frames 99 --actor seq/actor.glb --model lite
+expect 2 '--background-frames 99: seq/video.mp4 6 frames' live --video seq/video.mp4 --camera seq/camera.json --background-frames 99 --actor seq/actor.glb --model lite
 expect 2 'nonsense valid :0' "${live[@]}" --solver-device nonsense
 # Without libavdevice, or SDL in FFmpeg, there is no window anywhere.
 "$livecap" "${live[@]}" --show >out.txt 2>err.txt
@@ -268,6 +269,15 @@ if ! "$livecap" -q capture "${args[@]}" --no-surface --draw 7 2>err.txt ||
   failures=$((failures + 1))
 fi
 rm -rf drawn
+# Somebody in frames that were called empty: a warning.
+cases=$((cases + 1))
+mapfile -t args < <(capture --background '')
+if ! "$livecap" -q capture "${args[@]}" --no-surface --background-frames 4 2>err.txt ||
+  ! grep -q 'sees a person in [1-4] of the first 4 frames' result/report.json; then
+  echo "FAILED: capture --background-frames with the person in them"
+  failures=$((failures + 1))
+fi
+rm -rf result
 expect 2 'nowhere folder' eval --capture good --truth nowhere
 mkdir -p nothing
 expect 2 'nothing vertices.pc2 joints.json masks' eval --capture good --truth nothing
@@ -398,6 +408,8 @@ expect 2 '--actor seq/actor.glb builtin:skirt' "${fit[@]}" --actor seq/actor.glb
 expect 2 'nobody skirt' "${fit[@]}" --actor builtin:nobody
 expect 2 '--height: between 0.8 and 2.5 metres, not 9' "${fit[@]}" --height 9
 expect 2 '--fit-frames' "${fit[@]}" --fit-frames 2
+expect 2 '--background-frames -1' "${fit[@]}" --background-frames -1
+expect 2 '--background-frames 6: seq/video.mp4 6 frames' "${fit[@]}" --background-frames 6
 expect 2 'none.png' "${fit[@]}" --background none.png
 expect 2 'none.mp4' actor fit --video none.mp4 --camera seq/camera.json --out a.glb
 expect 2 'wide.json 640x960 540x960' actor fit --video seq/video.mp4 --camera wide.json --out a.glb

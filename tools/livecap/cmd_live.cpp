@@ -47,19 +47,6 @@ Picture picture_of(const ImageRgb& image, double time_s) {
   return {image.pixels.data(), image.width, image.height, 0, PixelFormat::kRgb, time_s};
 }
 
-// The empty scene: a file, or the first frames of the video.
-std::vector<ImageRgb> empty_pictures(const Options& options, VideoReader& video) {
-  std::vector<ImageRgb> pictures;
-  if (!options.background.empty()) pictures.push_back(read_empty_picture(options.background, video.info()));
-  Frame frame;
-  for (int i = 0; i < options.background_frames && video.read(frame); ++i) {
-    if (!frame.damaged) pictures.push_back(std::move(frame.image));
-  }
-  if (pictures.empty() && options.background_frames > 0)
-    throw IoError(options.video + ": none of the background frames could be decoded");
-  return pictures;
-}
-
 // Pictures at the pace that they were taken at. A camera's are read as they come, but for those that waited in its
 // driver while nobody read: they are old.
 class Pictures {
@@ -125,7 +112,8 @@ int run(const Options& options) {
   VideoReader video(options.video);
   LiveOptions live = options.live;
   live.camera = video_camera(options.camera, options.fov_deg, video.info(), options.video);
-  const std::vector<ImageRgb> plates = empty_pictures(options, video);
+  const std::vector<ImageRgb> plates =
+      read_empty_pictures(options.background, options.background_frames, options.video, video);
   for (const ImageRgb& plate : plates) live.background.push_back(picture_of(plate, 0));
   std::optional<UdpSender> receiver;
   if (!options.vmc.empty()) receiver.emplace(options.vmc);

@@ -34,6 +34,11 @@ void BuildOptions::validate() const {
   if (!has_pictures() && mesh.empty())
     throw ConfigError(
         "--images, --video or --mesh is needed: pictures of the person, a video of them turning, or a scan");
+  for (const auto& [option, given] : {std::pair{"--cameras", !views.cameras.empty()},
+                                      {"--masks", !views.masks.empty()},
+                                      {"--labels", !views.labels.empty()}})
+    if (given && views.images.empty())
+      throw ConfigError(std::string(option) + " needs --images, the pictures that it belongs to");
   unit_in_mm(unit);
   if (target_vertices < 500 || target_vertices > 40000)
     throw ConfigError(format("--vertices %d; must be within 500..40000", target_vertices));

@@ -26,6 +26,13 @@ cv::Mat decode(const std::filesystem::path& path, int flags) {
   return image;
 }
 
+ImageGray to_gray(const cv::Mat& gray) {
+  ImageGray image{gray.cols, gray.rows, std::vector<uint8_t>(size_t(gray.cols) * gray.rows)};
+  cv::Mat copy(gray.rows, gray.cols, CV_8UC1, image.pixels.data());
+  gray.copyTo(copy);
+  return image;
+}
+
 std::string encode(const cv::Mat& image, const char* suffix, const std::vector<int>& parameters = {}) {
   std::vector<uint8_t> bytes;
   if (!cv::imencode(suffix, image, bytes, parameters)) throw IoError(format("%s: encoding failed", suffix));
@@ -52,11 +59,17 @@ ImageRgb read_image_rgb(const std::filesystem::path& path) {
 }
 
 ImageGray read_image_gray(const std::filesystem::path& path) {
-  const cv::Mat gray = decode(path, cv::IMREAD_GRAYSCALE);
-  ImageGray image{gray.cols, gray.rows, std::vector<uint8_t>(size_t(gray.cols) * gray.rows)};
-  cv::Mat copy(gray.rows, gray.cols, CV_8UC1, image.pixels.data());
-  gray.copyTo(copy);
-  return image;
+  return to_gray(decode(path, cv::IMREAD_GRAYSCALE));
+}
+
+ImageGray read_image_mask(const std::filesystem::path& path) {
+  const cv::Mat stored = decode(path, cv::IMREAD_UNCHANGED);
+  if (stored.type() != CV_8UC4) return read_image_gray(path);
+  cv::Mat alpha;
+  cv::extractChannel(stored, alpha, 3);
+  double least, most;
+  cv::minMaxLoc(alpha, &least, &most);
+  return least < most ? to_gray(alpha) : read_image_gray(path);
 }
 
 void write_png(const ImageRgb& image, const std::filesystem::path& path) {

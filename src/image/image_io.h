@@ -14,6 +14,10 @@ ImageRgb read_image_rgb(const std::filesystem::path& path);
 // 8-bit; colour files are converted to luma. Throws IoError naming the file.
 ImageGray read_image_gray(const std::filesystem::path& path);
 
+// A mask as cutting tools leave it: the alpha of a picture that has one, unless it is the same everywhere; else as
+// read_image_gray.
+ImageGray read_image_mask(const std::filesystem::path& path);
+
 // Through a temporary file and a rename. Throws IoError; LogicError when the pixels do not match the size.
 void write_png(const ImageRgb& image, const std::filesystem::path& path);
 void write_png(const ImageGray& image, const std::filesystem::path& path);

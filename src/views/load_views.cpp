@@ -88,13 +88,26 @@ ImageGray turned(const ImageGray& image, int quarter_turns) {
   return result;
 }
 
-ImageGray read_companion(const path& file, const ImageRgb& image, int turns) {
-  ImageGray gray = read_image_gray(file);
+// gray: what `file` holds, beside the picture.
+ImageGray fitted_to(const ImageRgb& image, int turns, const path& file, ImageGray gray) {
   if (turns % 2 == 1 && gray.width == image.height && gray.height == image.width) gray = turned(gray, turns);
   if (gray.width != image.width || gray.height != image.height)
     throw IoError(file.string() +
                   format(": %d x %d, its picture is %d x %d", gray.width, gray.height, image.width, image.height));
   return gray;
+}
+
+// 255 = person. Some tools write 1 instead, which would be nobody.
+ImageGray read_mask(const path& file) {
+  ImageGray mask = read_image_mask(file);
+  const int most = mask.pixels.empty() ? 0 : *std::max_element(mask.pixels.begin(), mask.pixels.end());
+  if (most > 0 && most < 128)
+    throw IoError(file.string() + format(": its largest value is %d; in a mask 255 means person", most));
+  return mask;
+}
+
+bool is_empty(const ImageGray& mask) {
+  return std::all_of(mask.pixels.begin(), mask.pixels.end(), [](uint8_t value) { return value == 0; });
 }
 
 View view_of(const std::string& name, const ImageRgb& image, const Camera& camera, int max_side_px, cv::Mat& map) {
@@ -140,7 +153,8 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
   const path where = files.cameras.empty() ? find_view_poses(files.images) : files.cameras;
   std::vector<View> views;
   std::vector<double> sharp;
-  int n_missing = 0, n_no_mask = 0;
+  int n_missing = 0, n_no_mask = 0, n_no_labels = 0;
+  bool any_in_masks = false;
   int n_turned = 0;
   const bool as_stored = std::filesystem::is_directory(where);  // COLMAP's cameras
   const std::vector<ViewPose> poses = read_view_poses(where, files.images);
@@ -172,22 +186,37 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
     View view = view_of(pose.picture, image, camera, files.max_side_px, map);
     view.camera_from_world = pose.camera_from_world;
     if (!files.masks.empty()) {
-      if (const path mask = companion(files.masks, pose.picture, n_of_stem); !mask.empty())
-        view.mask = sample_gray(read_companion(mask, image, turns), map, cv::INTER_LINEAR);
-      else
+      if (const path file = companion(files.masks, pose.picture, n_of_stem); !file.empty()) {
+        const ImageGray mask = fitted_to(image, turns, file, read_mask(file));
+        any_in_masks |= !is_empty(mask);
+        view.mask = sample_gray(mask, map, cv::INTER_LINEAR);
+      } else {
         ++n_no_mask;
+      }
     }
-    if (!files.labels.empty())
+    if (!files.labels.empty()) {
       if (const path labels = companion(files.labels, pose.picture, n_of_stem); !labels.empty())
-        view.labels = sample_gray(read_companion(labels, image, turns), map, cv::INTER_NEAREST);
+        view.labels = sample_gray(fitted_to(image, turns, labels, read_image_gray(labels)), map, cv::INTER_NEAREST);
+      else
+        ++n_no_labels;
+    }
     sharp.push_back(sharpness(view.image));
     views.push_back(std::move(view));
   }
   if (n_turned > 0) notes.push_back(format("%d pictures are turned upright as their EXIF data says", n_turned));
   if (n_missing > 3) notes.push_back(format("%d pictures in all are not there", n_missing));
+  if (const int n_masks = static_cast<int>(views.size()) - n_no_mask;
+      !files.masks.empty() && n_masks > 0 && !any_in_masks)
+    throw IoError(files.masks.string() + format(": nobody is in any of the %d masks; 255 means person", n_masks));
   if (n_no_mask > 0)
     notes.push_back(
         format("%d pictures have no mask in %s; the network's is used", n_no_mask, files.masks.string().c_str()));
+  if (n_no_labels > 0) {
+    const std::string expected = format("label image in %s (expected <stem>.png)", files.labels.string().c_str());
+    if (n_no_labels == static_cast<int>(views.size()))
+      throw IoError(format("none of the %zu pictures has a ", views.size()) + expected);
+    notes.push_back(format("%d of %zu pictures have no ", n_no_labels, views.size()) + expected);
+  }
   // A picture much less sharp than the others was moved or out of focus.
   if (!views.empty()) {
     const double usual = median(sharp);

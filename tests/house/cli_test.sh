@@ -391,6 +391,12 @@ expect 2 '--camera --video' actor build --images seq/truth/masks --camera seq/ca
 expect 2 'nobody' actor views builtin:nobody --out v
 expect 2 'nobody' actor compare seq/actor.glb builtin:nobody
 expect 2 'none.glb' actor compare none.glb seq/actor.glb
+for option in --cameras --masks --labels; do
+  expect 2 "$option needs --images" actor build --mesh seq/actor.glb "$option" seq/truth/masks --out a.glb
+done
+expect 2 '--parser-mean requires --parser' actor build --images seq/truth/masks --parser-mean 0 0 0 --out a.glb
+expect 2 '--parser-std requires --parser' actor build --images seq/truth/masks --parser-std 1 1 1 --out a.glb
+expect 2 '--parser-bgr requires --parser' actor build --images seq/truth/masks --parser-bgr --out a.glb
 expect 2 '--out a.html: .glb' actor build --mesh seq/actor.glb --out a.html
 expect 2 'nowhere/a.glb: nowhere' actor build --mesh none.obj --out nowhere/a.glb
 expect 2 '--mesh seq/actor.glb overwritten --out' actor build --mesh seq/actor.glb --out seq/actor.glb

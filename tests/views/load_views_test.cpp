@@ -9,6 +9,7 @@
 
 #include "base/text.h"
 #include "image/image_io.h"
+#include "livecap/error.h"
 #include "support/tolerances.h"
 #include "views/picture_orientation.h"
 
@@ -64,11 +65,11 @@ TEST_F(LoadViews, PicturesOfTheSameNameHaveMasksOfTheirOwn) {
     for (const char* camera : {"a", "b"}) {
       names.push_back(std::string(camera) + format("/%d.png", i));
       write_png(dotted(40, 30), folder_ / "images" / names.back());
-      write_png(plain(camera[0] == 'a' ? 200 : 60), folder_ / "masks" / names.back());
+      write_png(plain(camera[0] == 'a' ? 200 : 160), folder_ / "masks" / names.back());
     }
   names.push_back("a/alone.png");
   write_png(dotted(40, 30), folder_ / "images" / names.back());
-  write_png(plain(100), folder_ / "masks" / "alone.png");  // not in a folder of its own
+  write_png(plain(180), folder_ / "masks" / "alone.png");  // not in a folder of its own
   write_png(plain(10), folder_ / "flat" / "0.png");        // whose?
   write_model(names);
   ViewFiles given = files();
@@ -78,12 +79,67 @@ TEST_F(LoadViews, PicturesOfTheSameNameHaveMasksOfTheirOwn) {
   ASSERT_EQ(views.size(), 9u);
   for (const View& view : views) {
     ASSERT_FALSE(view.mask.empty()) << view.name;
-    const int expected = view.name == "a/alone.png" ? 100 : view.name[0] == 'a' ? 200 : 60;
+    const int expected = view.name == "a/alone.png" ? 180 : view.name[0] == 'a' ? 200 : 160;
     EXPECT_EQ(view.mask.pixels[30 * kWidth + 40], expected) << view.name;
   }
   given.masks = folder_ / "flat";
   views = load_views(given, notes);
   EXPECT_TRUE(std::all_of(views.begin(), views.end(), [](const View& view) { return view.mask.empty(); }));
+}
+
+// As tools write them: cut out with alpha; 1 for the person; nothing at all.
+TEST_F(LoadViews, MasksOfOtherConventionsAreReadOrRefused) {
+  std::vector<std::string> names, notes;
+  ImageGray half = plain(0);
+  std::fill_n(half.pixels.begin() + half.pixels.size() / 2, half.pixels.size() / 2, uint8_t{255});
+  for (int i = 0; i < 8; ++i) {
+    names.push_back(format("a/%d.png", i));
+    write_png(dotted(40, 30), folder_ / "images" / names.back());
+    write_png(dotted(40, 30), half, folder_ / "masks" / names.back());
+  }
+  write_model(names);
+  ViewFiles given = files();
+  given.masks = folder_ / "masks";
+  const View view = load_views(given, notes).front();
+  EXPECT_EQ(view.mask.pixels[50 * kWidth + 40], 255);
+  EXPECT_EQ(view.mask.pixels[10 * kWidth + 40], 0);
+  const auto refusal = [&]() -> std::string {
+    try {
+      load_views(given, notes);
+    } catch (const IoError& error) {
+      return error.what();
+    }
+    return {};
+  };
+  write_png(plain(1), folder_ / "masks/a/5.png");
+  EXPECT_EQ(refusal(), (folder_ / "masks/a/5.png").string() + ": its largest value is 1; in a mask 255 means person");
+  for (const std::string& name : names) write_png(plain(0), folder_ / "masks" / name);
+  EXPECT_EQ(refusal(), given.masks.string() + ": nobody is in any of the 8 masks; 255 means person");
+}
+
+TEST_F(LoadViews, LabelImagesThatAreMissingAreTold) {
+  std::vector<std::string> names;
+  for (int i = 0; i < 8; ++i) {
+    names.push_back(format("a/%d.png", i));
+    write_png(dotted(40, 30), folder_ / "images" / names.back());
+    if (i > 0) write_png(plain(5), folder_ / "masks" / names.back());
+  }
+  write_model(names);
+  ViewFiles given = files();
+  given.labels = folder_ / "masks";
+  std::vector<std::string> notes;
+  const std::vector<View> views = load_views(given, notes);
+  EXPECT_EQ(std::count_if(views.begin(), views.end(), [](const View& view) { return view.labels.empty(); }), 1);
+  EXPECT_EQ(notes, std::vector<std::string>{"1 of 8 pictures have no label image in " + given.labels.string() +
+                                            " (expected <stem>.png)"});
+  given.labels = folder_ / "flat";
+  try {
+    load_views(given, notes);
+    ADD_FAILURE();
+  } catch (const IoError& error) {
+    EXPECT_EQ(error.what(),
+              "none of the 8 pictures has a label image in " + given.labels.string() + " (expected <stem>.png)");
+  }
 }
 
 // One that nobody writes to: opened, it would wait for ever.

@@ -126,13 +126,16 @@ void add_actor_build_command(CLI::App& actor, Action& action) {
       ->capture_default_str();
   command->add_option("--masks", build_options.views.masks, "folder of masks, 255 = person; else the network's");
   command->add_option("--labels", build_options.views.labels, "folder of label images (LIP ids); else guessed");
-  command->add_option("--parser", build_options.parser.network,
-                      "a human parsing network (.onnx, 20 classes of LIP) that makes the label images");
+  CLI::Option* parser =
+      command->add_option("--parser", build_options.parser.network,
+                          "a human parsing network (.onnx, 20 classes of LIP) that makes the label images");
   command->add_option("--parser-mean", build_options.parser.mean, "its input's mean red green blue, 0..1")
+      ->needs(parser)
       ->capture_default_str();
   command->add_option("--parser-std", build_options.parser.deviation, "its input's deviation red green blue, 0..1")
+      ->needs(parser)
       ->capture_default_str();
-  command->add_flag("--parser-bgr", build_options.parser.bgr, "its first channel is blue");
+  command->add_flag("--parser-bgr", build_options.parser.bgr, "its first channel is blue")->needs(parser);
   command->add_option("--mesh", build_options.mesh, "a scan (.obj, .ply, .glb) instead of carving");
   command->add_option("--joints", build_options.joints,
                       "joints.json: joints that replace those found from the network");

@@ -19,14 +19,6 @@ std::string number(double value, int digits, const char* unknown) {
   return std::isfinite(value) ? format("%.*f", digits, value) : unknown;
 }
 
-double mean(const Summary& summary) {
-  return summary.n > 0 ? summary.mean : std::numeric_limits<double>::quiet_NaN();
-}
-
-double jitter(const Jitter& jitter) {
-  return jitter.n > 0 && jitter.truth > 0 ? jitter.error / jitter.truth : std::numeric_limits<double>::quiet_NaN();
-}
-
 // Face and hair, translation-aligned: what too soft a surface distorts.
 double head_mm(const EvalReport& report) {
   double sum = 0;
@@ -65,7 +57,7 @@ struct RowFigures {
 
 RowFigures figures_of(const AblationRow& row, const AblationRow& full) {
   RowFigures f{};
-  f.iou = mean_of(row.draws, [](const EvalReport& r) { return mean(r.iou); });
+  f.iou = mean_of(row.draws, [](const EvalReport& r) { return mean_or_nan(r.iou); });
   f.worst_iou = std::numeric_limits<double>::quiet_NaN();
   for (const EvalReport& report : row.draws) {
     if (report.iou.n > 0) f.worst_iou = std::fmin(f.worst_iou, report.iou.min);
@@ -75,11 +67,11 @@ RowFigures figures_of(const AblationRow& row, const AblationRow& full) {
   f.vertex_mm = vertices.mean_mm;
   f.deviation_mm = vertices.deviation_mm;
   f.change = vertex_change(row, full);
-  f.loose_mm = mean_of(row.draws, [](const EvalReport& r) { return mean(r.loose_aligned_mm); });
+  f.loose_mm = mean_of(row.draws, [](const EvalReport& r) { return mean_or_nan(r.loose_aligned_mm); });
   f.head_mm = mean_of(row.draws, head_mm);
-  f.joint_mm = mean_of(row.draws, [](const EvalReport& r) { return mean(r.joint_aligned_mm); });
-  f.vertex_jitter = mean_of(row.draws, [](const EvalReport& r) { return jitter(r.vertex_jitter); });
-  f.joint_jitter = mean_of(row.draws, [](const EvalReport& r) { return jitter(r.joint_jitter); });
+  f.joint_mm = mean_of(row.draws, [](const EvalReport& r) { return mean_or_nan(r.joint_aligned_mm); });
+  f.vertex_jitter = mean_of(row.draws, [](const EvalReport& r) { return error_over_truth(r.vertex_jitter); });
+  f.joint_jitter = mean_of(row.draws, [](const EvalReport& r) { return error_over_truth(r.joint_jitter); });
   return f;
 }
 
@@ -105,14 +97,14 @@ VertexChange vertex_change(const AblationRow& row, const AblationRow& full) {
   if (row.draws.size() != full.draws.size()) return {change, kUnknown};
   std::vector<double> differences;
   for (size_t i = 0; i < row.draws.size(); ++i)
-    differences.push_back(mean(row.draws[i].vertex_aligned_mm) - mean(full.draws[i].vertex_aligned_mm));
+    differences.push_back(mean_or_nan(row.draws[i].vertex_aligned_mm) - mean_or_nan(full.draws[i].vertex_aligned_mm));
   const auto n = static_cast<double>(differences.size());
   return {change, spread_of(differences).deviation_mm / std::sqrt(n) / of_full};
 }
 
 DrawnError vertex_error(const AblationRow& row) {
   std::vector<double> errors;
-  for (const EvalReport& report : row.draws) errors.push_back(mean(report.vertex_aligned_mm));
+  for (const EvalReport& report : row.draws) errors.push_back(mean_or_nan(report.vertex_aligned_mm));
   return spread_of(errors);
 }
 

@@ -11,16 +11,8 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-double mean_or_nan(const Summary& summary) {
-  return summary.n > 0 ? summary.mean : kNaN;
-}
-
 double ratio(double a, double b) {
   return b > 0 ? a / b : kNaN;
-}
-
-double jitter_ratio(const Jitter& jitter) {
-  return jitter.n > 0 ? ratio(jitter.error, jitter.truth) : kNaN;
 }
 
 }  // namespace
@@ -54,8 +46,9 @@ std::vector<Bar> judge_bars(const EvalReport& report, const EvalReport* pose_onl
        has_joints ? static_cast<double>(report.n_arms_exchanged + report.n_legs_exchanged) : kNaN, 0, ""},
       {"frames with an arm pulled into the trunk", false, 0,
        has_joints ? static_cast<double>(report.n_limb_inside) : kNaN, 0, ""},
-      {"jitter of vertices against the truth's acceleration", false, 1.3, jitter_ratio(report.vertex_jitter), 2, " x"},
-      {"jitter of joints against the truth's acceleration", false, 1.3, jitter_ratio(report.joint_jitter), 2, " x"},
+      {"jitter of vertices against the truth's acceleration", false, 1.3, error_over_truth(report.vertex_jitter), 2,
+       " x"},
+      {"jitter of joints against the truth's acceleration", false, 1.3, error_over_truth(report.joint_jitter), 2, " x"},
   };
   return bars;
 }

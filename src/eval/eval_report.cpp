@@ -22,6 +22,11 @@ Json summary_json(const Summary& summary) {
       {"n", summary.n}, {"mean", summary.mean}, {"median", summary.median}, {"p95", summary.p95}, {"max", summary.max}};
 }
 
+// "-" of what is not known.
+std::string figure(double value, int digits) {
+  return std::isfinite(value) ? format("%.*f", digits, value) : "-";
+}
+
 // Mean, median, the value only 5 % of the samples are worse than, and the worst.
 std::string summary_line(const char* name, const Summary& summary, int digits, bool high_is_good) {
   if (summary.n == 0) return format("%-34s nothing to compare\n", name);
@@ -35,8 +40,8 @@ std::string summary_line(const char* name, const Summary& summary, int digits, b
 
 std::string jitter_line(const char* name, const Jitter& jitter) {
   if (jitter.n == 0) return {};
-  return format("%-34s %8.2f %8.2f %8.2f %8.2f\n", name, jitter.error, jitter.captured, jitter.truth,
-                jitter.truth > 0 ? jitter.error / jitter.truth : 0);
+  return format("%-34s %8.2f %8.2f %8.2f %8s\n", name, jitter.error, jitter.captured, jitter.truth,
+                figure(error_over_truth(jitter), 2).c_str());
 }
 
 Json jitter_json(const Jitter& jitter) {
@@ -74,8 +79,9 @@ std::string motion_text(const EvalReport& report) {
                  static_cast<long long>(losses.n_losses), static_cast<long long>(losses.n_recovered),
                  static_cast<long long>(losses.longest), static_cast<long long>(losses.longest_entry));
   if (std::isfinite(report.speed.latency_ms)) {
-    text += format("latency, ms                        %8.0f median, %.0f worst 5%%, at %.1f fps\n",
-                   report.speed.latency_ms, report.speed.latency_p95_ms, report.speed.fps);
+    text +=
+        format("latency, ms                        %8.0f median, %s worst 5%%, at %s fps\n", report.speed.latency_ms,
+               figure(report.speed.latency_p95_ms, 0).c_str(), figure(report.speed.fps, 1).c_str());
   }
   return text;
 }
@@ -145,7 +151,7 @@ std::string eval_report_text(const EvalReport& report) {
   const auto each = [&](const char* what, const std::vector<std::pair<std::string, double>>& values) {
     if (values.empty()) return;
     text += format("%-34s", what);
-    for (const auto& [name, value] : values) text += format(" %s %.0f", name.c_str(), value);
+    for (const auto& [name, value] : values) text += " " + name + " " + figure(value, 0);
     text += "\n";
   };
   each("joints, mm after alignment", report.joints_aligned_mm);

@@ -23,10 +23,6 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-double mean_of(const std::vector<double>& values) {
-  return values.empty() ? kNaN : summarize(values).mean;
-}
-
 // Shares of the judged frames in which each joint angle is at one of its limits.
 void judge_limits(const CaptureFolder& capture, EvalReport& report) {
   report.at_limit = kNaN;
@@ -73,6 +69,16 @@ void warn_of_gaps(const CaptureFolder& capture) {
     log_warning(capture.path.string() + format(": has no row for %lld of the frames from its first to its last, which "
                                                "are not judged; a row with empty cells is a frame without a result",
                                                static_cast<long long>(n)));
+}
+
+// Errors of such a size say nothing of the capture.
+void warn_of_unit(const EvalOptions& options, double times_as_far) {
+  constexpr double kMuch = 20, kMillimetres = 300;
+  if (!(times_as_far >= kMuch)) return;
+  log_warning((options.capture / "joints.csv").string() +
+              format(": its joints are %.0f times as far from the camera as the true ones: are these %s? metres are "
+                     "expected",
+                     times_as_far, times_as_far < kMillimetres ? "cm" : "mm"));
 }
 
 double view_iou(const std::vector<float>& vertices_mm, const CaptureFolder& capture, const Camera& camera,
@@ -220,6 +226,7 @@ EvalReport evaluate(const EvalOptions& options) {
   report.vertex_jitter = vertex_jitter.result();
   report.vertex_jitter_centred = vertex_jitter_centred.result();
   joints.finish(report);
+  warn_of_unit(options, joints.times_as_far());
   report.body_point_mm = report.joint_mm;
   report.body_point_aligned_mm = report.joint_aligned_mm;
   report.body_points_aligned_mm = report.joints_aligned_mm;

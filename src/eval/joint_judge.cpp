@@ -13,12 +13,7 @@
 namespace livecap {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMissed = std::numeric_limits<double>::infinity();
-
-double mean_of(const std::vector<double>& values) {
-  return values.empty() ? kNaN : summarize(values).mean;
-}
 
 void append(std::vector<double>& all, const std::vector<double>& more) {
   all.insert(all.end(), more.begin(), more.end());
@@ -84,6 +79,9 @@ void JointJudge::judge(const std::vector<JointPair>& known, const std::vector<fl
   const std::vector<double> direct = point_distances(ours, theirs);
   frame.joint_mm = mean_of(direct);
   append(direct_, direct);
+  const std::vector<float> camera(ours.size(), 0);
+  append(captured_away_, point_distances(ours, camera));
+  append(true_away_, point_distances(theirs, camera));
 
   const int root = index_of(known, "root"), neck = index_of(known, "neck");
   const std::vector<double> from_root = root >= 0 ? root_aligned_distances(ours, theirs, root) : std::vector<double>();
@@ -123,6 +121,11 @@ void JointJudge::finish(EvalReport& report) {
   report.joint_jitter = jitter_.result();
   report.foot_slide =
       combined(foot_slide(captured_foot_[0], true_foot_[0], fps_), foot_slide(captured_foot_[1], true_foot_[1], fps_));
+}
+
+double JointJudge::times_as_far() const {
+  const Summary ours = summarize(captured_away_), theirs = summarize(true_away_);
+  return theirs.median > 0 ? ours.median / theirs.median : std::numeric_limits<double>::quiet_NaN();
 }
 
 void JointJudge::add_foot(int side, const std::vector<float>& ours, const std::vector<float>& theirs) {

@@ -33,6 +33,9 @@ class JointJudge {
   void skip();
   void finish(EvalReport& report);
 
+  // How often as far from the camera the captured joints are as the true ones, by the medians; NaN without either.
+  double times_as_far() const;
+
  private:
   void judge(const std::vector<JointPair>& known, const std::vector<float>& captured, const std::vector<float>& truth,
              FrameEval& frame);
@@ -42,6 +45,7 @@ class JointJudge {
   double fps_;
   int root_;  // among the pairs; -1: not among them
   std::vector<double> direct_, aligned_, from_root_;
+  std::vector<double> captured_away_, true_away_;   // of each known joint from the camera
   size_t missed_similarity_ = 0, missed_root_ = 0;  // joints without a result
   std::vector<std::vector<double>> per_joint_;      // [n_pairs]
   JitterMeter jitter_;

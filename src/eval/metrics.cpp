@@ -3,9 +3,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <utility>
 
 #include "base/text.h"
+#include "eval/packed_points.h"
 #include "livecap/error.h"
 
 namespace livecap {
@@ -16,11 +19,6 @@ using Points = Eigen::Matrix3Xd;
 Points to_points(std::span<const float> packed) {
   return Eigen::Map<const Eigen::Matrix3Xf>(packed.data(), 3, static_cast<Eigen::Index>(packed.size() / 3))
       .cast<double>();
-}
-
-void require_same_points(std::span<const float> a, std::span<const float> b) {
-  if (a.size() == b.size() && a.size() % 3 == 0) return;
-  throw LogicError(format("point lists of %zu and %zu numbers cannot be compared", a.size(), b.size()));
 }
 
 std::vector<double> column_norms(const Points& difference) {
@@ -95,6 +93,14 @@ Summary summarize(std::vector<double> values) {
   summary.min = values.front();
   summary.max = values.back();
   return summary;
+}
+
+double mean_or_nan(const Summary& summary) {
+  return summary.n > 0 ? summary.mean : std::numeric_limits<double>::quiet_NaN();
+}
+
+double mean_of(std::vector<double> values) {
+  return mean_or_nan(summarize(std::move(values)));
 }
 
 }  // namespace livecap

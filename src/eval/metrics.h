@@ -40,4 +40,9 @@ struct Summary {
 // Of finite values; zeros for an empty list. Quantiles interpolate linearly between neighbouring ranks.
 Summary summarize(std::vector<double> values);
 
+// NaN of nothing.
+double mean_or_nan(const Summary& summary);
+// Of the finite values; NaN when there are none.
+double mean_of(std::vector<double> values);
+
 }  // namespace livecap

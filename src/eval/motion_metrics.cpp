@@ -3,18 +3,16 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/text.h"
+#include "eval/packed_points.h"
 #include "livecap/error.h"
 
 namespace livecap {
 namespace {
 
 using Eigen::Vector3d;
-
-Vector3d point(const std::vector<float>& points, size_t i) {
-  return {points[3 * i], points[3 * i + 1], points[3 * i + 2]};
-}
 
 void require_fps(double fps) {
   if (!(fps > 0) || !std::isfinite(fps)) throw LogicError(format("%g frames per second", fps));
@@ -29,6 +27,10 @@ std::vector<float> relative_to_centroid(std::vector<float> points) {
 }
 
 }  // namespace
+
+double error_over_truth(const Jitter& jitter) {
+  return jitter.n > 0 && jitter.truth > 0 ? jitter.error / jitter.truth : std::numeric_limits<double>::quiet_NaN();
+}
 
 JitterMeter::JitterMeter(double fps, bool centred) : fps_(fps), centred_(centred) {
   require_fps(fps);

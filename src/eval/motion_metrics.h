@@ -15,6 +15,9 @@ struct Jitter {
   double truth = 0;     // of the truth's own
 };
 
+// The mean error over the truth's own acceleration; NaN where either is not known.
+double error_over_truth(const Jitter& jitter);
+
 // Acceleration of p at frame t: (p[t-1] - 2 p[t] + p[t+1]) fps^2, wherever three frames on end are known.
 class JitterMeter {
  public:

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "eval/packed_points.h"
 #include "meshing/surface_parts.h"
 
 namespace livecap {
@@ -36,10 +37,6 @@ Eigen::Isometry3d align(const std::vector<Vector3d>& points, const meshing::Near
     motion = Eigen::Isometry3d(step) * motion;
   }
   return motion;
-}
-
-Vector3d point(std::span<const float> positions, size_t i) {
-  return Eigen::Map<const Eigen::Vector3f>(&positions[3 * i]).cast<double>();
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/text.h"
+#include "eval/packed_points.h"
 #include "geometry/segment.h"
 #include "livecap/error.h"
 
@@ -15,15 +16,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kPckStepMm = 5;
-
-void require_same_points(std::span<const float> a, std::span<const float> b) {
-  if (a.size() == b.size() && a.size() % 3 == 0) return;
-  throw LogicError(format("point lists of %zu and %zu numbers cannot be compared", a.size(), b.size()));
-}
-
-Vector3d point(std::span<const float> points, int i) {
-  return {points[3 * i], points[3 * i + 1], points[3 * i + 2]};
-}
 
 // From a point to the segment between a and b.
 double distance_to_segment(const Vector3d& p, const Vector3d& a, const Vector3d& b) {

@@ -73,16 +73,21 @@ int64_t frame_index(const Table& table, size_t row, const std::filesystem::path&
   return frame;
 }
 
-// NaN for what is not a number.
-float to_float(const std::string& cell) {
+// NaN for an empty cell.
+float number(const Table& table, size_t row, size_t column, const std::filesystem::path& path) {
+  const std::string& cell = table.rows[row][column];
+  if (cell.empty()) return std::nanf("");
   char* end = nullptr;
   const float value = std::strtof(cell.c_str(), &end);
-  return cell.empty() || *end != '\0' ? std::nanf("") : value;
+  if (*end != '\0')
+    throw IoError(path.string() + format(": line %zu: %s \"%s\" must be a number, empty or nan", row + 2,
+                                         table.columns[column].c_str(), cell.c_str()));
+  return value;
 }
 
 // Of a column that not every file has: NaN without it.
 float number(const Table& table, size_t row, const char* name, const std::filesystem::path& path) {
-  return has_column(table, name) ? to_float(table.rows[row][column(table, name, path)]) : std::nanf("");
+  return has_column(table, name) ? number(table, row, column(table, name, path), path) : std::nanf("");
 }
 
 std::vector<float> read_joint_frame(const Json& frame, size_t n_joints, const std::string& where) {
@@ -149,7 +154,7 @@ JointTrack read_joints_csv(const std::filesystem::path& path) {
     bool any = false;
     for (size_t c : columns) {
       float point[3];
-      for (size_t axis = 0; axis < 3; ++axis) point[axis] = to_float(table.rows[row][c + axis]);
+      for (size_t axis = 0; axis < 3; ++axis) point[axis] = number(table, row, c + axis, path);
       const bool known = std::all_of(point, point + 3, [](float value) { return std::isfinite(value); });
       for (float value : point) positions.push_back(known ? value : std::nanf(""));
       any = any || known;
@@ -168,9 +173,9 @@ AngleTrack read_angles_csv(const std::filesystem::path& path) {
   const size_t first = column(table, "tracked", path) + 1;
   AngleTrack track;
   track.names.assign(table.columns.begin() + static_cast<std::ptrdiff_t>(first), table.columns.end());
-  for (const std::vector<std::string>& row : table.rows) {
+  for (size_t row = 0; row < table.rows.size(); ++row) {
     std::vector<double> angles;
-    for (size_t c = first; c < row.size(); ++c) angles.push_back(to_float(row[c]));
+    for (size_t c = first; c < table.columns.size(); ++c) angles.push_back(number(table, row, c, path));
     const bool known = std::all_of(angles.begin(), angles.end(), [](double value) { return std::isfinite(value); });
     track.frames.push_back(known ? angles : std::vector<double>());
   }

@@ -372,6 +372,24 @@ TEST_F(Evaluate, JointsAloneAreEnoughOfAnotherProgram) {
   test::expect_refused<IoError>([&] { evaluate(unnamed); }, {"report.json", "no such file", "--camera"});
 }
 
+TEST_F(Evaluate, MillimetresAreWarnedOf) {
+  const EvalOptions options = other_program(
+      "index,joint_root_x,joint_root_y,joint_root_z,joint_left_shoulder_x,joint_left_shoulder_y,joint_left_shoulder_z,"
+      "joint_right_shoulder_x,joint_right_shoulder_y,joint_right_shoulder_z,joint_left_wrist_x,joint_left_wrist_y,"
+      "joint_left_wrist_z\n"
+      "1,0,0,-3000,200,500,-3100,-200,500,-2900,,,\n"
+      "2,0,0,-3000,200,500,-3100,-200,500,-2900,,,\n");
+  std::vector<std::string> lines;
+  const EvalReport report = with_log(lines, [&] { return evaluate(options); });
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_EQ(lines[0], (options.capture / "joints.csv").string() +
+                          ": its joints are 1000 times as far from the camera as the true ones: are these mm? metres "
+                          "are expected");
+  const std::string text = eval_report_text(report);  // of a joint that is never known as well
+  EXPECT_NE(text.find(" left_wrist -"), std::string::npos) << text;
+  EXPECT_EQ(text.find("nan"), std::string::npos) << text;
+}
+
 TEST_F(Evaluate, OneLineNamesTheJointsThatACaptureLacks) {
   const EvalOptions options = other_program(
       "index,joint_neck_x,joint_neck_y,joint_neck_z,joint_left_shoulder_x,joint_left_shoulder_y,joint_left_shoulder_z,"

@@ -127,6 +127,13 @@ TEST(Metrics, SummaryOfKnownValues) {
   EXPECT_DOUBLE_EQ(summarize({3}).p95, 3);
 }
 
+TEST(Metrics, TheMeanOfNothingIsNoNumber) {
+  EXPECT_EQ(mean_of({1, 2, NAN}), 1.5);
+  EXPECT_TRUE(std::isnan(mean_of({NAN})));
+  EXPECT_TRUE(std::isnan(mean_of({})));
+  EXPECT_TRUE(std::isnan(mean_or_nan({})));
+}
+
 TEST(Metrics, SummaryLeavesOutWhatIsNotFinite) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const Summary summary = summarize({1, nan, 3, INFINITY});

@@ -96,6 +96,16 @@ TEST_F(SequenceFiles, OneUnknownCoordinateMakesItsJointUnknown) {
   EXPECT_TRUE(read_joints_csv(file("bare.csv", "joint_root_x,joint_root_y,joint_root_z\n1,2,3\n")).rows.empty());
 }
 
+TEST_F(SequenceFiles, TextIsNoNumber) {
+  const std::string joints = "index,pts_ms,joint_root_x,joint_root_y,joint_root_z\n0,0,1,2,3\n1,40,1,abc,3\n";
+  EXPECT_EQ(refusal([&] { read_joints_csv(file("j.csv", joints)); }),
+            (folder_ / "j.csv").string() + ": line 3: joint_root_y \"abc\" must be a number, empty or nan");
+  EXPECT_NE(refusal([&] { read_angles_csv(file("a.csv", "index,tracked,neck_x\n0,1,30deg\n")); }).find("\"30deg\""),
+            std::string::npos);
+  EXPECT_NE(refusal([&] { read_frames_csv(file("f.csv", "index,pts_ms,status\n0,soon,ok\n")); }).find("\"soon\""),
+            std::string::npos);
+}
+
 TEST_F(SequenceFiles, AJointWinsOverTheKeypointOfTheSameName) {
   const JointTrack track = read_joints_csv(
       file("j.csv",

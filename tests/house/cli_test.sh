@@ -284,6 +284,8 @@ expect 2 'nothing vertices.pc2 joints.json masks' eval --capture good --truth no
 expect 2 'nothing/report.json' eval --capture nothing --truth seq/truth
 cp -r good bare && rm bare/joints.csv
 expect 2 'bare/joints.csv' eval --capture bare --truth seq/truth
+cp good/joints.csv bare && sed -i '4s/,[^,]*$/,abc/' bare/joints.csv
+expect 2 'bare/joints.csv line 4 "abc" number' eval --capture bare --truth seq/truth
 mkdir -p tenth  # ten points, no sample
 printf 'POINTCACHE2\0\1\0\0\0\12\0\0\0\0\0\0\0\0\0\200\77\0\0\0\0' >tenth/vertices.pc2
 expect 2 'tenth/vertices.pc2 10 points' eval --capture good --truth tenth

@@ -82,6 +82,21 @@ expect 2 '--height: between 0.5 and 3 metres, not 178' actor inspect builtin:ski
 expect 2 '--height: between 0.5 and 3 metres, not 17' synth --height 17 --out s
 expect 2 '--frames -4: between 0 and 100000' synth --frames -4 --out s
 expect 2 '--picture-height 7' synth --picture-height 7 --out s
+for option in capture detect live 'actor build' 'actor fit' 'eval --ablate'; do
+  expect 2 '--fov: must be between 1 and 170 degrees, not -5' $option --video seq/video.mp4 --fov -5
+done
+expect 2 '--fov: must be between 1 and 170 degrees, not 0' capture --video seq/video.mp4 --fov 0
+for option in capture live 'actor fit' 'eval --ablate'; do
+  expect 2 '--background-frames: must be at least 1, not -3' $option --background-frames -3
+done
+for option in views vertices texture grid; do
+  expect 2 "--$option: must be between , not -1" actor build --"$option" -1
+done
+expect 2 '--fit-frames: between 4 and 200, not -1' actor fit --fit-frames -1
+expect 2 '--frames: at least 1, not -1' actor fit --frames -1
+expect 2 '--max-views: between , not -1' calibrate --max-views -1
+expect 2 '--views: between 1 and 1000, not 0' actor views --views 0
+expect 2 '--unit: auto' actor compare seq/actor.glb seq/actor.glb --views seq --unit auto
 # What was misspelt, and whose help says more.
 expect 2 'no option --vidoe capture --help' capture --vidoe a.mp4
 expect 2 'no option --draws bench --help' bench --draws

@@ -81,6 +81,12 @@ void require_actor_output(const std::string& out, const std::vector<InputFile>& 
   require_apart(inputs, {file, report});
 }
 
+void add_camera_unit_option(CLI::App& command, std::string& unit) {
+  command.add_option("--unit", unit, "of the cameras' world")
+      ->check(CLI::IsMember({"m", "cm", "mm", "inch"}))
+      ->capture_default_str();
+}
+
 void add_actor_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("actor", "look at an actor file, or make one");
@@ -99,7 +105,7 @@ void add_actor_command(CLI::App& app, Action& action) {
   compare_command->add_option("--views", options->views,
                               "the folder of `actor views` with cameras and masks of the truth: also print the figures "
                               "without concavities and what no camera sees");
-  compare_command->add_option("--unit", options->unit, "of the cameras' world: m, cm, mm, inch")->capture_default_str();
+  add_camera_unit_option(*compare_command, options->unit);
   compare_command->add_option("--html", options->html, "also write a report with a heat map to this file");
   compare_command->callback([options, &action] { action = [options] { return compare(*options); }; });
   add_actor_build_command(*command, action);

@@ -13,6 +13,9 @@ namespace livecap::tools {
 // before any work, where it is called otherwise, cannot be written or is one of the inputs.
 void require_actor_output(const std::string& out, const std::vector<InputFile>& inputs);
 
+// --unit of cameras whose unit is known.
+void add_camera_unit_option(CLI::App& command, std::string& unit);
+
 void add_actor_build_command(CLI::App& actor, Action& action);
 void add_actor_views_command(CLI::App& actor, Action& action);
 void add_actor_fit_command(CLI::App& actor, Action& action);

@@ -14,6 +14,7 @@
 #include "livecap/error.h"
 #include "method_options.h"
 #include "progress.h"
+#include "value_checks.h"
 
 namespace livecap::tools {
 namespace {
@@ -95,12 +96,14 @@ void add_actor_views_command(CLI::App& actor, Action& action) {
   command->fallthrough();
   command->add_option("file", options->actor, "actor.glb or builtin:NAME")->required();
   command->add_option("--out", options->out, "folder to write")->required();
-  command->add_option("--views", options->views.n_views, "how many")->capture_default_str();
-  command->add_option("--width", options->views.width, "px")->capture_default_str();
-  command->add_option("--picture-height", options->views.height, "px")->capture_default_str();
-  command->add_option("--noise", options->views.noise, "sensor noise, 8-bit levels")->capture_default_str();
-  command->add_option("--blur", options->views.blur_px, "lens blur, px")->capture_default_str();
-  command->add_option("--unit", options->unit, "of the cameras' world: m, cm, mm, inch")->capture_default_str();
+  command->add_option("--views", options->views.n_views, "how many")->check(between(1, 1000))->capture_default_str();
+  command->add_option("--width", options->views.width, "px")->check(between(64, 8192))->capture_default_str();
+  command->add_option("--picture-height", options->views.height, "px")->check(between(64, 8192))->capture_default_str();
+  command->add_option("--noise", options->views.noise, "sensor noise, 8-bit levels")
+      ->check(at_least(0))
+      ->capture_default_str();
+  command->add_option("--blur", options->views.blur_px, "lens blur, px")->check(at_least(0))->capture_default_str();
+  add_camera_unit_option(*command, options->unit);
   command->add_option("--seed", options->views.seed)->capture_default_str();
   command->callback([options, &action] { action = [options] { return write_views(*options); }; });
 }
@@ -120,9 +123,10 @@ void add_actor_build_command(CLI::App& actor, Action& action) {
   command->add_option("--video", build_options.turntable.video,
                       "instead: the person turns in place once before a static camera, arms and legs held still");
   command->add_option("--camera", build_options.turntable.camera, "camera.json of --video");
-  command->add_option("--fov", build_options.turntable.fov_deg,
-                      "of --video without --camera: field of view of the longer side, degrees; else 60 is assumed");
+  add_fov_option(*command, build_options.turntable.fov_deg,
+                 "of --video without --camera: field of view of the longer side, degrees; else 60 is assumed");
   command->add_option("--views", build_options.turntable.n_views, "frames of --video that are used")
+      ->check(between(kMinViews, 400))
       ->capture_default_str();
   command->add_option("--masks", build_options.views.masks, "folder of masks, 255 = person; else the network's");
   command->add_option("--labels", build_options.views.labels, "folder of label images (LIP ids); else guessed");
@@ -142,9 +146,15 @@ void add_actor_build_command(CLI::App& actor, Action& action) {
   command->add_option("--unit", build_options.unit, "of the cameras' or the scan's world: m, cm, mm, inch, auto")
       ->capture_default_str();
   add_height_option(*command, build_options.height_mm, "of the person, metres; sets the scale", 0.8, 2.5);
-  command->add_option("--vertices", build_options.target_vertices, "of the actor")->capture_default_str();
-  command->add_option("--texture", build_options.texture_size, "side of the texture, px")->capture_default_str();
-  command->add_option("--grid", build_options.grid_mm, "spacing of the carved volume, mm")->capture_default_str();
+  command->add_option("--vertices", build_options.target_vertices, "of the actor")
+      ->check(between(500, 40000))
+      ->capture_default_str();
+  command->add_option("--texture", build_options.texture_size, "side of the texture, px")
+      ->check(between(128, 8192))
+      ->capture_default_str();
+  command->add_option("--grid", build_options.grid_mm, "spacing of the carved volume, mm")
+      ->check(between(3, 30))
+      ->capture_default_str();
   command->add_flag_callback(
       "--no-refine", [options] { options->build.refine = false; },
       "keep the hull as it is: no search for hollows by colour");

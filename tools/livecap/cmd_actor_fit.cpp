@@ -11,6 +11,7 @@
 #include "method_options.h"
 #include "progress.h"
 #include "synth/named_actor.h"
+#include "value_checks.h"
 
 namespace livecap::tools {
 namespace {
@@ -64,16 +65,16 @@ void add_actor_fit_command(CLI::App& actor, Action& action) {
       actor.add_subcommand("fit", "give a built-in actor the proportions and colours of the person in a video");
   command->fallthrough();
   command->add_option("--video", fit_options.video, "video file or folder of images, a few seconds")->required();
-  CLI::Option* camera = command->add_option("--camera", fit_options.camera, "camera.json");
-  command->add_option("--fov", fit_options.fov_deg, "instead of --camera: field of view of the longer side, degrees")
-      ->excludes(camera);
-  CLI::Option* background = command->add_option("--background", fit_options.background, "picture of the empty scene");
-  command->add_option("--background-frames", fit_options.background_frames, "the first N frames of the video are empty")
-      ->excludes(background);
+  add_camera_options(*command, fit_options.camera, fit_options.fov_deg);
+  add_background_options(*command, fit_options.background, fit_options.background_frames);
   command->add_option("--actor", options->actor, "builtin:NAME, what the person wears")->capture_default_str();
   add_height_option(*command, fit_options.height_mm, "of the person, metres; one view does not tell it", 0.8, 2.5);
-  command->add_option("--frames", fit_options.max_frames, "look at so many frames at most")->capture_default_str();
-  command->add_option("--fit-frames", fit_options.n_frames, "fit to about so many of them")->capture_default_str();
+  command->add_option("--frames", fit_options.max_frames, "look at so many frames at most")
+      ->check(at_least(1))
+      ->capture_default_str();
+  command->add_option("--fit-frames", fit_options.n_frames, "fit to about so many of them")
+      ->check(between(4, 200))
+      ->capture_default_str();
   add_model_option(*command, fit_options.model);
   add_device_options(*command, options->cnn_device, options->solver_device);
   command->add_option("--out", options->out, "actor.glb to write")->required();

@@ -9,6 +9,7 @@
 #include "livecap/error.h"
 #include "method_options.h"
 #include "progress.h"
+#include "value_checks.h"
 
 namespace livecap::tools {
 namespace {
@@ -64,21 +65,21 @@ void add_capture_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("capture", "capture a person in a video: pose and deforming surface");
 
   command->add_option("--video", capture.video, "video file, folder of images, or webcam:N")->required();
-  CLI::Option* camera = command->add_option("--camera", capture.camera, "camera.json");
-  command->add_option("--fov", capture.fov_deg, "instead of --camera: field of view of the longer side, degrees")
-      ->excludes(camera);
-  CLI::Option* background = command->add_option("--background", capture.background, "picture of the empty scene");
-  command->add_option("--background-frames", capture.background_frames, "the first N frames of the video are empty")
-      ->excludes(background);
+  add_camera_options(*command, capture.camera, capture.fov_deg);
+  add_background_options(*command, capture.background, capture.background_frames);
   command->add_option("--out", capture.out, "folder to write")->required();
   command->add_flag("--overlay", capture.overlay, "also write overlay.mp4");
 
   add_method_options(*command, capture);
   command->add_option("--detections", capture.detections, "detections.jsonl to use instead of the network");
-  command->add_option("--miss-detections", capture.missed_detections,
-                      "test of robustness: show the network nothing in this share of the frames, chosen at random");
-  command->add_option("--draw", capture.draw,
-                      "test of chance: move the network's first crop aside by N hundredths of a pixel, 0 to 99");
+  command
+      ->add_option("--miss-detections", capture.missed_detections,
+                   "test of robustness: show the network nothing in this share of the frames, chosen at random")
+      ->check(between(0, 1));
+  command
+      ->add_option("--draw", capture.draw,
+                   "test of chance: move the network's first crop aside by N hundredths of a pixel")
+      ->check(between(0, 99));
   command->add_flag("--smooth", capture.smooth, "filter the result with [0.15, 0.7, 0.15] over time once more");
 
   command->add_flag("--sequential", capture.sequential, "one thread; the result is the same");

@@ -159,9 +159,7 @@ void add_detect_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("detect", "run the pose network alone over a video");
   command->add_option("--video", options->video, "video file, folder of images, or webcam:N")->required();
-  CLI::Option* camera = command->add_option("--camera", options->camera, "camera.json");
-  command->add_option("--fov", options->fov_deg, "instead of --camera: field of view of the longer side, degrees")
-      ->excludes(camera);
+  add_camera_options(*command, options->camera, options->fov_deg);
   command->add_option("--out", options->out, "folder to write")->required();
   add_model_option(*command, options->model);
   add_network_device_option(*command, options->device);

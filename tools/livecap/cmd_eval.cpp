@@ -135,14 +135,12 @@ void add_eval_command(CLI::App& app, Action& action) {
                        "means, all else is of the first")
           ->check(between(1, 100))
           ->capture_default_str(),
-      command->add_option("--fov", capture.fov_deg, "instead of --camera: field of view of the longer side, degrees"),
-      command->add_option("--background", capture.background, "picture of the empty scene"),
-      command->add_option("--background-frames", capture.background_frames,
-                          "the first N frames of the video are empty"),
+      add_fov_option(*command, capture.fov_deg),
       command->add_flag("--smooth", capture.smooth, "filter the result with [0.15, 0.7, 0.15] over time once more"),
   };
   for (const auto& more :
-       {add_setting_options(*command, capture), add_frame_options(*command, capture.first, capture.frames)})
+       {add_background_options(*command, capture.background, capture.background_frames),
+        add_setting_options(*command, capture), add_frame_options(*command, capture.first, capture.frames)})
     of_ablate.insert(of_ablate.end(), more.begin(), more.end());
   for (CLI::Option* option : of_ablate) option->group(group)->needs(ablate);
   command->callback([options, &action] { action = [options] { return run(*options); }; });

@@ -170,15 +170,8 @@ void add_live_command(CLI::App& app, Action& action) {
 
   command->add_option("--video", options->video, "webcam:N, or a video file or folder of images at its own pace")
       ->required();
-  CLI::Option* camera = command->add_option("--camera", options->camera, "camera.json");
-  CLI::Option* fov =
-      command->add_option("--fov", options->fov_deg, "instead of --camera: field of view of the longer side, degrees")
-          ->check(between(1, 170, "degrees"));
-  camera->excludes(fov);
-  CLI::Option* background = command->add_option("--background", options->background, "picture of the empty scene");
-  command->add_option("--background-frames", options->background_frames, "the first N frames of the video are empty")
-      ->check(at_least(1))
-      ->excludes(background);
+  add_camera_options(*command, options->camera, options->fov_deg);
+  add_background_options(*command, options->background, options->background_frames);
   add_method_options(*command, options->live);
   command->add_option("--vmc", options->vmc, "HOST:PORT that listens to the Virtual Motion Capture protocol");
   command->add_flag("--show", options->show,

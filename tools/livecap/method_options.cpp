@@ -12,6 +12,24 @@ CLI::Option* add_height_option(CLI::App& command, double& height_mm, const std::
       ->check(between(least_m, most_m, "metres"));
 }
 
+CLI::Option* add_fov_option(CLI::App& command, double& fov_deg, const std::string& what) {
+  return command.add_option("--fov", fov_deg, what)->check(between(1, 170, "degrees"));
+}
+
+void add_camera_options(CLI::App& command, std::string& camera, double& fov_deg) {
+  CLI::Option* file = command.add_option("--camera", camera, "camera.json");
+  add_fov_option(command, fov_deg)->excludes(file);
+}
+
+std::vector<CLI::Option*> add_background_options(CLI::App& command, std::string& background, int& n_frames) {
+  CLI::Option* picture = command.add_option("--background", background, "picture of the empty scene");
+  CLI::Option* frames =
+      command.add_option("--background-frames", n_frames, "the first N frames of the video are empty")
+          ->check(at_least(1))
+          ->excludes(picture);
+  return {picture, frames};
+}
+
 CLI::Option* add_model_option(CLI::App& command, std::string& model) {
   return command.add_option("--model", model, "lite, full, heavy or a .tflite file")->capture_default_str();
 }

@@ -13,6 +13,13 @@ namespace livecap::tools {
 // --height, in metres: between least_m and most_m.
 CLI::Option* add_height_option(CLI::App& command, double& height_mm, const std::string& what, double least_m = 0.5,
                                double most_m = 3);
+// --fov.
+CLI::Option* add_fov_option(CLI::App& command, double& fov_deg,
+                            const std::string& what = "instead of --camera: field of view of the longer side, degrees");
+// --camera, --fov; not both.
+void add_camera_options(CLI::App& command, std::string& camera, double& fov_deg);
+// --background, --background-frames; not both.
+std::vector<CLI::Option*> add_background_options(CLI::App& command, std::string& background, int& n_frames);
 // --model.
 CLI::Option* add_model_option(CLI::App& command, std::string& model);
 // --cnn-device.

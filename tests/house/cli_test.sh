@@ -102,6 +102,8 @@ expect 2 'no option --vidoe capture --help' capture --vidoe a.mp4
 expect 2 'no option --draws bench --help' bench --draws
 expect 2 'no subcommand captur livecap --help' -q captur
 expect 2 'no subcommand buidl actor --help' actor buidl
+expect 2 'no subcommand capure livecap --help' capure --help
+expect 2 'no subcommand bild actor --help' actor bild --help
 expect 2 'no option --foo actor fit --help' actor fit --foo
 expect 2 '--video: value missing' capture --video
 expect 2 'unexpected argument b' actor inspect a b

@@ -56,8 +56,13 @@ int run(int argc, char** argv) {
 
   try {
     app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& help) {
+    const std::string unknown = unknown_subcommand(app);
+    if (unknown.empty()) return app.exit(help);
+    log_error(usage_message(app, CLI::ExtrasError({unknown})));
+    return kExitBadInput;
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    if (error.get_exit_code() == 0) return app.exit(error);  // --version
     log_error(usage_message(app, error));
     return kExitBadInput;
   }

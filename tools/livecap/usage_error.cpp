@@ -26,7 +26,21 @@ const CLI::Option* option_of(const CLI::App& app, const CLI::App& command, std::
   return option ? option : app.get_option_no_throw(name);
 }
 
+// The innermost subcommand that was understood.
+const CLI::App& reached(const CLI::App& app) {
+  const CLI::App* command = &app;
+  while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+  return *command;
+}
+
 }  // namespace
+
+std::string unknown_subcommand(const CLI::App& app) {
+  if (reached(app).get_require_subcommand_min() == 0) return {};
+  for (const std::string& argument : app.remaining(true))
+    if (argument.rfind('-', 0) != 0) return argument;
+  return {};
+}
 
 std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = &app;

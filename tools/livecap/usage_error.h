@@ -7,6 +7,9 @@
 
 namespace livecap::tools {
 
+// What stands where a subcommand has to, and is none; empty: nothing of the kind.
+std::string unknown_subcommand(const CLI::App& app);
+
 // One line: the argument, what would be right, and whose --help says more. error: what app.parse() threw.
 std::string usage_message(const CLI::App& app, const CLI::ParseError& error);
 

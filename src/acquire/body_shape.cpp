@@ -63,8 +63,6 @@ BodyShape carve_body(ocl::DeviceContext& device, const std::vector<View>& views,
 BodyShape shape_of_scan(const meshing::Surface& scan, std::vector<std::string>& notes) {
   BodyShape shape;
   shape.fine = scan;
-  if (const double dropped = keep_largest_piece(shape.fine); dropped > 1e-3)
-    notes.push_back(format("%.1f %% of the scan's area is not connected to the rest and is left out", 100 * dropped));
   const bool clean = is_closed_manifold(shape.fine);
   const size_t n = shape.fine.triangles.size();
   shape.volume = volume_of(shape.fine, kScanGridMm);

@@ -29,7 +29,7 @@ struct BodyShape {
 BodyShape carve_body(ocl::DeviceContext& device, const std::vector<View>& views, const SpaceKeypoints& keypoints,
                      double grid_mm, bool rough_masks, std::vector<std::string>& notes);
 
-// Of a scan in the rest frame, mm: its largest piece as it is when that is closed and clean, else as a solid on a grid.
+// Of a scan in one piece, in the rest frame, mm: as it is when it is closed and clean, else as a solid on a grid.
 // Throws ConfigError.
 BodyShape shape_of_scan(const meshing::Surface& scan, std::vector<std::string>& notes);
 

@@ -149,6 +149,8 @@ class Builder {
     if (options_.has_pictures() && leave_out_disagreeing(world, detections)) {
       world = triangulate_keypoints(views_, detections);
       result_.n_views = static_cast<int>(views_.size());
+      result_.n_detected = static_cast<int>(
+          std::count_if(detections.begin(), detections.end(), [](const Detections& seen) { return seen.person; }));
     }
     frame_ = find_person_frame(world, unit_in_mm(options_.unit), given_height_mm_, result_.notes,
                                colmap_ ? vertical_of(views_) : Vector3d(Vector3d::Zero()));
@@ -202,6 +204,8 @@ class Builder {
 
   void take_scan() {
     for (Vector3d& p : scan_.surface.vertices) p = frame_.to_rest(p);
+    if (const double dropped = keep_largest_piece(scan_); dropped > 1e-3)
+      note(format("%.1f %% of the scan's area is not connected to the rest and is left out", 100 * dropped));
     shape_ = shape_of_scan(scan_.surface, result_.notes);
   }
 

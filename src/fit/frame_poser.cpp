@@ -1,7 +1,5 @@
 #include "fit/frame_poser.h"
 
-#include <algorithm>
-
 #include "pose/initialize.h"
 #include "pose/person_height.h"
 
@@ -21,6 +19,7 @@ FramePoser::FramePoser(ocl::DeviceContext& device, const Actor& actor, const Cam
       rasterizer_(device, actor.mesh, camera.width, camera.height),
       visibility_(device, actor.mesh),
       frame_(device, camera.width, camera.height),
+      mask_(device, static_cast<size_t>(camera.width) * camera.height),
       displacement_(device, actor.mesh.positions.size()),
       posed_(device, actor.mesh.positions.size()),
       normals_(device, actor.mesh.positions.size()) {
@@ -60,13 +59,8 @@ void FramePoser::solve(FitFrame& frame) {
 double FramePoser::overlap(const FitFrame& frame) {
   displacement_.fill(0);
   render(actor_.skeleton, frame.pose);
-  const ImageGray mask = rasterizer_.read_mask();
-  int64_t both = 0, either = 0;
-  for (size_t i = 0; i < mask.pixels.size(); ++i) {
-    const bool model = mask.pixels[i] > 127, person = frame.mask.pixels[i] > 127;
-    both += model && person, either += model || person;
-  }
-  return either > 0 ? static_cast<double>(both) / static_cast<double>(either) : 0;
+  mask_.write(frame.mask.pixels);
+  return rasterizer_.intersection_over_union(mask_);
 }
 
 std::vector<int32_t> FramePoser::outline(const Skeleton& skeleton, const Pose& pose,

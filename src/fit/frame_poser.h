@@ -59,6 +59,7 @@ class FramePoser {
   DepthRasterizer rasterizer_;
   SurfaceVisibility visibility_;
   DeviceFrame frame_;
+  ocl::Buffer<uint8_t> mask_;  // of overlap()
   ocl::Buffer<float> displacement_, posed_, normals_;
 };
 

@@ -158,7 +158,8 @@ bool is_closed_manifold(const meshing::Surface& surface) {
   return true;
 }
 
-double keep_largest_piece(meshing::Surface& surface) {
+double keep_largest_piece(Scan& scan) {
+  const meshing::Surface& surface = scan.surface;
   std::vector<int> parent(surface.vertices.size());
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](int v) {
@@ -178,22 +179,26 @@ double keep_largest_piece(meshing::Surface& surface) {
   int best = -1;
   for (const auto& [piece, size] : area)
     if (best < 0 || size > area[best] || (size == area[best] && piece < best)) best = piece;
-  meshing::Surface kept;
+  Scan kept;
   std::vector<int> id(surface.vertices.size(), -1);
-  for (const auto& t : surface.triangles) {
+  for (size_t i = 0; i < surface.triangles.size(); ++i) {
+    const auto& t = surface.triangles[i];
     if (root(t[0]) != best) continue;
     Eigen::Vector3i moved;
     for (int k = 0; k < 3; ++k) {
       if (id[t[k]] < 0) {
-        id[t[k]] = static_cast<int>(kept.vertices.size());
-        kept.vertices.push_back(surface.vertices[t[k]]);
+        id[t[k]] = static_cast<int>(kept.surface.vertices.size());
+        kept.surface.vertices.push_back(surface.vertices[t[k]]);
+        if (!scan.colors.empty()) kept.colors.push_back(scan.colors[t[k]]);
       }
       moved[k] = id[t[k]];
+      if (!scan.uvs.empty()) kept.uvs.push_back(scan.uvs[3 * i + k]);
     }
-    kept.triangles.push_back(moved);
+    kept.surface.triangles.push_back(moved);
   }
   const double dropped = 1 - area[best] / total;
-  surface = std::move(kept);
+  kept.texture = std::move(scan.texture);
+  scan = std::move(kept);
   return dropped;
 }
 

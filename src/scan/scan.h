@@ -28,7 +28,8 @@ Scan read_scan(const std::filesystem::path& path, std::vector<std::string>& note
 // Every edge has exactly two triangles that run along it in opposite directions, and every vertex one fan of triangles.
 bool is_closed_manifold(const meshing::Surface& surface);
 
-// Leaves only the connected piece with the largest area; returns the share of the area that was dropped.
-double keep_largest_piece(meshing::Surface& surface);
+// Leaves only the connected piece with the largest area and its colours; returns the share of the area that was
+// dropped.
+double keep_largest_piece(Scan& scan);
 
 }  // namespace livecap

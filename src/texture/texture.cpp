@@ -59,7 +59,7 @@ std::vector<std::vector<Share>> choose_views(const meshing::Surface& surface, co
     const Vector3d center = views[v].center();
     for (size_t i = 0; i < n; ++i) {
       double facing = coverage[v].facing[i];
-      if (facing < kMinFacing) continue;
+      if (facing <= kMinFacing) continue;  // would weigh nothing
       for (int other : neighbors[i]) facing = coverage[v].facing[other] > 0 ? facing : 0;
       if (facing <= 0) continue;
       const int x = static_cast<int>(std::lround(coverage[v].pixels[i].x())),

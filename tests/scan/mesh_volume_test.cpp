@@ -75,9 +75,10 @@ TEST(MeshVolume, KeepsTheLargestSolidAndFillsIt) {
   EXPECT_EQ(keep_largest_solid(volume), 1);
   EXPECT_LT(volume.at({0, 0, 0}), 0);
   EXPECT_GT(volume.at({230, 0, 0}), 0);
-  auto surface = surface_of(volume);
-  EXPECT_TRUE(is_closed_manifold(surface));
-  EXPECT_NEAR(keep_largest_piece(surface), 0, test::kWeightSum);
+  Scan scan;
+  scan.surface = surface_of(volume);
+  EXPECT_TRUE(is_closed_manifold(scan.surface));
+  EXPECT_NEAR(keep_largest_piece(scan), 0, test::kWeightSum);
 }
 
 TEST(MeshVolume, TellsWhatIsNoManifold) {
@@ -94,7 +95,26 @@ TEST(MeshVolume, TellsWhatIsNoManifold) {
   doubled.triangles.push_back(doubled.triangles.front());
   EXPECT_FALSE(is_closed_manifold(doubled));
   // 50 of 100 mm radius: a fifth of the area.
-  EXPECT_NEAR(keep_largest_piece(two), 0.2, test::kPieceShare);
+  Scan scan;
+  scan.surface = two;
+  EXPECT_NEAR(keep_largest_piece(scan), 0.2, test::kPieceShare);
+}
+
+// What is dropped leaves no colour behind: neither by vertex nor by corner.
+TEST(MeshVolume, TheLargestPieceKeepsItsColours) {
+  Scan scan;
+  scan.surface = sphere(50, {300, 0, 0});
+  const size_t n_vertices = scan.surface.vertices.size(), n_triangles = scan.surface.triangles.size();
+  append(scan.surface, sphere(100, {0, 0, 0}));
+  for (size_t i = 0; i < scan.surface.vertices.size(); ++i)
+    scan.colors.push_back(Vector3d::Constant(i < n_vertices ? 0.1 : 0.9));
+  for (size_t i = 0; i < 3 * scan.surface.triangles.size(); ++i)
+    scan.uvs.push_back(Eigen::Vector2d::Constant(i < 3 * n_triangles ? 0.1 : 0.9));
+  scan.texture = {1, 1, {1, 2, 3}};
+  keep_largest_piece(scan);
+  EXPECT_EQ(scan.colors, std::vector<Vector3d>(scan.surface.vertices.size(), Vector3d::Constant(0.9)));
+  EXPECT_EQ(scan.uvs, std::vector<Eigen::Vector2d>(3 * scan.surface.triangles.size(), Eigen::Vector2d::Constant(0.9)));
+  EXPECT_EQ(scan.texture.pixels.size(), 3u);
 }
 
 }  // namespace

@@ -79,6 +79,21 @@ TEST(Texture, HasTheColourOfItsMaterialWhereNothingIsSeen) {
   EXPECT_GT(n_of_many, n_of_one);
 }
 
+// A view just as flat as is too flat weighs nothing, and shows nothing where it is the only one.
+TEST(Texture, TheFlattestViewIsNone) {
+  const meshing::Surface ball = meshing::extract_surface([](const Vector3d& p) { return p.norm() - 100; },
+                                                         {-130, -130, -130}, {130, 130, 130}, 20);
+  const size_t n = ball.vertices.size();
+  View view = view_from_front();
+  view.labels = {};
+  ViewCoverage coverage{std::vector<float>(n, 1), std::vector<Eigen::Vector2f>(n, {kSize / 2, kSize / 2})};
+  for (size_t i = 0; i < n; ++i)
+    if (ball.vertices[i].x() < 0) coverage.facing[i] = 0.25f;
+  const meshing::Atlas atlas = meshing::make_atlas(ball, std::vector<int>(ball.triangles.size(), 0), {1.0}, kTexels);
+  const BlendedTexture texture = blend_texture(ball, atlas, kTexels, {view}, {coverage}, {});
+  for (size_t i = 0; i < n; ++i) EXPECT_EQ(texture.seen[i] != 0, ball.vertices[i].x() >= 0);
+}
+
 // A wall 500 mm behind a plate that hides its left half: what projects to within a pixel of the plate's edge does not
 // count as visible, because its pixel may show the plate.
 TEST(Texture, IsNotTakenFromThePixelsOfAnEdge) {

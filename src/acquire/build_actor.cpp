@@ -14,6 +14,7 @@
 #include "acquire/refine.h"
 #include "acquire/skin_weights.h"
 #include "acquire/surface_color.h"
+#include "actor/labels.h"
 #include "base/text.h"
 #include "base/timer.h"
 #include "livecap/error.h"
@@ -267,9 +268,9 @@ class Builder {
     const int n = static_cast<int>(voted.labels.size());
     if (voted.foreign > 0.02)
       note(
-          format("%.0f %% of the label images' pixels on the person are above 19: they must hold LIP ids, one byte a "
+          format("%.0f %% of the label images' pixels on the person are above %d: they must hold LIP ids, one byte a "
                  "pixel, not colours",
-                 100 * voted.foreign));
+                 100 * voted.foreign, kLabelCount - 1));
     int n_visible = 0;
     for (int i = 0; i < n; ++i) {
       bool visible = false;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "acquire/material_labels.h"
+#include "actor/labels.h"
 #include "base/median.h"
 #include "base/srgb.h"
 #include "meshing/surface_parts.h"
@@ -146,29 +147,29 @@ class Guess {
   uint8_t label(size_t i, double waist, bool skirt) const {
     const int b = bone(i);
     if (b == kHeadBone || b == kNeckBone) {
-      if (skin_[i]) return kFace;
+      if (skin_[i]) return lip::kFace;
       // Collar or hair: hair is above the chin.
-      return point(i).y() > in_.joints[kHeadBone].y() ? kHair : b == kHeadBone ? kFace : kUpperClothes;
+      return point(i).y() > in_.joints[kHeadBone].y() ? lip::kHair : b == kHeadBone ? lip::kFace : lip::kUpperClothes;
     }
-    if (arm(b)) return skin_[i] ? (b < kRightClavicleBone ? kLeftArm : kRightArm) : kUpperClothes;
+    if (arm(b)) return skin_[i] ? (b < kRightClavicleBone ? lip::kLeftArm : lip::kRightArm) : lip::kUpperClothes;
     if (b >= kLeftUpLegBone) {
       const int joint = (b - kLeftUpLegBone) % 4;  // 0 thigh, 1 shank, 2 foot, 3 toes
       const bool left_leg = b < kRightUpLegBone;
       if (joint >= 2 && point(i).y() < in_.joints[left_leg ? kLeftFootBone : kRightFootBone].y() + 0.005 * height_)
-        return left_leg ? kLeftShoe : kRightShoe;
-      if (skin_[i] && joint >= 1) return left_leg ? kLeftLeg : kRightLeg;
+        return left_leg ? lip::kLeftShoe : lip::kRightShoe;
+      if (skin_[i] && joint >= 1) return left_leg ? lip::kLeftLeg : lip::kRightLeg;
       // A heel may follow the shank; what is no skin far below a skirt is a shoe.
       const Vector3d &knee = in_.joints[left_leg ? kLeftLegBone : kRightLegBone],
                      &ankle = in_.joints[left_leg ? kLeftFootBone : kRightFootBone];
       const double level = skirt ? 0.4 * knee.y() + 0.6 * ankle.y() : ankle.y() - 0.012 * height_;
-      if (joint >= 1 && !skin_[i] && point(i).y() < level) return left_leg ? kLeftShoe : kRightShoe;
-      if (joint >= 2 && !skin_[i]) return skirt ? (left_leg ? kLeftShoe : kRightShoe) : kPants;
-      if (skin_[i] && !skirt) return left_leg ? kLeftLeg : kRightLeg;
+      if (joint >= 1 && !skin_[i] && point(i).y() < level) return left_leg ? lip::kLeftShoe : lip::kRightShoe;
+      if (joint >= 2 && !skin_[i]) return skirt ? (left_leg ? lip::kLeftShoe : lip::kRightShoe) : lip::kPants;
+      if (skin_[i] && !skirt) return left_leg ? lip::kLeftLeg : lip::kRightLeg;
     }
-    if (point(i).y() < waist) return skirt ? kSkirt : kPants;
+    if (point(i).y() < waist) return skirt ? lip::kSkirt : lip::kPants;
     // Bare shoulders and neckline belong to the face's class, as the neck does.
-    if (skin_[i] && point(i).y() > in_.joints[kNeckBone].y() - 0.05 * height_) return kFace;
-    return kUpperClothes;
+    if (skin_[i] && point(i).y() > in_.joints[kNeckBone].y() - 0.05 * height_) return lip::kFace;
+    return lip::kUpperClothes;
   }
 
   std::vector<uint8_t> smoothed(std::vector<uint8_t> labels) const {

@@ -45,7 +45,7 @@ void spread_labels(const meshing::Surface& surface, const std::vector<std::vecto
   std::priority_queue<Step> next;
   const auto leave = [&](int from, double way) {
     for (int to : neighbors[from]) {
-      const bool is_leg = labels[from] == kLeftLeg || labels[from] == kRightLeg;
+      const bool is_leg = labels[from] == lip::kLeftLeg || labels[from] == lip::kRightLeg;
       if (known[to] || (is_leg && !legs_everywhere && normals[to].y() < kDown)) continue;
       const double length = (surface.vertices[to] - surface.vertices[from]).norm();
       next.push({way + length * (1 + kCrease * (1 - normals[from].dot(normals[to]))), to, labels[from]});

@@ -11,21 +11,6 @@
 
 namespace livecap::acquire {
 
-// Those that the program itself tells apart.
-enum Lip : uint8_t {
-  kHair = 2,
-  kUpperClothes = 5,
-  kPants = 9,
-  kSkirt = 12,
-  kFace = 13,
-  kLeftArm = 14,
-  kRightArm = 15,
-  kLeftLeg = 16,
-  kRightLeg = 17,
-  kLeftShoe = 18,
-  kRightShoe = 19
-};
-
 struct MaterialLabels {
   std::vector<uint8_t> labels;  // [n_vertices]
   int n_unseen = 0;             // vertices with too few votes; they take the label that is nearest along the surface

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "actor/labels.h"
 #include "base/text.h"
 #include "match/actor_sight.h"
 #include "match/skin_shading.h"
@@ -48,9 +49,9 @@ Actor square() {
 ocl::SelfTestResult skin_result(ocl::DeviceContext& device, Actor actor, const Camera& camera,
                                 const DepthRasterizer& raster, const ocl::Buffer<float>& positions,
                                 const ocl::Buffer<float>& normals, const ocl::Buffer<int32_t>& visible) {
-  constexpr uint8_t kLeftArm = 14, kGrey = 102;  // 0.4 of 255
+  constexpr uint8_t kGrey = 102;  // 0.4 of 255
   constexpr float kColor = 0.5f;
-  actor.labels.assign(actor.n_vertices(), kLeftArm);
+  actor.labels.assign(actor.n_vertices(), lip::kLeftArm);
   actor.colors.assign(3 * size_t(actor.n_vertices()), kColor);
   actor.skin.bones.assign(4 * size_t(actor.n_vertices()), 0);
   actor.skeleton.bones = {{"left_elbow", -1, {0, 0, 0}}};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "actor/labels.h"
 #include "base/text.h"
 #include "geometry/mesh.h"
 #include "livecap/error.h"
@@ -13,7 +14,6 @@
 namespace livecap {
 namespace {
 
-constexpr int kLeftArmLabel = 14, kLeftLegLabel = 16, kRightLegLabel = 17;
 constexpr float kLeastAlbedo = 0.02;
 constexpr double kLeastSeenPx = 60;
 constexpr size_t kLocal = 64;
@@ -61,8 +61,8 @@ SkinShading::SkinShading(ocl::DeviceContext& device, const Actor& actor, const C
   std::vector<uint8_t> is_skin(actor.n_vertices(), 0);
   for (int i = 0; i < actor.n_vertices(); ++i) {
     const int label = actor.labels[i], bone = actor.skin.bones[4 * i];
-    if (label < kLeftArmLabel || label > kRightLegLabel || limb_of_bone[bone] < 0) continue;
-    skin_.push_back({i, bone, limb_of_bone[bone], label >= kLeftLegLabel ? 1 : 0});
+    if (label < lip::kLeftArm || label > lip::kRightLeg || limb_of_bone[bone] < 0) continue;
+    skin_.push_back({i, bone, limb_of_bone[bone], label >= lip::kLeftLeg ? 1 : 0});
     limbs.push_back(2 * skin_.back().limb + skin_.back().light);
     const float* c = &actor.colors[3 * i];
     vertices.push_back(i);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "actor/labels.h"
 #include "image/silhouette.h"
 #include "meshing/surface_parts.h"
 #include "texture/shading.h"
@@ -42,8 +43,8 @@ bool shows_label(const View& view, int x, int y, int label) {
   const ImageGray& image = view.labels;
   if (x < 0 || y < 0 || x >= image.width || y >= image.height) return true;
   const int shown = image.pixels[static_cast<size_t>(y) * image.width + x];
-  const auto either_side = [](int id) { return id >= 14 ? id & ~1 : id; };  // arms, legs, shoes
-  return shown == 0 || shown > 19 || either_side(shown) == either_side(label);
+  const auto either_side = [](int id) { return id >= lip::kLeftArm ? id & ~1 : id; };
+  return shown == 0 || shown >= kLabelCount || either_side(shown) == either_side(label);
 }
 
 // The best views of each vertex. A vertex counts as seen when its neighbours are: near an occluder's edge a pixel shows

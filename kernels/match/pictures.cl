@@ -68,8 +68,8 @@ static inline texels_t look_up(global const ushort* restrict texture, ipix_t at)
 #endif
 }
 
-// Bilinear, wrapping around. uv: glTF texture coordinates. texture [(tw+1)*(th+1)]: luminance 0..255 of the 2 x 2
-// texels around each of their corners, a byte each.
+// Bilinear, wrapping around. uv: glTF texture coordinates. texture [(tw+2)*(th+1)]: luminance 0..255 of a texel (low
+// byte) and the one below it.
 static inline pix_t sample_wrapped(global const ushort* restrict texture, int tw, int th, pix_t u, pix_t v) {
   const pix_t x = (u - LC_FLOOR(u)) * (float)tw - 0.5f;
   const pix_t y = (v - LC_FLOOR(v)) * (float)th - 0.5f;

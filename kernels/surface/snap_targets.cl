@@ -3,7 +3,8 @@
 #include "surface/image.h"
 #include "terms/silhouette.cl"
 
-// ring of a vertex: 0 = snapped, k = k edges from a snapped vertex, kFree = not reached, kHeld = may not move.
+// ring of a vertex: 0 = snapped, k = k edges from a snapped vertex, RING_FREE = not reached, RING_HELD = may not
+// move.
 #define RING_FREE 1000.0f
 #define RING_HELD 2000.0f
 #define MAX_WALK_STEPS 12

@@ -40,7 +40,7 @@ ProjectedPoint project_point(const float* point_mm, const Camera& camera) {
   const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
   const double xd = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x);
   const double yd = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y;
-  return {camera.fx * xd + camera.cx, camera.fy * yd + camera.cy, z, true};
+  return {camera.fx * xd + camera.cx, camera.fy * yd + camera.cy, true};
 }
 
 ImageGray render_silhouette(std::span<const float> positions_mm, std::span<const int32_t> triangles,

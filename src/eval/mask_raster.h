@@ -13,7 +13,6 @@ namespace livecap {
 struct ProjectedPoint {
   double x = 0;  // px
   double y = 0;
-  double depth_mm = 0;
   bool visible = false;  // finite and at least 1 mm in front of the camera
 };
 

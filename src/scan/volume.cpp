@@ -62,15 +62,6 @@ double Volume::at(const Vector3d& p) const {
          fz * ((1 - fy) * along_x(slab) + fy * along_x(slab + row)) + step * (q - c).norm();
 }
 
-Vector3d Volume::gradient(const Vector3d& p) const {
-  Vector3d g;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Vector3d h = 0.5 * step * Vector3d::Unit(axis);
-    g[axis] = (at(p + h) - at(p - h)) / step;
-  }
-  return g;
-}
-
 Volume make_volume(const Vector3d& low, const Vector3d& high, double step) {
   const Vector3d nodes = ((high - low) / step).array().ceil().max(1) + 1;
   if (!(high - low).allFinite() || !(nodes.prod() <= kMostNodes))

@@ -22,7 +22,6 @@ struct Volume {
 
   // Trilinear; outside of the grid the border's value plus the way to it.
   double at(const Eigen::Vector3d& p) const;
-  Eigen::Vector3d gradient(const Eigen::Vector3d& p) const;
 };
 
 // Nodes that cover low..high, mm. Throws ConfigError when these are more than 2^28 (a gigabyte), or not finite.

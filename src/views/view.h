@@ -13,7 +13,7 @@ namespace livecap {
 struct View {
   std::string name;                      // of the picture
   Camera camera;                         // without distortion, the size of the pictures below
-  Eigen::Isometry3d camera_from_world =  // OpenCV axes; in the world's units until place_person, then mm
+  Eigen::Isometry3d camera_from_world =  // OpenCV axes; in the world's units until move_views (acquire), then mm
       Eigen::Isometry3d::Identity();
   ImageRgb image;    // undistorted
   ImageGray mask;    // > 127 = person; empty: not known

@@ -97,7 +97,9 @@ double mean_overlap(FramePoser& poser, const std::vector<FitFrame>& frames, cons
 
 void FitActorOptions::validate() const {
   if (video.empty()) throw ConfigError("actor fit: --video is needed");
-  if (camera.empty() == (fov_deg <= 0)) throw ConfigError("actor fit: give either --camera or --fov");
+  if (camera.empty() == (fov_deg == 0)) throw ConfigError("actor fit: give either --camera or --fov");
+  if (fov_deg != 0 && !(fov_deg > 1 && fov_deg < 170))
+    throw ConfigError(format("--fov %g: must be between 1 and 170 degrees", fov_deg));
   if (!background.empty() && background_frames > 0)
     throw ConfigError("actor fit: give either --background or --background-frames");
   if (background_frames < 0)

@@ -215,6 +215,7 @@ TEST(FitActor, RefusesImpossibleOptions) {
   refused([](FitActorOptions& o) { o.video.clear(); });
   refused([](FitActorOptions& o) { o.camera = "camera.json"; });
   refused([](FitActorOptions& o) { o.fov_deg = 0; });
+  refused([](FitActorOptions& o) { o.fov_deg = -3; });
   refused([](FitActorOptions& o) { o.actor = "nobody"; });
   refused([](FitActorOptions& o) { o.height_mm = 9000; });
   refused([](FitActorOptions& o) { o.background = "a.png", o.background_frames = 3; });

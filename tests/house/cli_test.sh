@@ -455,6 +455,7 @@ expect 2 '--board nine 9x6' calibrate --images seq/truth/masks --board nine --ou
 expect 2 '--dictionary 9x9' calibrate --images seq/truth/masks --charuco 7x5 --dictionary 9x9 --out c.json
 expect 2 '--marker' calibrate --images seq/truth/masks --charuco 7x5 --marker 75 --out c.json
 expect 2 'nowhere/c.json: nowhere' calibrate --video none.mp4 --board 9x6 --out nowhere/c.json
+expect 2 '--video seq/video.mp4 overwritten --out' calibrate --video seq/video.mp4 --board 9x6 --out seq/video.mp4
 expect 2 'none.mp4' calibrate --video none.mp4 --board 9x6 --out c.json
 expect 2 'nothing holds no .png' calibrate --images nothing --board 9x6 --out c.json
 expect 2 'seq/truth/masks: no board with 9x6 inner corners' calibrate --images seq/truth/masks --board 9x6 --out c.json

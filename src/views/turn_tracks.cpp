@@ -25,6 +25,10 @@ Picture prepare(const View& view) {
   const cv::Mat rgb(h, w, CV_8UC3, const_cast<uint8_t*>(view.image.pixels.data()));
   cv::cvtColor(rgb, picture.gray, cv::COLOR_RGB2GRAY);
   cv::buildOpticalFlowPyramid(picture.gray, picture.pyramid, {kWindow, kWindow}, kLevels);
+  if (view.mask.empty()) {  // the network saw nobody
+    picture.inside = cv::Mat::zeros(h, w, CV_8UC1);
+    return picture;
+  }
   const cv::Mat mask(h, w, CV_8UC1, const_cast<uint8_t*>(view.mask.pixels.data()));
   const int margin = std::max(2, h / 200);
   cv::erode(mask > 127, picture.inside, cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * margin + 1, 2 * margin + 1}));

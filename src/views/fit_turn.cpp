@@ -191,10 +191,10 @@ TurnFit fit_turn(std::vector<View>& views, std::vector<Detections>& detections, 
   options.deviate = true;
   solve_turn(camera, observations, options, fit.turn);
 
-  std::vector<double> track_px, keypoint_px;
+  std::vector<double> track_px;
   for (const TurnObservation& seen : observations)
-    (seen.point < kKeypointCount ? keypoint_px : track_px).push_back(fit.turn.error_px(camera, seen));
-  fit.track_px = median(track_px), fit.keypoint_px = median(keypoint_px);
+    if (seen.point >= kKeypointCount) track_px.push_back(fit.turn.error_px(camera, seen));
+  fit.track_px = median(track_px);
   double sway = 0;
   for (const TurnDeviation& d : fit.turn.deviation)
     sway += d.shift_mm.squaredNorm() / static_cast<double>(views.size());

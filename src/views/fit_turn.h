@@ -13,10 +13,9 @@ namespace livecap {
 
 struct TurnFit {
   Turn turn;
-  int n_tracks = 0;        // points of the clothes
-  double track_px = 0;     // median distance from their tracks
-  double keypoint_px = 0;  // of the network's keypoints
-  double sway_mm = 0;      // rms of how far the body was beside the axis
+  int n_tracks = 0;     // points of the clothes
+  double track_px = 0;  // median distance from their tracks
+  double sway_mm = 0;   // rms of how far the body was beside the axis
 };
 
 // From keypoints alone; exchanges left and right where the network took the back for the front. Throws ConfigError when

@@ -41,9 +41,9 @@ struct TurnSample {
 // Where hips and shoulders face: 0 = the camera, rising as the person turns to their left, in (-pi, pi].
 double facing_rad(const Detections& detections);
 
-// Indices of the samples to take, n_views at most, evenly spread over the quickest full turn, the sharpest of each
-// side; angle_rad: of each, without jumps. Throws ConfigError: nobody, no turn, less than a full one, to and fro,
-// not the whole person. what: named in the messages.
+// Indices of the samples to take, evenly spread over the quickest full turn, the sharpest of each side: n_views at
+// most, and some more where the network sees one direction for long. angle_rad: of each, without jumps. Throws
+// ConfigError: nobody, no turn, less than a full one, to and fro, not the whole person. what: named in the messages.
 std::vector<int> choose_turn(const std::vector<TurnSample>& samples, int n_views, const std::string& what,
                              std::vector<double>& angle_rad);
 

@@ -97,8 +97,9 @@ class Silhouettes {
     return deepest;
   }
 
-  // Far outside of the picture is far outside of the person.
+  // Far outside of the picture, or behind the camera, is far outside of the person.
   double distance_px(const Outline& outline, const Vector3d& p) const {
+    if (!(p.z() > 0)) return -2 * kMostPx;
     const double x = fx_ * p.x() / p.z() + cx_, y = fy_ * p.y() / p.z() + cy_;
     const cv::Mat_<float>& d = outline.distance;
     if (d.empty()) return 0;  // the network saw nobody

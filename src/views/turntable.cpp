@@ -99,7 +99,7 @@ void fill_pauses(const std::vector<TurnSample>& samples, const std::vector<int>&
   std::vector<int> filled;
   for (int to : chosen) {
     const int from = filled.empty() ? to : filled.back();
-    const int n_between = std::min(most, (to - from + usual / 2) / usual - 1);
+    const int n_between = to - from > 2 * usual ? std::min(most, (to - from + usual / 2) / usual - 1) : 0;
     for (int k = 1; k <= n_between; ++k) {
       const auto at = seen.begin() + from + (to - from) * k / (n_between + 1);
       const auto sharpest = std::max_element(at - usual / 3, at + usual / 3 + 1,

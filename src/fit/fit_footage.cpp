@@ -43,6 +43,7 @@ bool is_cut_off(const ImageGray& mask, int area_px) {
 
 BackgroundModel train(const FitActorOptions& options, const Undistorter& undistorter) {
   BackgroundModel background;
+  if (options.background.empty() && options.background_frames == 0) return background;
   VideoReader reader(options.video);
   for (ImageRgb& picture : read_empty_pictures(options.background, options.background_frames, options.video, reader))
     background.train(undistorter.undistort(std::move(picture)));

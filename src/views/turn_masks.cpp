@@ -37,12 +37,10 @@ ImageGray distance_to_person(const ImageGray& mask, double margin) {
   const PixelBox box = bounding_box(near);
   if (box.empty()) return near;
   grow_by_disc(near, std::max(2, static_cast<int>(margin * box.height())));
-  const cv::Mat person(near.height, near.width, CV_8UC1, near.pixels.data());
-  cv::Mat distance;
+  cv::Mat person(near.height, near.width, CV_8UC1, near.pixels.data()), distance;
   cv::distanceTransform(person == 0, distance, cv::DIST_L2, cv::DIST_MASK_3);
-  ImageGray result = near;
-  distance.convertTo(cv::Mat(near.height, near.width, CV_8UC1, result.pixels.data()), CV_8U);
-  return result;
+  distance.convertTo(person, CV_8U);  // in place of the mask
+  return near;
 }
 
 // Unknown places take the colour of the nearest known one; those within kFillPx of it become known.

@@ -23,6 +23,9 @@ struct BoardOptions {
 // "4x4_50", ..., "7x7_1000", "original".
 const std::vector<std::string>& board_dictionaries();
 
+// Between a board's corners in a picture and where its pose has them, RMS: more is refused, more is doubted.
+inline constexpr double kLargestRmsPx = 3, kDoubtfulRmsPx = 1;
+
 struct BoardCorners {
   std::vector<Eigen::Vector2d> pixels;
   std::vector<Eigen::Vector2d> board;  // the same corners on the board, in squares

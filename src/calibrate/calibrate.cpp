@@ -19,8 +19,6 @@ constexpr double kLargestSigma = 0.01;    // of the focal length: above it, it i
 constexpr double kDoubtfulSigma = 0.003;  // above it, more views are asked for
 constexpr double kOutlier = 3;            // times the median view's RMS
 constexpr double kLeastOutlierPx = 0.4;
-constexpr double kLargestRmsPx = 3;
-constexpr double kDoubtfulRmsPx = 1;
 constexpr double kUsefulK3 = 0.95;  // share of the RMS that must remain at most with k3
 
 constexpr const char* kNinths[9] = {"upper left", "upper middle", "upper right",  "left",       "middle",

@@ -15,9 +15,7 @@ namespace {
 
 constexpr double kDegPerRad = 180 / M_PI;
 constexpr double kLargestTiltDeg = 60;  // of the floor against what is level for a level camera
-constexpr double kLargestRmsPx = 3;
-constexpr double kDoubtfulRmsPx = 1;
-constexpr double kAroundMm = 1000;  // how far from the board the floor must be known
+constexpr double kAroundMm = 1000;      // how far from the board the floor must be known
 constexpr double kLargestSigmaMm = 60;
 constexpr double kDoubtfulSigmaMm = 15;
 constexpr double kAsGood = 1.5;  // the other of a plane's two poses, by its RMS

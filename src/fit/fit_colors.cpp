@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 constexpr float kLeastFacing = 0.25f;  // cosine; flatter ones show the background as often as themselves
 constexpr float kInsidePx = 3;         // from the silhouette
-constexpr size_t kLeastFrames = 2;
+constexpr size_t kLeastSightings = 2;
 constexpr double kMirrorMm = 25;  // how near a vertex is to the mirror image of another
 
 Vector3d color_at(const ImageRgb& image, const Eigen::Vector2f& pixel) {
@@ -51,7 +51,7 @@ std::vector<Vector3d> colors_from_frames(FramePoser& poser, const meshing::Surfa
   std::vector<char> known(n, 0);
   size_t n_seen = 0;
   for (size_t i = 0; i < n; ++i) {
-    if (samples[i].size() < kLeastFrames) continue;
+    if (samples[i].size() < kLeastSightings) continue;
     std::vector<double> channel;
     for (int k = 0; k < 3; ++k) {
       channel.clear();

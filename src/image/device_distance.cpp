@@ -7,17 +7,17 @@
 namespace livecap {
 namespace {
 
-constexpr char kFile[] = "image/distance_field.cl";
-constexpr int kLanes = 16;       // LC_LANES
-constexpr int32_t kBand = 64;    // rows of a work-item
-constexpr int32_t kStrip = 512;  // columns of a work-item
-constexpr int kBlock = 32;       // LC_BLOCK
+constexpr char kDistanceFile[] = "image/distance_field.cl";
+constexpr int kDistanceLanes = 16;  // LC_LANES
+constexpr int32_t kBand = 64;       // rows of a work-item
+constexpr int32_t kStrip = 512;     // columns of a work-item
+constexpr int kBlock = 32;          // LC_BLOCK
 constexpr int kMaxSize = 16000;
-constexpr size_t kLocal = 16;
+constexpr size_t kTile = 16;
 
 // Words that a work-item of row_distances needs at most, for planes of this stride: LC_ROW_SCRATCH.
 size_t row_scratch(int stride) {
-  return size_t(stride) + kLanes + stride / kLanes + 2;
+  return size_t(stride) + kDistanceLanes + stride / kDistanceLanes + 2;
 }
 
 int blocks_of(int pixels) {
@@ -44,11 +44,11 @@ DeviceDistanceField::DeviceDistanceField(ocl::DeviceContext& device, int width, 
     far_to_inside_ = ocl::Buffer<int32_t>(device, n);
     far_to_outside_ = ocl::Buffer<int32_t>(device, n);
     bits_ = ocl::Buffer<uint32_t>(device, size_t(stride_) * ((height + kBlock - 1) / kBlock));
-    bits_kernel_ = ocl::Kernel(device, kFile, "column_bits");
+    bits_kernel_ = ocl::Kernel(device, kDistanceFile, "column_bits");
   }
-  columns_ = ocl::Kernel(device, kFile, is_cpu_ ? "column_steps" : "column_squares");
-  rows_ = ocl::Kernel(device, kFile, "row_distances");
-  extend_ = ocl::Kernel(device, kFile, "extend_distances");
+  columns_ = ocl::Kernel(device, kDistanceFile, is_cpu_ ? "column_steps" : "column_squares");
+  rows_ = ocl::Kernel(device, kDistanceFile, "row_distances");
+  extend_ = ocl::Kernel(device, kDistanceFile, "extend_distances");
 }
 
 void DeviceDistanceField::compute(const ocl::Buffer<uint8_t>& mask, const PixelBox& person, int area_px,
@@ -65,18 +65,18 @@ void DeviceDistanceField::compute(const ocl::Buffer<uint8_t>& mask, const PixelB
                   exact.x1, stride_};
   arg.n_columns = blocks_of(exact.x1 - arg.x0) * kBlock;
   const auto rows = static_cast<size_t>(arg.n_rows);
-  const auto rounded = [](int items) { return (static_cast<size_t>(items) + kLocal - 1) / kLocal * kLocal; };
+  const auto rounded = [](int items) { return (static_cast<size_t>(items) + kTile - 1) / kTile * kTile; };
   if (is_cpu_) {
     columns_.launch((arg.n_columns + kStrip - 1) / kStrip, 1, arg, kStrip, mask, steps_);
     rows_.launch((rows + kBand - 1) / kBand, 1, arg, kBand, steps_, row_scratch_, distance);
   } else {
-    bits_kernel_.launch(ocl::Range{rounded(arg.n_columns), (rows + kBlock - 1) / kBlock, kLocal, 1}, arg, mask, bits_);
-    columns_.launch(ocl::Range{rounded(arg.n_columns + 2), rows, kLocal, 1}, arg, bits_, far_to_inside_,
+    bits_kernel_.launch(ocl::Range{rounded(arg.n_columns), (rows + kBlock - 1) / kBlock, kTile, 1}, arg, mask, bits_);
+    columns_.launch(ocl::Range{rounded(arg.n_columns + 2), rows, kTile, 1}, arg, bits_, far_to_inside_,
                     far_to_outside_);
-    rows_.launch(ocl::Range{rounded(arg.n_columns), rows, kLocal, 1}, arg, far_to_inside_, far_to_outside_, distance);
+    rows_.launch(ocl::Range{rounded(arg.n_columns), rows, kTile, 1}, arg, far_to_inside_, far_to_outside_, distance);
   }
-  const int n_groups = (width_ + kLanes - 1) / kLanes;
-  extend_.launch(ocl::Range{rounded(n_groups), static_cast<size_t>(height_), kLocal, 1}, arg, n_groups, distance);
+  const int n_groups = (width_ + kDistanceLanes - 1) / kDistanceLanes;
+  extend_.launch(ocl::Range{rounded(n_groups), static_cast<size_t>(height_), kTile, 1}, arg, n_groups, distance);
 }
 
 }  // namespace livecap

@@ -11,14 +11,14 @@
 namespace livecap {
 namespace {
 
-constexpr char kFile[] = "image/foreground.cl";
-constexpr int kLanes = 16;  // LC_LANES
-constexpr int kPad = 48;    // rows and columns around the padded planes: the longest reach of the smoothing and a group
+constexpr char kForegroundFile[] = "image/foreground.cl";
+constexpr int kForegroundLanes = 16;  // LC_LANES
+constexpr int kPad = 48;  // rows and columns around the padded planes: the longest reach of the smoothing and a group
 constexpr float kMaxSmoothPx = 10;
-constexpr size_t kLocal = 16;
+constexpr size_t kGroup = 16;
 
 int groups_of(int pixels) {
-  return (pixels + kLanes - 1) / kLanes;
+  return (pixels + kForegroundLanes - 1) / kForegroundLanes;
 }
 
 // Half of a normal distribution's bell in 1/256, from the middle on; as far as OpenCV's for 8-bit pictures.
@@ -75,7 +75,7 @@ ForegroundSegmenter::ForegroundSegmenter(ocl::DeviceContext& device, ocl::Device
     throw ConfigError(
         format("background plate is %dx%d, the video %dx%d", background.width(), background.height(), width, height));
   const size_t n_cells = size_t(coarse_width_) * coarse_height_;
-  stride_ = groups_of(width) * kLanes + 2 * kPad;
+  stride_ = groups_of(width) * kForegroundLanes + 2 * kPad;
   const size_t padded = size_t(stride_) * (height + 2 * kPad);
   const std::vector<uint16_t> weights =
       smoothing_weights(has_background_ ? options.smooth_px : std::max(0.5f, options.smooth_px));
@@ -98,13 +98,13 @@ ForegroundSegmenter::ForegroundSegmenter(ocl::DeviceContext& device, ocl::Device
   n_beyond_ = ocl::Buffer<int32_t>(device, 1);
   crop_steps_ = ocl::Buffer<int32_t>(gate_device, size_t(2) * (width + height));
   lay_mask_ = ocl::Kernel(gate_device, "image/lay_mask.cl", "lay_mask");
-  coarse_means_ = ocl::Kernel(gate_device, kFile, "coarse_means");
-  foreground_score_ = ocl::Kernel(device, kFile, "foreground_score");
-  network_score_ = ocl::Kernel(device, kFile, "network_score");
-  score_border_ = ocl::Kernel(device, kFile, "score_border");
-  smooth_rows_ = ocl::Kernel(device, kFile, "smooth_rows");
-  decide_ = ocl::Kernel(device, kFile, "decide");
-  trim_border_ = ocl::Kernel(device, kFile, "trim_border");
+  coarse_means_ = ocl::Kernel(gate_device, kForegroundFile, "coarse_means");
+  foreground_score_ = ocl::Kernel(device, kForegroundFile, "foreground_score");
+  network_score_ = ocl::Kernel(device, kForegroundFile, "network_score");
+  score_border_ = ocl::Kernel(device, kForegroundFile, "score_border");
+  smooth_rows_ = ocl::Kernel(device, kForegroundFile, "smooth_rows");
+  decide_ = ocl::Kernel(device, kForegroundFile, "decide");
+  trim_border_ = ocl::Kernel(device, kForegroundFile, "trim_border");
 }
 
 void ForegroundSegmenter::require_sizes(const ImageRgb& image, const PersonMask& network_mask,
@@ -144,8 +144,8 @@ void ForegroundSegmenter::lay_on_device(const CropMask& crop_mask, DeviceFrame& 
     int32_t width, height, x0, y0, x1, y1, size;
   };
   const size_t items = gate_device_.is_cpu() ? groups_of(width_) : width_;
-  const size_t columns = (items + kLocal - 1) / kLocal * kLocal;
-  lay_mask_.launch(ocl::Range{columns, static_cast<size_t>(height_), kLocal, 1},
+  const size_t columns = (items + kGroup - 1) / kGroup * kGroup;
+  lay_mask_.launch(ocl::Range{columns, static_cast<size_t>(height_), kGroup, 1},
                    MaskArg{width_, height_, box.x0, box.y0, box.x1, box.y1, size}, crop_mask_, crop_steps_,
                    frame.network_mask);
 }
@@ -154,7 +154,7 @@ void ForegroundSegmenter::lay_on_device(const CropMask& crop_mask, DeviceFrame& 
 void ForegroundSegmenter::find_person(const DeviceFrame& frame, ForegroundGate& gate) {
   const int n_groups = groups_of(width_);
   gate.coarse_mask = {coarse_width_, coarse_height_, std::vector<uint8_t>(coarse_.size())};
-  coarse_means_.launch(ocl::Range{groups_of(n_groups) * kLocal, static_cast<size_t>(coarse_height_), kLocal, 1},
+  coarse_means_.launch(ocl::Range{groups_of(n_groups) * kGroup, static_cast<size_t>(coarse_height_), kGroup, 1},
                        n_groups, width_, height_, coarse_width_, coarse_height_, frame.network_mask, coarse_);
   coarse_.read(gate.coarse_mask.pixels);
   gate.person = find_person_gate(gate.coarse_mask, width_, height_, options_);
@@ -192,7 +192,7 @@ void ForegroundSegmenter::decide(const ForegroundGate& gate, DeviceFrame& frame)
   KernelArg arg{};
   arg.width = width_;
   arg.height = height_;
-  arg.x0 = box.x0 / kLanes * kLanes;
+  arg.x0 = box.x0 / kForegroundLanes * kForegroundLanes;
   arg.n_groups = groups_of(box.x1 - arg.x0);
   arg.y0 = box.y0;
   arg.n_rows = box.height();
@@ -202,7 +202,7 @@ void ForegroundSegmenter::decide(const ForegroundGate& gate, DeviceFrame& frame)
   arg.n_layers = n_layers_;
   arg.has_network = gate.has_network;
   const auto range = [&](int rows) {
-    return ocl::Range{groups_of(arg.n_groups) * kLocal, static_cast<size_t>(rows), kLocal, 1};
+    return ocl::Range{groups_of(arg.n_groups) * kGroup, static_cast<size_t>(rows), kGroup, 1};
   };
   n_beyond_.fill(0);
   if (has_background_) {
@@ -216,7 +216,7 @@ void ForegroundSegmenter::decide(const ForegroundGate& gate, DeviceFrame& frame)
   } else {
     network_score_.launch(range(arg.n_rows), arg, frame.network_mask, score_);
   }
-  score_border_.launch(arg.n_rows + 2 * reach_, kLocal, arg, reach_, score_);
+  score_border_.launch(arg.n_rows + 2 * reach_, kGroup, arg, reach_, score_);
   smooth_rows_.launch(range(arg.n_rows + 2 * reach_), arg, reach_, weights_, score_, smoothed_);
   decide_.launch(range(arg.n_rows), arg, reach_, weights_, smoothed_, decided_);
   trim_border_.launch(range(arg.n_rows), arg, has_background_ ? options_.edge_share : 0.0f, decided_, contrast_,

@@ -14,6 +14,8 @@
 
 namespace livecap {
 
+inline constexpr int kHalfProbability = 128;  // of 255: whose a pixel or cell more likely is
+
 struct ForegroundOptions {
   float gate_margin = 0.08f;   // the network mask grows by this share of the person's height before it gates
   float core_margin = 0.012f;  // and shrinks by this share to the core that is always foreground

@@ -9,7 +9,6 @@
 namespace livecap {
 namespace {
 
-constexpr int kHalf = 128;
 // A stranger's share beyond the gate, of what is looked at, is at least this.
 constexpr double kShareBeyond = 0.1;
 // Of the area that cells tell.
@@ -31,7 +30,7 @@ cv::Mat disc(int radius) {
 cv::Mat known_person(const StrangerSearch& search) {
   cv::Mat known;
   cv::threshold(part(search.network.probability, search.network.width, search.network.height, search.box), known,
-                kHalf - 1, 255, cv::THRESH_BINARY);
+                kHalfProbability - 1, 255, cv::THRESH_BINARY);
   return known;
 }
 
@@ -50,9 +49,9 @@ bool few_beyond(const ImageGray& cells, float least_share, int n_beyond) {
   for (int y = 0; y < cells.height; ++y) {
     const uint8_t* row = &cells.pixels[size_t(y) * cells.width];
     for (int x = 0; x < cells.width; ++x) {
-      known += row[x] >= kHalf;
-      // The others have at most kHalf - 1 each. Cells at the border may be smaller.
-      if (row[x] >= kHalf && x + 1 < cells.width && y + 1 < cells.height) least += 2 * row[x] - 255;
+      known += row[x] >= kHalfProbability;
+      // The others have at most kHalfProbability - 1 each. Cells at the border may be smaller.
+      if (row[x] >= kHalfProbability && x + 1 < cells.width && y + 1 < cells.height) least += 2 * row[x] - 255;
     }
   }
   const double known_px = kSureShare * kGateCell * kGateCell * static_cast<double>(known);

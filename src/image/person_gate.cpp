@@ -8,8 +8,6 @@
 namespace livecap {
 namespace {
 
-constexpr int kHalf = 128;
-
 // Cells for which cell >= least.
 ImageGray at_least(const ImageGray& cells, double least) {
   ImageGray result = cells;
@@ -99,7 +97,7 @@ void shrink_by_disc(ImageGray& mask, int radius) {
 
 PersonGate find_person_gate(const ImageGray& cells, int width, int height, const ForegroundOptions& options) {
   PersonGate result;
-  result.gate = at_least(cells, kHalf);
+  result.gate = at_least(cells, kHalfProbability);
   const PixelBox person = bounding_box(result.gate);
   if (person.empty()) return result;
   const auto radius = [&](float margin) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kShift = 14;       // of the coefficients
 constexpr int kChromaShift = 4;  // chroma has 16 times its value
-constexpr int kHalf = 1 << (kShift - 1);
+constexpr int kRounding = 1 << (kShift - 1);
 
 struct Coefficients {
   int luma, luma_zero, red_cr, green_cb, green_cr, blue_cb;
@@ -52,7 +52,7 @@ LC_ALL_VECTORS void convert_row(const uint8_t* y, const int16_t* cb, const int16
                                 uint8_t* __restrict red, uint8_t* __restrict green, uint8_t* __restrict blue) {
   const auto [luma, luma_zero, red_cr, green_cb, green_cr, blue_cb] = k;
   for (int x = 0; x < n; ++x) {
-    const int grey = luma * (y[x] - luma_zero) + kHalf;
+    const int grey = luma * (y[x] - luma_zero) + kRounding;
     red[x] = static_cast<uint8_t>(std::clamp((grey + red_cr * cr[x]) >> kShift, 0, 255));
     green[x] = static_cast<uint8_t>(std::clamp((grey + green_cb * cb[x] + green_cr * cr[x]) >> kShift, 0, 255));
     blue[x] = static_cast<uint8_t>(std::clamp((grey + blue_cb * cb[x]) >> kShift, 0, 255));

@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kLeastAlbedo = 0.02;
 constexpr double kLeastSeenPx = 60;
-constexpr size_t kLocal = 64;
+constexpr size_t kSkinGroup = 64;
 
 // The number of each bone's limb, -1 where it is not a long one; hands and feet have folds and nails.
 std::vector<int> long_limbs(const Skeleton& skeleton) {
@@ -90,13 +90,13 @@ void SkinShading::measure(const DeviceFrame& frame, const DepthRasterizer& raste
   const int n = int(skin_.size());
   const Tints tint = tints();
   const auto launch = [&](size_t n_items, const auto&... more) {
-    kernel_.launch(n_items, kLocal, n, width_, height_, focal_px_, options_.min_facing, options_.depth_range_mm,
+    kernel_.launch(n_items, kSkinGroup, n, width_, height_, focal_px_, options_.min_facing, options_.depth_range_mm,
                    tint.red_blue, tint.off, vertices_, limbs_, albedo_, areas_, is_skin_, positions, normals, visible,
                    raster.projected(), raster.triangle_ids(), raster.depth(), raster.triangles(), frame.signed_distance,
                    frame.rgb, samples_, more...);
   };
   if (is_cpu_) return launch(n);
-  launch(size_t(LC_SKIN_SHARE) * n, ocl::LocalMemory{4 * sizeof(float) * kLocal});
+  launch(size_t(LC_SKIN_SHARE) * n, ocl::LocalMemory{4 * sizeof(float) * kSkinGroup});
 }
 
 SkinShading::Tints SkinShading::tints() const {

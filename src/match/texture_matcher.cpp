@@ -16,8 +16,8 @@ constexpr int kWidthStep = 16 << LC_MATCH_LEVELS;  // of a box: sixteen pixels d
 constexpr int kBeyond = 32;                        // px around the person in the picture
 constexpr int kMinTexture = 8;                     // px
 constexpr int kMaxTexture = 1024;                  // px; finer than a picture shows, and small enough for a cache
-constexpr size_t kLocal = 64;
-static_assert((kWidthStep >> LC_MATCH_LEVELS) % LC_MATCH_TILE == 0 && kLocal % LC_MATCH_PATCH == 0);
+constexpr size_t kPatchGroup = 64;
+static_assert((kWidthStep >> LC_MATCH_LEVELS) % LC_MATCH_TILE == 0 && kPatchGroup % LC_MATCH_PATCH == 0);
 
 size_t pyramid_size(int width, int height) {
   size_t size = 0;
@@ -204,9 +204,9 @@ void TextureMatcher::match(const DepthRasterizer& raster, const ocl::Buffer<floa
                           patch_options(level), level_offset(level), focal_px_, positions, normals, visible,
                           raster.projected(), areas_, share, actor_, depth_, camera_, matches_);
   } else {
-    match_patches_.launch(size_t(LC_MATCH_PATCH) * n_vertices_, kLocal, n_vertices_, box, patch_options(level),
+    match_patches_.launch(size_t(LC_MATCH_PATCH) * n_vertices_, kPatchGroup, n_vertices_, box, patch_options(level),
                           level_offset(level), focal_px_, positions, normals, visible, raster.projected(), areas_,
-                          share, actor_, depth_, camera_, matches_, ocl::LocalMemory{4 * sizeof(float) * kLocal});
+                          share, actor_, depth_, camera_, matches_, ocl::LocalMemory{4 * sizeof(float) * kPatchGroup});
   }
 }
 

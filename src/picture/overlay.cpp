@@ -12,7 +12,7 @@ namespace livecap {
 namespace {
 
 constexpr float kMaxPixel = 1e6f;
-constexpr float kAmbient = 0.55f;
+constexpr float kOverlayAmbient = 0.55f;
 constexpr float kKeyAmbient = 0.26f, kKeyFromCamera = 0.24f, kKey = 0.72f;
 constexpr float kGrey = 190;
 constexpr float kLightCheck = 225, kDarkCheck = 70;
@@ -96,7 +96,7 @@ class Painter {
   float brightness(const Vector3f& normal, const Vector3f& ray) const {
     const float length = normal.norm() * ray.norm();
     const float cosine = length > 0 ? std::abs(normal.dot(ray)) / length : 1;
-    if (!options_.key_light) return kAmbient + (1 - kAmbient) * cosine;
+    if (!options_.key_light) return kOverlayAmbient + (1 - kOverlayAmbient) * cosine;
     static const Vector3f kToLamp = Vector3f(-0.55f, -0.65f, -0.53f).normalized();
     const float towards = (normal.dot(ray) > 0 ? -1.f : 1.f) * normal.dot(kToLamp) / std::max(normal.norm(), 1e-6f);
     return kKeyAmbient + kKeyFromCamera * cosine + kKey * std::max(0.f, towards);

@@ -15,7 +15,7 @@
 namespace livecap {
 namespace {
 
-constexpr float kAmbient = 0.62f;
+constexpr float kTurnaroundAmbient = 0.62f;
 constexpr float kMarginShare = 0.03f;  // of the turnaround's height, around each figure
 constexpr int kOversampling = 2;       // of the turnaround, per axis
 
@@ -76,7 +76,7 @@ ImageRgb paint_turnaround(std::span<const float> rest_mm, std::span<const int32_
       const Eigen::Map<const Eigen::Vector3f> p(&rest_mm[3 * i]), normal(&normals[3 * i]);
       scene.points.push_back({left + margin + extent / 2 + px_per_mm * side.right.dot(p) - middle,
                               margin + px_per_mm * (high.y() - p.y()), side.towards.dot(p)});
-      scene.light.push_back(kAmbient + (1 - kAmbient) * std::abs(normal.dot(side.towards)));
+      scene.light.push_back(kTurnaroundAmbient + (1 - kTurnaroundAmbient) * std::abs(normal.dot(side.towards)));
     }
     paint(scene, triangles, colors, canvas);
     left += extent + 2 * margin;

@@ -11,8 +11,8 @@
 namespace livecap {
 namespace {
 
-constexpr Keypoint kLegs[2][4] = {{kLeftHip, kLeftKnee, kLeftAnkle, kLeftToe},
-                                  {kRightHip, kRightKnee, kRightAnkle, kRightToe}};
+constexpr Keypoint kLegChains[2][4] = {{kLeftHip, kLeftKnee, kLeftAnkle, kLeftToe},
+                                       {kRightHip, kRightKnee, kRightAnkle, kRightToe}};
 constexpr double kShortestMm = 1;
 
 Eigen::Vector3d limb_mm(const KeypointDetections& k, int from, int to) {
@@ -52,7 +52,7 @@ LegBias::LegBias(const LegBiasOptions& options) : options_(options) {
 
 void LegBias::learn(const Actor& actor, const KeypointDetections& detected, const Pose& pose) {
   const auto solved = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
-  for (const auto& leg : kLegs) {
+  for (const auto& leg : kLegChains) {
     add(actor, detected, pose, solved, leg[0], leg[1], thigh_);
     add(actor, detected, pose, solved, leg[1], leg[2], shin_);
   }
@@ -65,14 +65,14 @@ void LegBias::add(const Actor& actor, const KeypointDetections& detected, const 
   const Eigen::Vector3d seen = limb_mm(detected, from, to), own = solved[to] - solved[from];
   if (!(seen.norm() > kShortestMm) || !(own.norm() > kShortestMm)) return;
   const double missing = own.z() / own.norm() - seen.z() / seen.norm();
-  const double weight = facing(pose) * facing(pose) / std::size(kLegs), fade = std::exp(-weight / options_.memory);
-  mean.sum = fade * mean.sum + facing(pose) * missing / std::size(kLegs);
+  const double weight = facing(pose) * facing(pose) / std::size(kLegChains), fade = std::exp(-weight / options_.memory);
+  mean.sum = fade * mean.sum + facing(pose) * missing / std::size(kLegChains);
   mean.weight = fade * mean.weight + weight;
 }
 
 KeypointDetections LegBias::corrected(const KeypointDetections& detected, const Pose& pose) const {
   KeypointDetections result = detected;
-  for (const auto& leg : kLegs) {
+  for (const auto& leg : kLegChains) {
     lean(leg, facing(pose) * bias(thigh_), result);
     lean(std::span(leg).subspan(1), facing(pose) * bias(shin_), result);
   }

@@ -17,7 +17,7 @@ struct Leg {
   const char* hip;
 };
 
-constexpr Leg kLegs[] = {{kLeftAnkle, "left_hip"}, {kRightAnkle, "right_hip"}};
+constexpr Leg kAnkleAndHip[] = {{kLeftAnkle, "left_hip"}, {kRightAnkle, "right_hip"}};
 
 // Whether the bone is one of these or hangs on one.
 bool hangs_on(const Skeleton& skeleton, int bone, const std::vector<int>& these) {
@@ -52,7 +52,7 @@ std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera,
   if (!detections.person) return std::nullopt;
   const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
   std::vector<int> strayed;  // hips
-  for (const Leg& leg : kLegs) {
+  for (const Leg& leg : kAnkleAndHip) {
     const KeypointDetection& seen = detections.keypoints[leg.ankle];
     const Eigen::Vector3d& p = positions[leg.ankle];
     const int hip = actor.skeleton.bone_index(leg.hip);

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kSideways = 70 * M_PI / 180;  // how far somebody who walks to the side is turned there
 
-double ease(double t) {
+double smoothstep(double t) {
   t = std::clamp(t, 0.0, 1.0);
   return t * t * (3 - 2 * t);
 }
@@ -51,9 +51,11 @@ Scenario scenario_from_name(const std::string& name) {
 void leave_and_return(double t, double out_mm, Posture& posture) {
   constexpr double kStart = 0.5, kSpeed = 1300, kAway = 0.5, kTurn = 0.3;  // s, mm/s on average
   const double walk = out_mm / kSpeed, back = kStart + walk + kAway;
-  posture.x_mm += out_mm * (ease((t - kStart) / walk) - ease((t - back) / walk));
+  posture.x_mm += out_mm * (smoothstep((t - kStart) / walk) - smoothstep((t - back) / walk));
   // Turned to where the way goes, to the camera at both ends of it.
-  const auto on_the_way = [&](double start) { return ease((t - start) / kTurn) * ease((start + walk - t) / kTurn); };
+  const auto on_the_way = [&](double start) {
+    return smoothstep((t - start) / kTurn) * smoothstep((start + walk - t) / kTurn);
+  };
   posture.yaw += kSideways * (on_the_way(kStart) - on_the_way(back));
 }
 

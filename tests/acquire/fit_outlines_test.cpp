@@ -14,11 +14,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kRadius = 35, kHalf = 200;
+constexpr double kTubeRadius = 35, kTubeHalf = 200;
 constexpr double kBelowAll = -1000;
 
 double capsule(const Vector3d& p, double radius) {
-  return (p - Vector3d(0, std::clamp(p.y(), -kHalf, kHalf), 0)).norm() - radius;
+  return (p - Vector3d(0, std::clamp(p.y(), -kTubeHalf, kTubeHalf), 0)).norm() - radius;
 }
 
 // With every vertex on it.
@@ -26,7 +26,7 @@ meshing::Surface capsule_surface(double radius) {
   meshing::Surface surface = meshing::extract_surface([&](const Vector3d& p) { return capsule(p, radius); },
                                                       {-80, -280, -80}, {80, 280, 80}, 12);
   for (Vector3d& p : surface.vertices) {
-    const Vector3d axis(0, std::clamp(p.y(), -kHalf, kHalf), 0);
+    const Vector3d axis(0, std::clamp(p.y(), -kTubeHalf, kTubeHalf), 0);
     p = axis + radius * (p - axis).normalized();
   }
   return surface;
@@ -61,7 +61,7 @@ std::vector<View> views_of_capsule() {
     for (int y = 0; y < kSize; ++y)
       for (int x = 0; x < kSize; ++x) {
         const Vector3d ray((x - view.camera.cx) / view.camera.fx, (y - view.camera.cy) / view.camera.fy, 1);
-        if (ray_to_axis(center, (rotation.transpose() * ray).normalized(), kHalf) < kRadius)
+        if (ray_to_axis(center, (rotation.transpose() * ray).normalized(), kTubeHalf) < kTubeRadius)
           view.mask.pixels[size_t(y) * kSize + x] = 255;
       }
     views.push_back(std::move(view));
@@ -73,11 +73,11 @@ TEST(FitOutlines, ALimbEndsWhereItsOutlinesEnd) {
   const std::vector<View> views = views_of_capsule();
   test::on_every_device([&](ocl::DeviceContext& device) {
     for (const double off : {-3.0, 2.0}) {
-      meshing::Surface surface = capsule_surface(kRadius + off);
+      meshing::Surface surface = capsule_surface(kTubeRadius + off);
       fit_outlines(device, views, kBelowAll, surface);
       double sum = 0, worst = 0;
       for (const Vector3d& p : surface.vertices) {
-        const double outside = capsule(p, kRadius);
+        const double outside = capsule(p, kTubeRadius);
         sum += outside;
         worst = std::max(worst, std::abs(outside));
       }
@@ -92,7 +92,7 @@ TEST(FitOutlines, ALimbEndsWhereItsOutlinesEnd) {
 TEST(FitOutlines, WhatIsLowerStays) {
   const std::vector<View> views = views_of_capsule();
   test::on_every_device([&](ocl::DeviceContext& device) {
-    meshing::Surface surface = capsule_surface(kRadius - 3);
+    meshing::Surface surface = capsule_surface(kTubeRadius - 3);
     const std::vector<Vector3d> before = surface.vertices;
     fit_outlines(device, views, 0, surface);
     int n_moved = 0;
@@ -114,7 +114,7 @@ TEST(FitOutlines, WithoutOutlinesNothingMoves) {
       std::fill(views[i].mask.pixels.begin(), views[i].mask.pixels.end(), 0);
   }
   test::on_every_device([&](ocl::DeviceContext& device) {
-    meshing::Surface surface = capsule_surface(kRadius);
+    meshing::Surface surface = capsule_surface(kTubeRadius);
     const std::vector<Vector3d> before = surface.vertices;
     fit_outlines(device, views, kBelowAll, surface);
     EXPECT_EQ(surface.vertices, before);

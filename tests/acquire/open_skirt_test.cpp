@@ -14,12 +14,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kHem = 500, kLegX = 110, kLegRadius = 50, kRadius = 240, kStep = 8;
+constexpr double kHem = 500, kLegX = 110, kLegRadius = 50, kSkirtRadius = 240, kStep = 8;
 
 // Legs as posts, from the hem (or higher) up a drum with a flat underside.
 double dressed(const Vector3d& p, double hem) {
   const double legs = std::min(std::hypot(p.x() - kLegX, p.z()), std::hypot(p.x() + kLegX, p.z())) - kLegRadius;
-  const double drum = std::max(std::hypot(p.x(), p.z()) - kRadius, hem - p.y());
+  const double drum = std::max(std::hypot(p.x(), p.z()) - kSkirtRadius, hem - p.y());
   return std::max({std::min(legs, drum), 20 - p.y(), p.y() - 1000});
 }
 
@@ -58,7 +58,8 @@ TEST(OpenSkirt, ARoofAtFortyFiveDegrees) {
   for (const double x : {-kLegX, kLegX}) EXPECT_GT(open.at({x, kHem + 40, kLegRadius + 15}), 0);
   // The hem and the legs stay.
   for (double angle = 0; angle < 6.2; angle += 0.3)
-    EXPECT_LT(open.at((kRadius - 10) * Vector3d(std::cos(angle), 0, std::sin(angle)) + Vector3d(0, kHem + 10, 0)), 0);
+    EXPECT_LT(open.at((kSkirtRadius - 10) * Vector3d(std::cos(angle), 0, std::sin(angle)) + Vector3d(0, kHem + 10, 0)),
+              0);
   for (const double x : {-kLegX, kLegX})
     for (const double y : {200.0, kHem + 20.0}) EXPECT_LT(open.at({x, y, 0}), -0.6 * kLegRadius);
   EXPECT_TRUE(is_closed_manifold(surface_of(open)));

@@ -8,7 +8,7 @@
 namespace livecap {
 namespace {
 
-std::string refusal(const std::filesystem::path& path) {
+std::string read_refusal(const std::filesystem::path& path) {
   try {
     read_file(path);
   } catch (const IoError& error) {
@@ -22,9 +22,9 @@ TEST(Text, ReadsFilesAndNothingElse) {
   const std::string bytes("a\0\r\n", 4);
   write_file_atomically(path, bytes);
   EXPECT_EQ(read_file(path), bytes);
-  EXPECT_EQ(refusal(testing::TempDir()), std::string(testing::TempDir()) + ": is a folder, expected a file");
-  EXPECT_EQ(refusal("/dev/zero"), "/dev/zero: is a device, expected a file");
-  EXPECT_EQ(refusal("/no/such"), "/no/such: no such file");
+  EXPECT_EQ(read_refusal(testing::TempDir()), std::string(testing::TempDir()) + ": is a folder, expected a file");
+  EXPECT_EQ(read_refusal("/dev/zero"), "/dev/zero: is a device, expected a file");
+  EXPECT_EQ(read_refusal("/no/such"), "/no/such: no such file");
 }
 
 // A pipe that nobody writes to is not opened, which would wait for ever.

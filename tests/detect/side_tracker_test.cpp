@@ -35,14 +35,14 @@ Keypoints exchanged(Keypoints k) {
   return k;
 }
 
-constexpr double kDt = 1.0 / 30;
+constexpr double kFrameS = 1.0 / 30;
 
 TEST(SideTracker, UndoesASuddenExchange) {
   detect::SideTracker tracker;
   for (int i = 0; i < 60; ++i) {
     const bool wrong = i >= 30 && i < 45;
     Keypoints k = wrong ? exchanged(person(i)) : person(i);
-    EXPECT_EQ(tracker.update({}, kDt, 4, k), wrong) << i;
+    EXPECT_EQ(tracker.update({}, kFrameS, 4, k), wrong) << i;
     EXPECT_EQ(k[kLeftWrist].x_mm, person(i)[kLeftWrist].x_mm) << i;
     EXPECT_EQ(k[kRightAnkle].x_px, person(i)[kRightAnkle].x_px) << i;
   }
@@ -51,11 +51,11 @@ TEST(SideTracker, UndoesASuddenExchange) {
 TEST(SideTracker, BelievesANetworkThatInsists) {
   detect::SideTracker tracker;
   Keypoints k = exchanged(person(0));  // a wrong beginning
-  tracker.update({}, kDt, 4, k);
+  tracker.update({}, kFrameS, 4, k);
   int healed = -1;
   for (int i = 0; i < 60 && healed < 0; ++i) {
     k = person(i);
-    if (!tracker.update({}, kDt, 4, k)) healed = i;
+    if (!tracker.update({}, kFrameS, 4, k)) healed = i;
     EXPECT_EQ(tracker.changed_sides(), healed >= 0) << i;
   }
   EXPECT_GE(healed, 3);
@@ -65,13 +65,13 @@ TEST(SideTracker, BelievesANetworkThatInsists) {
 TEST(SideTracker, LegsFollowTheShoulders) {
   detect::SideTracker tracker;
   Keypoints first = person(0);
-  tracker.update({}, kDt, 4, first);
+  tracker.update({}, kFrameS, 4, first);
   // Only the legs are exchanged: hips that face away from the shoulders are put right.
   Keypoints k = exchanged(person(1));
   const Keypoints right = person(1);
   for (int i : {kLeftShoulder, kRightShoulder, kLeftElbow, kRightElbow, kLeftWrist, kRightWrist, kLeftHand, kRightHand})
     k[i] = right[i];
-  EXPECT_TRUE(tracker.update({}, kDt, 4, k));
+  EXPECT_TRUE(tracker.update({}, kFrameS, 4, k));
   EXPECT_EQ(k[kLeftHip].x_mm, right[kLeftHip].x_mm);
   EXPECT_EQ(k[kLeftShoulder].x_mm, right[kLeftShoulder].x_mm);
 }
@@ -96,7 +96,7 @@ TEST(SideTracker, DepthOfAnExchangedFrameIsNotTaken) {
       k = with_depth(exchanged(k), 100, -50);
       std::swap(k[kLeftEye], k[kRightEye]);
     }
-    EXPECT_EQ(tracker.update({}, kDt, 4, k), wrong) << i;
+    EXPECT_EQ(tracker.update({}, kFrameS, 4, k), wrong) << i;
     const float last_agreed = wrong ? 19.0f : float(i);
     for (int arm : {kNeck, kLeftShoulder, kRightWrist, kNose, kLeftEye})
       EXPECT_EQ(k[arm].z_mm, -100 - last_agreed) << i << " " << arm;

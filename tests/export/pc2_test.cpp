@@ -12,7 +12,7 @@
 namespace livecap {
 namespace {
 
-std::filesystem::path scratch(const char* name) {
+std::filesystem::path pc2_scratch(const char* name) {
   return std::filesystem::path(testing::TempDir()) / name;
 }
 
@@ -26,7 +26,7 @@ std::string message_of(const std::filesystem::path& path) {
 }
 
 TEST(Pc2, TheFileIsValidAfterEveryFrame) {
-  const auto path = scratch("valid.pc2");
+  const auto path = pc2_scratch("valid.pc2");
   Pc2Writer writer(path, 2, 3.f, 1.f);
   EXPECT_EQ(read_pc2(path).n_samples, 0);
   std::vector<float> all;
@@ -46,7 +46,7 @@ TEST(Pc2, TheFileIsValidAfterEveryFrame) {
 
 // The layout spelled out byte by byte.
 TEST(Pc2, HasTheDocumentedBytes) {
-  const auto path = scratch("bytes.pc2");
+  const auto path = pc2_scratch("bytes.pc2");
   Pc2Writer(path, 1).append(std::vector<float>{1, 2, 3});
   const std::string bytes = read_file(path);
   const unsigned char expected[] = {'P', 'O', 'I', 'N', 'T',  'C',  'A', 'C', 'H', 'E',  '2', 0,    1,    0,   0,
@@ -57,8 +57,8 @@ TEST(Pc2, HasTheDocumentedBytes) {
 }
 
 TEST(Pc2, BrokenFilesAreRefusedByName) {
-  const auto path = scratch("broken.pc2");
-  EXPECT_NE(message_of(scratch("absent.pc2")).find("absent.pc2"), std::string::npos);
+  const auto path = pc2_scratch("broken.pc2");
+  EXPECT_NE(message_of(pc2_scratch("absent.pc2")).find("absent.pc2"), std::string::npos);
   Pc2Writer(path, 3).append(std::vector<float>(9, 1.f));
   const std::string good = read_file(path);
   for (size_t size = 0; size < good.size(); ++size) {

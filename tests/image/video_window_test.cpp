@@ -11,7 +11,7 @@
 namespace livecap {
 namespace {
 
-constexpr int kWidth = 61, kHeight = 34;
+constexpr int kWindowWidth = 61, kWindowHeight = 34;
 
 ImageRgb grey(int width, int height) {
   return {width, height, std::vector<uint8_t>(size_t(3) * width * height, 128)};
@@ -22,7 +22,7 @@ std::string unsupported() {
   setenv("SDL_VIDEODRIVER", "x11", 1);
   for (const char* name : {"DISPLAY", "WAYLAND_DISPLAY"}) unsetenv(name);
   try {
-    VideoWindow window("test", kWidth, kHeight);
+    VideoWindow window("test", kWindowWidth, kWindowHeight);
   } catch (const ConfigError& error) {
     const std::string why = error.what();
     for (const char* missing : {"this build has no libavdevice", "this FFmpeg has no SDL"})
@@ -34,15 +34,16 @@ std::string unsupported() {
 TEST(VideoWindow, ShowsPictures) {
   if (const std::string why = unsupported(); !why.empty()) GTEST_SKIP() << "skipped: " << why;
   setenv("SDL_VIDEODRIVER", "dummy", 1);
-  VideoWindow window("test", kWidth, kHeight);
-  for (int i = 0; i < 3; ++i) EXPECT_TRUE(window.show(grey(kWidth, kHeight)));
-  EXPECT_THROW((void)window.show(grey(kHeight, kWidth)), LogicError);
+  VideoWindow window("test", kWindowWidth, kWindowHeight);
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(window.show(grey(kWindowWidth, kWindowHeight)));
+  EXPECT_THROW((void)window.show(grey(kWindowHeight, kWindowWidth)), LogicError);
 }
 
 TEST(VideoWindow, AnotherOneOpensAfterTheFirst) {
   if (const std::string why = unsupported(); !why.empty()) GTEST_SKIP() << "skipped: " << why;
   setenv("SDL_VIDEODRIVER", "dummy", 1);
-  for (int i = 0; i < 2; ++i) EXPECT_TRUE(VideoWindow("test", kWidth, kHeight).show(grey(kWidth, kHeight)));
+  for (int i = 0; i < 2; ++i)
+    EXPECT_TRUE(VideoWindow("test", kWindowWidth, kWindowHeight).show(grey(kWindowWidth, kWindowHeight)));
 }
 
 // In a process of its own, since SDL keeps the driver that it chose first.
@@ -55,7 +56,7 @@ void refused(const char* driver) {
   for (const char* name : {"DISPLAY", "WAYLAND_DISPLAY"}) unsetenv(name);
   choose_window_driver();
   try {
-    VideoWindow window("test", kWidth, kHeight);
+    VideoWindow window("test", kWindowWidth, kWindowHeight);
   } catch (const ConfigError& error) {
     std::fputs(error.what(), stderr);
     std::exit(2);
@@ -74,9 +75,9 @@ TEST(VideoWindow, WithoutADesktopIsRefused) {
 TEST(VideoWindow, TheEnvironmentIsTheProgramsToChange) {
   if (const std::string why = unsupported(); !why.empty()) GTEST_SKIP() << "skipped: " << why;
   setenv("SDL_VIDEODRIVER", "dummy", 1);
-  VideoWindow first("test", kWidth, kHeight);  // SDL keeps its driver
+  VideoWindow first("test", kWindowWidth, kWindowHeight);  // SDL keeps its driver
   unsetenv("SDL_VIDEODRIVER");
-  VideoWindow window("test", kWidth, kHeight);
+  VideoWindow window("test", kWindowWidth, kWindowHeight);
   EXPECT_EQ(std::getenv("SDL_VIDEODRIVER"), nullptr);
   setenv("WAYLAND_DISPLAY", "wayland-0", 1);
   choose_window_driver();

@@ -15,36 +15,36 @@
 namespace livecap {
 namespace {
 
-constexpr int kCells = 16;
-constexpr double kHalf = 200, kDepth = 2000;  // mm
+constexpr int kArmCells = 16;
+constexpr double kArmHalf = 200, kArmDepth = 2000;  // mm
 constexpr float kColor = 0.5f;
-constexpr int kArm = 14, kClothes = 5;
+constexpr int kArmLabel = 14, kClothesLabel = 5;
 
 Camera square_camera() {
   return {.width = 160, .height = 160, .fx = 600, .fy = 600, .cx = 79.5, .cy = 79.5};
 }
 
 int column(int vertex) {
-  return vertex % (kCells + 1);
+  return vertex % (kArmCells + 1);
 }
 
 // Its right half wears a sleeve. tilt: about the x axis, the upper edge away from the camera.
 Actor square(double tilt = 0) {
   Actor actor;
-  for (int j = 0; j <= kCells; ++j) {
-    for (int i = 0; i <= kCells; ++i) {
-      const double x = (2.0 * i / kCells - 1) * kHalf, y = (2.0 * j / kCells - 1) * kHalf;
-      for (double value : {x, y * std::cos(tilt), kDepth - y * std::sin(tilt)})
+  for (int j = 0; j <= kArmCells; ++j) {
+    for (int i = 0; i <= kArmCells; ++i) {
+      const double x = (2.0 * i / kArmCells - 1) * kArmHalf, y = (2.0 * j / kArmCells - 1) * kArmHalf;
+      for (double value : {x, y * std::cos(tilt), kArmDepth - y * std::sin(tilt)})
         actor.mesh.positions.push_back(float(value));
-      actor.labels.push_back(i <= kCells / 2 ? kArm : kClothes);
+      actor.labels.push_back(i <= kArmCells / 2 ? kArmLabel : kClothesLabel);
       actor.colors.insert(actor.colors.end(), 3, kColor);
       actor.skin.bones.insert(actor.skin.bones.end(), {1, 0, 0, 0});
       actor.skin.weights.insert(actor.skin.weights.end(), {1, 0, 0, 0});
     }
   }
-  for (int j = 0; j < kCells; ++j) {
-    for (int i = 0; i < kCells; ++i) {
-      const int a = j * (kCells + 1) + i, c = a + kCells + 1;
+  for (int j = 0; j < kArmCells; ++j) {
+    for (int i = 0; i < kArmCells; ++i) {
+      const int a = j * (kArmCells + 1) + i, c = a + kArmCells + 1;
       actor.mesh.triangles.insert(actor.mesh.triangles.end(), {a, c, a + 1, a + 1, c, c + 1});
     }
   }
@@ -135,7 +135,7 @@ TEST(SkinShading, NothingIsSeenEdgeOnOrOfAnActorInClothes) {
     SkinShading shading(device, steep, square_camera(), SkinShadingOptions{});
     EXPECT_TRUE(measure(device, steep, shading, 102).empty());
     Actor clothed = square();
-    for (uint8_t& label : clothed.labels) label = kClothes;
+    for (uint8_t& label : clothed.labels) label = kClothesLabel;
     SkinShading none(device, clothed, square_camera(), SkinShadingOptions{});
     EXPECT_FALSE(none.usable());
     EXPECT_TRUE(measure(device, clothed, none, 102).empty());
@@ -169,7 +169,7 @@ TEST(SkinShading, TheLightTellsATiltFromItsMirrorImage) {
     EXPECT_EQ(shading.misfit(samples, 0, mirror, 2), 0);  // nothing of it is seen
     double weight = 0;
     for (const ShadedVertex& vertex : shading.shaded(samples)) {
-      EXPECT_EQ(actor.labels[vertex.vertex], kArm);
+      EXPECT_EQ(actor.labels[vertex.vertex], kArmLabel);
       weight += vertex.weight;
     }
     EXPECT_NEAR(weight, 1, 1e-4);  // of one whole limb

@@ -14,9 +14,9 @@
 namespace livecap {
 namespace {
 
-constexpr int kCells = 20;
-constexpr int kTexture = 256;
-constexpr double kHalf = 300, kDepth = 2000;  // mm
+constexpr int kPlaneCells = 20;
+constexpr int kTextureSide = 256;
+constexpr double kPlaneHalf = 300, kPlaneDepth = 2000;  // mm
 
 Camera plane_camera() {
   return {.width = 320, .height = 280, .fx = 800, .fy = 800, .cx = 159.5, .cy = 139.5};
@@ -34,10 +34,10 @@ std::vector<double> noise(int seed, double most = 20) {
     waves.push_back(
         {std::round(2 * most * (uniform(rng) - 0.5)), std::round(2 * most * (uniform(rng) - 0.5)), 6.3 * uniform(rng)});
   std::vector<double> values;
-  for (int y = 0; y < kTexture; ++y) {
-    for (int x = 0; x < kTexture; ++x) {
+  for (int y = 0; y < kTextureSide; ++y) {
+    for (int x = 0; x < kTextureSide; ++x) {
       double sum = 0;
-      for (const Wave& w : waves) sum += std::cos(2 * M_PI * (w.kx * x + w.ky * y) / kTexture + w.phase);
+      for (const Wave& w : waves) sum += std::cos(2 * M_PI * (w.kx * x + w.ky * y) / kTextureSide + w.phase);
       values.push_back(std::clamp(128 + 18 * sum, 0.0, 255.0));
     }
   }
@@ -46,22 +46,22 @@ std::vector<double> noise(int seed, double most = 20) {
 
 Actor plane_actor(const std::vector<double>& texture) {
   Actor actor;
-  for (int j = 0; j <= kCells; ++j) {
-    for (int i = 0; i <= kCells; ++i) {
-      const double u = double(i) / kCells, v = double(j) / kCells;
-      for (double value : {(2 * u - 1) * kHalf, (2 * v - 1) * kHalf, kDepth})
+  for (int j = 0; j <= kPlaneCells; ++j) {
+    for (int i = 0; i <= kPlaneCells; ++i) {
+      const double u = double(i) / kPlaneCells, v = double(j) / kPlaneCells;
+      for (double value : {(2 * u - 1) * kPlaneHalf, (2 * v - 1) * kPlaneHalf, kPlaneDepth})
         actor.mesh.positions.push_back(float(value));
       actor.render.uvs.insert(actor.render.uvs.end(), {float(u), float(v)});
     }
   }
-  for (int j = 0; j < kCells; ++j) {
-    for (int i = 0; i < kCells; ++i) {
-      const int a = j * (kCells + 1) + i, c = a + kCells + 1;
+  for (int j = 0; j < kPlaneCells; ++j) {
+    for (int i = 0; i < kPlaneCells; ++i) {
+      const int a = j * (kPlaneCells + 1) + i, c = a + kPlaneCells + 1;
       actor.mesh.triangles.insert(actor.mesh.triangles.end(), {a, c, a + 1, a + 1, c, c + 1});
     }
   }
   actor.render.triangles = actor.mesh.triangles;
-  actor.texture = {kTexture, kTexture, {}};
+  actor.texture = {kTextureSide, kTextureSide, {}};
   for (double value : texture) actor.texture.pixels.insert(actor.texture.pixels.end(), 3, uint8_t(std::lround(value)));
   return actor;
 }
@@ -79,13 +79,13 @@ Drawing draw(const Camera& camera, const std::vector<double>& texture, double dx
   ImageGray mask{camera.width, camera.height, {}};
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
-      const double u = ((x - dx - camera.cx) / camera.fx * kDepth / kHalf + 1) / 2;
-      const double v = ((y - dy - camera.cy) / camera.fy * kDepth / kHalf + 1) / 2;
+      const double u = ((x - dx - camera.cx) / camera.fx * kPlaneDepth / kPlaneHalf + 1) / 2;
+      const double v = ((y - dy - camera.cy) / camera.fy * kPlaneDepth / kPlaneHalf + 1) / 2;
       const bool inside = u > 0 && u < 1 && v > 0 && v < 1;
-      const int tx = std::clamp(int(u * kTexture), 0, kTexture - 1),
-                ty = std::clamp(int(v * kTexture), 0, kTexture - 1);
+      const int tx = std::clamp(int(u * kTextureSide), 0, kTextureSide - 1),
+                ty = std::clamp(int(v * kTextureSide), 0, kTextureSide - 1);
       const double light = light_left + (light_right - light_left) * x / camera.width;
-      const double value = inside ? std::clamp(light * texture[size_t(ty) * kTexture + tx], 0.0, 255.0) : 40;
+      const double value = inside ? std::clamp(light * texture[size_t(ty) * kTextureSide + tx], 0.0, 255.0) : 40;
       d.picture.pixels.insert(d.picture.pixels.end(), 3, uint8_t(std::lround(value)));
       mask.pixels.push_back(inside ? 255 : 0);
     }
@@ -117,8 +117,8 @@ std::vector<VertexMatch> find(ocl::DeviceContext& device, const Actor& actor, co
 }
 
 bool well_inside(int vertex) {
-  const int i = vertex % (kCells + 1), j = vertex / (kCells + 1);
-  return std::min(i, j) >= 4 && std::max(i, j) <= kCells - 4;
+  const int i = vertex % (kPlaneCells + 1), j = vertex / (kPlaneCells + 1);
+  return std::min(i, j) >= 4 && std::max(i, j) <= kPlaneCells - 4;
 }
 
 // Distances of the inner vertices' matches from where they should be, along u and v.
@@ -144,7 +144,7 @@ double quantile(std::vector<double> values, double q) {
   return values[size_t(q * double(values.size() - 1))];
 }
 
-constexpr size_t kInner = (kCells - 7) * (kCells - 7);
+constexpr size_t kInner = (kPlaneCells - 7) * (kPlaneCells - 7);
 
 TEST(TextureMatcher, FindsSmallMovesAtFullResolutionWhateverTheLight) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
@@ -232,8 +232,8 @@ TEST(TextureMatcher, CoarseLevelsFindLargerMoves) {
 TEST(TextureMatcher, StripesAreCertainAcrossThemOnly) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
     std::vector<double> stripes;
-    for (int y = 0; y < kTexture; ++y)
-      for (int x = 0; x < kTexture; ++x) stripes.push_back(128 + 80 * std::sin(2 * M_PI * y / 16.0));
+    for (int y = 0; y < kTextureSide; ++y)
+      for (int x = 0; x < kTextureSide; ++x) stripes.push_back(128 + 80 * std::sin(2 * M_PI * y / 16.0));
     const Actor actor = plane_actor(stripes);
     const auto matches = find(device, actor, draw(plane_camera(), stripes, 2, 1.5, 1, 1), 0);
     EXPECT_LT(quantile(errors(actor, matches, 2, 1.5).v, 0.9), 0.3);

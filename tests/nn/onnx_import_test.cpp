@@ -11,6 +11,7 @@
 #include "nn/onnx_nets.h"
 #include "nn/reference.h"
 #include "support/kernel_bodies.h"
+#include "support/relative_error.h"
 #include "support/tolerances.h"
 
 namespace livecap {
@@ -21,16 +22,6 @@ using test::onnx_float;
 using test::onnx_int;
 using test::onnx_ints;
 using test::onnx_text;
-
-double relative_error(const std::vector<float>& a, const std::vector<float>& b) {
-  if (a.size() != b.size()) return NAN;
-  double difference = 0, norm = 1e-12;
-  for (size_t i = 0; i < b.size(); ++i) {
-    difference += (double(a[i]) - b[i]) * (double(a[i]) - b[i]);
-    norm += double(b[i]) * b[i];
-  }
-  return std::sqrt(difference / norm);
-}
 
 // Between [1,C,H,W] and [1,H,W,C].
 std::vector<float> channels_last(const float* values, int channels, int pixels) {
@@ -60,7 +51,7 @@ void expect_agreement(const std::string& bytes, const std::vector<int>& input_di
     net.set_input(input);
     net.run();
     net.read_output(0, output);
-    EXPECT_LT(relative_error(output, expected), test::kNetworkRelative) << "device against reference";
+    EXPECT_LT(test::relative_error(output, expected), test::kNetworkRelative) << "device against reference";
   });
   if (!opencv) return;
   cv::dnn::Net net = cv::dnn::readNetFromONNX(bytes.data(), bytes.size());
@@ -71,7 +62,7 @@ void expect_agreement(const std::string& bytes, const std::vector<int>& input_di
   const cv::Mat result = net.forward();
   const nn::Shape shape = graph.tensors[graph.outputs[0]].shape;
   ASSERT_EQ(int64_t(result.total()), nn::element_count(shape));
-  EXPECT_LT(relative_error(expected, channels_last(result.ptr<float>(), shape[3], shape[1] * shape[2])),
+  EXPECT_LT(test::relative_error(expected, channels_last(result.ptr<float>(), shape[3], shape[1] * shape[2])),
             test::kNetworkRelative)
       << "reference against OpenCV";
 }

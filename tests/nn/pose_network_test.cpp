@@ -13,6 +13,7 @@
 #include "nn/tflite_import.h"
 #include "support/data_dir.h"
 #include "support/kernel_bodies.h"
+#include "support/relative_error.h"
 #include "support/test_device.h"
 #include "support/tolerances.h"
 
@@ -22,16 +23,6 @@ namespace {
 class PoseNetwork : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Models, PoseNetwork, testing::Values("lite", "full", "heavy"),
                          [](const auto& info) { return std::string(info.param); });
-
-// |a - b| / |b| over all elements; NaN when anything is.
-double relative_error(const std::vector<float>& a, const std::vector<float>& b) {
-  double difference = 0, norm = 0;
-  for (size_t i = 0; i < b.size(); ++i) {
-    difference += (double(a[i]) - b[i]) * (double(a[i]) - b[i]);
-    norm += double(b[i]) * b[i];
-  }
-  return std::sqrt(difference / norm);
-}
 
 std::vector<float> load_crop(const std::filesystem::path& path) {
   cv::Mat bgr = cv::imread(path.string());
@@ -59,7 +50,7 @@ TEST_P(PoseNetwork, GivesTheRecordedOutputs) {
       std::vector<float> output(nn::element_count(net.output_shape(i)));
       ASSERT_EQ(output.size(), expected.size()) << names[i];
       net.read_output(i, output);
-      EXPECT_LT(relative_error(output, expected), test::kNetworkRelative) << names[i];
+      EXPECT_LT(test::relative_error(output, expected), test::kNetworkRelative) << names[i];
     }
   });
 }
@@ -83,7 +74,7 @@ TEST_P(PoseNetwork, PrunedAndByteInputAgree) {
     std::vector<float> a(117), b(117);
     whole.read_output(4, a);
     pruned.read_output(0, b);
-    EXPECT_LT(relative_error(b, a), test::kLayerRelative);
+    EXPECT_LT(test::relative_error(b, a), test::kLayerRelative);
   });
 }
 

@@ -20,7 +20,7 @@ constexpr uint32_t kTag = 7;
 constexpr int kItems = 4, kAtOnce = 3;
 
 // take: every work-item of one group takes three words, four apart. pass_on: a group a word, from group to group.
-constexpr char kSource[] = R"(
+constexpr char kTaggedSource[] = R"(
 kernel void take(int end, global const ulong* words, uint tag, global int* state, global float* values,
                  global int* had) {
   const int id = get_local_id(0);
@@ -46,7 +46,7 @@ uint64_t word(float value, uint32_t tag) {
 class TaggedKernel {
  public:
   TaggedKernel(ocl::DeviceContext& device, const char* name) : queue_(device.queue()) {
-    const std::string source = ocl::resolve_kernel_source("shared/tagged.h") + kSource;
+    const std::string source = ocl::resolve_kernel_source("shared/tagged.h") + kTaggedSource;
     const char* text = source.c_str();
     const size_t size = source.size();
     const cl_device_id id = device.info().device;

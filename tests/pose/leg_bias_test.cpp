@@ -16,7 +16,7 @@ namespace {
 constexpr double kBend = 0.3;  // rad that thighs point forwards; knees twice that
 constexpr int kLong = 600;     // frames after which the prior hardly counts
 
-struct Scene {
+struct BiasScene {
   Actor actor = test::make_test_actor(0.7);
   Camera camera = test::portrait_camera();
 
@@ -41,7 +41,7 @@ double depth(const KeypointDetections& k, int from, int to) {
 }
 
 TEST(LegBias, WhatTheNetworkMissesIsAdded) {
-  const Scene scene;
+  const BiasScene scene;
   const Pose bent = scene.standing(0, kBend);
   const KeypointDetections straight = scene.seen(scene.standing(0, 0)), wanted = scene.seen(bent);
   LegBias bias({});
@@ -68,7 +68,7 @@ TEST(LegBias, WhatTheNetworkMissesIsAdded) {
 
 // Learned from the front, it holds from behind, where legs reach away from the camera, and asks nothing from the side.
 TEST(LegBias, TurnsWithThePerson) {
-  const Scene scene;
+  const BiasScene scene;
   LegBias bias({});
   for (int i = 0; i < kLong; ++i) bias.learn(scene.actor, scene.seen(scene.standing(0, 0)), scene.standing(0, kBend));
   const auto added = [&](double facing_rad) {
@@ -89,7 +89,7 @@ TEST(LegBias, TurnsWithThePerson) {
 }
 
 TEST(LegBias, FewFramesSayLittleAndAllCanBeForgotten) {
-  const Scene scene;
+  const BiasScene scene;
   const Pose bent = scene.standing(0, kBend);
   const KeypointDetections straight = scene.seen(scene.standing(0, 0));
   const auto added = [&](const LegBias& bias) {
@@ -111,7 +111,7 @@ TEST(LegBias, FewFramesSayLittleAndAllCanBeForgotten) {
 
 // Feet that are seen below knees that are guessed.
 TEST(LegBias, ALimbIsAsGoodAsItsWorseEnd) {
-  const Scene scene;
+  const BiasScene scene;
   const Pose bent = scene.standing(0, kBend);
   const KeypointDetections straight = scene.seen(scene.standing(0, 0));
   for (const int guessed : {kLeftHip, kLeftKnee, kLeftAnkle}) {
@@ -129,7 +129,7 @@ TEST(LegBias, ALimbIsAsGoodAsItsWorseEnd) {
 }
 
 TEST(LegBias, WhatWasNotSeenTellsNothing) {
-  const Scene scene;
+  const BiasScene scene;
   const Pose bent = scene.standing(0, kBend);
   KeypointDetections hidden = scene.seen(scene.standing(0, 0)), undefined = hidden;
   for (int k = kLeftKnee; k <= kRightToe; ++k) {

@@ -111,7 +111,7 @@ Actor copies_of_test_actor(int n) {
   return actor;
 }
 
-struct Scene {
+struct ChoiceScene {
   Actor actor;
   Camera camera = test::portrait_camera();
   PoseOptions options;
@@ -121,7 +121,7 @@ struct Scene {
   PoseState start{test::disturbed(truth, rng, 0.15, 40), {20, -40, 3100}};
   DeviceFrame frame;
 
-  Scene(ocl::DeviceContext& device, int n_copies)
+  ChoiceScene(ocl::DeviceContext& device, int n_copies)
       : actor(copies_of_test_actor(n_copies)), frame(device, camera.width, camera.height) {
     frame.signed_distance.write(test::smooth_distance(camera));
   }
@@ -145,7 +145,7 @@ TEST(PoseChoice, IsTheHosts) {
     for (const Case& c : kCases) {
       for (const bool knows_light : {true, false}) {
         SCOPED_TRACE(c.name);
-        Scene scene(device, c.n_copies);
+        ChoiceScene scene(device, c.n_copies);
         scene.options.max_contour_vertices = c.most_contour;
         scene.options.max_matches = c.most_matches;
         scene.options.max_shaded = c.most_shaded;
@@ -186,7 +186,7 @@ TEST(PoseChoice, IsTheHostsWhereWorkGroupsAreSmall) {
     ocl::DeviceInfo info = device.info();
     info.max_work_group_size = LC_POSE_CHOICE_GROUP / 2;
     ocl::DeviceContext small(info);
-    const Scene scene(small, 1);
+    const ChoiceScene scene(small, 1);
     EXPECT_FALSE(PoseSystem(small, scene.actor, scene.camera, scene.options).chooses());
   });
 }
@@ -195,7 +195,7 @@ TEST(PoseChoice, IsTheHostsWhereWorkGroupsAreSmall) {
 TEST(PoseChoice, IsReadWhereTheHostNeedsIt) {
   test::on_every_gpu_body(
       [](ocl::DeviceContext& device) {
-        const Scene scene(device, 1);
+        const ChoiceScene scene(device, 1);
         const Picture picture(device, scene.actor.n_vertices(), scene.camera, 0.3, true);
         const std::vector<int32_t> contour = picture.contour_found();
         const std::vector<VertexMatch> matches = picture.matches_found();
@@ -228,7 +228,7 @@ TEST(PoseChoice, IsReadWhereTheHostNeedsIt) {
 TEST(PoseChoice, IsOfVerticesWhereAWaitIsGivenUp) {
   test::on_every_gpu_body([](ocl::DeviceContext& device) {
     constexpr int kSlices = 2;
-    const Scene scene(device, 1);
+    const ChoiceScene scene(device, 1);
     const int n = scene.actor.n_vertices();
     const Picture picture(device, n, scene.camera, 0.6, true);
     PoseOptions options = scene.options;

@@ -29,7 +29,7 @@ Actor actor_with(int n_more_joints) {
 }
 
 // A pose near the truth with rows of every kind.
-struct Scene {
+struct StepsScene {
   Actor actor;
   Camera camera = test::portrait_camera();
   PoseOptions options;
@@ -44,7 +44,7 @@ struct Scene {
   Floor floor{-Eigen::Vector3d::UnitY(), 900};
   DeviceFrame frame;
 
-  explicit Scene(ocl::DeviceContext& device, int n_more_joints = 0)
+  explicit StepsScene(ocl::DeviceContext& device, int n_more_joints = 0)
       : actor(actor_with(n_more_joints)), frame(device, camera.width, camera.height) {
     std::vector<float> distance = test::smooth_distance(camera);
     for (float& value : distance) value *= 0.01f;  // pulls no harder than the rest
@@ -68,7 +68,7 @@ struct ByTheHost {
   std::vector<double> energy;     // before each step
 };
 
-ByTheHost steps_by_the_host(PoseSystem& system, const Scene& scene, int n_steps) {
+ByTheHost steps_by_the_host(PoseSystem& system, const StepsScene& scene, int n_steps) {
   ByTheHost steps{{scene.start}, {}};
   for (int step = 0; step < n_steps; ++step) {
     const PoseNormalEquations equations = system.assemble(steps.states.back());
@@ -91,7 +91,7 @@ void expect_same(const PoseState& got, const PoseState& expected) {
 
 TEST(PoseSteps, AreTheHosts) {
   test::on_every_gpu_body([](ocl::DeviceContext& device) {
-    Scene scene(device);
+    StepsScene scene(device);
     scene.options.max_step_rad = 0.1;  // shortens the first ones
     PoseSystem system(device, scene.actor, scene.camera, scene.options);
     scene.give(system);
@@ -117,7 +117,7 @@ TEST(PoseSteps, AreTheHosts) {
 TEST(PoseSteps, AreTheHostsForAnyNumberOfJoints) {
   test::on_every_gpu_body([](ocl::DeviceContext& device) {
     for (int n_more : {-1, 10, 11}) {
-      Scene scene(device, n_more);
+      StepsScene scene(device, n_more);
       SCOPED_TRACE(scene.actor.skeleton.n_dofs());
       scene.options.damping_own = 1;  // little tells joints of the same bone apart
       PoseSystem system(device, scene.actor, scene.camera, scene.options);
@@ -133,7 +133,7 @@ TEST(PoseSteps, AreTheHostsForAnyNumberOfJoints) {
 
 TEST(PoseSteps, RepeatBitForBit) {
   test::on_every_gpu_body([](ocl::DeviceContext& device) {
-    const Scene scene(device);
+    const StepsScene scene(device);
     PoseSystem system(device, scene.actor, scene.camera, scene.options);
     scene.give(system);
     const std::optional<PoseSteps> first = system.take_steps(scene.start, 5, 1);
@@ -150,7 +150,7 @@ TEST(PoseSteps, RepeatBitForBit) {
 // NaN, and a single point of the picture that six unknowns and more could all explain.
 TEST(PoseSteps, TellWhyTheyFail) {
   test::on_every_gpu_body([](ocl::DeviceContext& device) {
-    Scene scene(device);
+    StepsScene scene(device);
     scene.options.damping_own = scene.options.damping_largest = 0;
     PoseSystem system(device, scene.actor, scene.camera, scene.options);
     for (const bool defined : {false, true}) {
@@ -179,7 +179,7 @@ TEST(PoseSteps, AreTheHostsWhereGroupsCannotWait) {
     info.is_cpu = false;
     info.compute_units = 3;
     ocl::DeviceContext as_gpu(info);
-    const Scene scene(as_gpu);
+    const StepsScene scene(as_gpu);
     PoseSystem system(as_gpu, scene.actor, scene.camera, scene.options);
     scene.give(system);
     for (int i = 0; i < 2; ++i) EXPECT_FALSE(system.take_steps(scene.start, 4, 0).has_value());

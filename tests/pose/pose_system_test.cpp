@@ -16,7 +16,7 @@ namespace livecap {
 namespace {
 
 // A scene in which every term has non-zero residuals: a disturbed pose, a previous frame, broken joint limits.
-struct Scene {
+struct SystemScene {
   Actor actor = test::make_test_actor(0.6);
   Camera camera = test::portrait_camera();
   PoseOptions options;
@@ -31,7 +31,7 @@ struct Scene {
   Floor floor{Eigen::Vector3d(0.1, -0.98, -0.05).normalized()};
   std::vector<double> stands;
 
-  Scene() {
+  SystemScene() {
     options.keypoint_2d_huber_px = options.silhouette_huber_px = options.floor_huber_mm =
         0;                                                     // the reference is quadratic
     state.pose.angles_rad[actor.skeleton.n_dofs() - 1] = 1.5;  // beyond its limit
@@ -66,7 +66,7 @@ template <typename Check>
 void with_system(Check&& check) {
   test::on_every_device_and_body(
       [&](ocl::DeviceContext& device) {
-        Scene scene;
+        SystemScene scene;
         PoseSystem system(device, scene.actor, scene.camera, scene.options);
         DeviceFrame frame(device, scene.camera.width, scene.camera.height);
         frame.signed_distance.write(scene.distance);
@@ -81,7 +81,7 @@ void with_system(Check&& check) {
 }
 
 TEST(PoseSystem, ResidualsAreTheReferences) {
-  with_system([](PoseSystem& system, const test::PoseReference& reference, const Scene& scene) {
+  with_system([](PoseSystem& system, const test::PoseReference& reference, const SystemScene& scene) {
     const Eigen::VectorXd expected = reference.residuals(scene.state);
     const PoseResiduals got = system.residuals(scene.state);
     ASSERT_EQ(Eigen::Index(got.rows.size()), expected.size());
@@ -99,7 +99,7 @@ TEST(PoseSystem, ResidualsAreTheReferences) {
 }
 
 TEST(PoseSystem, JacobianIsTheDerivativeOfTheReference) {
-  with_system([](PoseSystem& system, const test::PoseReference& reference, const Scene& scene) {
+  with_system([](PoseSystem& system, const test::PoseReference& reference, const SystemScene& scene) {
     const Eigen::MatrixXd expected = reference.jacobian(scene.state);
     const Eigen::MatrixXd got = system.jacobian(scene.state).cast<double>();
     ASSERT_EQ(got.rows(), expected.rows());
@@ -125,7 +125,7 @@ TEST(PoseSystem, JacobianIsTheDerivativeOfTheReference) {
 }
 
 TEST(PoseSystem, NormalEquationsAreEigensProductOfTheRows) {
-  with_system([](PoseSystem& system, const test::PoseReference&, const Scene& scene) {
+  with_system([](PoseSystem& system, const test::PoseReference&, const SystemScene& scene) {
     const Eigen::MatrixXd J = system.jacobian(scene.state).cast<double>();
     const std::vector<float> rows = system.residuals(scene.state).rows;
     const Eigen::VectorXd F = Eigen::Map<const Eigen::VectorXf>(rows.data(), rows.size()).cast<double>();
@@ -146,7 +146,7 @@ TEST(PoseSystem, NormalEquationsAreEigensProductOfTheRows) {
 // Other weights than the actor's are as an actor with these.
 TEST(PoseSystem, OtherWeightsMoveTheContour) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
-    const Scene scene;
+    const SystemScene scene;
     SkinWeights other = scene.actor.skin;
     for (size_t k = 0; k < other.bones.size(); ++k) {
       other.bones[k] = 0;
@@ -170,7 +170,7 @@ TEST(PoseSystem, OtherWeightsMoveTheContour) {
 }
 
 TEST(PoseSystem, RepeatsBitForBit) {
-  with_system([](PoseSystem& system, const test::PoseReference&, const Scene& scene) {
+  with_system([](PoseSystem& system, const test::PoseReference&, const SystemScene& scene) {
     const PoseNormalEquations first = system.assemble(scene.state);
     for (int i = 0; i < 3; ++i) {
       const PoseNormalEquations again = system.assemble(scene.state);
@@ -183,7 +183,7 @@ TEST(PoseSystem, RepeatsBitForBit) {
 TEST(PoseSystem, ContourCountsAroundTheVectorWidth) {
   test::on_every_device_and_body(
       [](ocl::DeviceContext& device) {
-        Scene scene;
+        SystemScene scene;
         PoseSystem system(device, scene.actor, scene.camera, scene.options);
         DeviceFrame frame(device, scene.camera.width, scene.camera.height);
         frame.signed_distance.write(scene.distance);
@@ -205,7 +205,7 @@ TEST(PoseSystem, ContourCountsAroundTheVectorWidth) {
 TEST(PoseSystem, ShadedVerticesFollowTheirNormals) {
   test::on_every_device_and_body(
       [](ocl::DeviceContext& device) {
-        Scene scene;
+        SystemScene scene;
         scene.options.shading_huber = scene.options.match_huber_px = 0;
         PoseSystem system(device, scene.actor, scene.camera, scene.options);
         DeviceFrame frame(device, scene.camera.width, scene.camera.height);
@@ -259,7 +259,7 @@ TEST(PoseSystem, ShadedVerticesFollowTheirNormals) {
 
 TEST(PoseSystem, ThinnedContourKeepsItsWeight) {
   test::on_every_device([](ocl::DeviceContext& device) {
-    Scene scene;
+    SystemScene scene;
     scene.options.max_contour_vertices = 50;
     PoseSystem system(device, scene.actor, scene.camera, scene.options);
     DeviceFrame frame(device, scene.camera.width, scene.camera.height);
@@ -275,7 +275,7 @@ TEST(PoseSystem, ThinnedContourKeepsItsWeight) {
 
 TEST(PoseSystem, RobustSilhouetteGrowsLinearlyBeyondItsThreshold) {
   test::on_every_device([](ocl::DeviceContext& device) {
-    Scene scene;
+    SystemScene scene;
     scene.options.silhouette_huber_px = 3;
     PoseSystem system(device, scene.actor, scene.camera, scene.options);
     DeviceFrame frame(device, scene.camera.width, scene.camera.height);
@@ -293,7 +293,7 @@ TEST(PoseSystem, RobustSilhouetteGrowsLinearlyBeyondItsThreshold) {
 
 TEST(PoseSystem, RobustKeypointsGrowLinearlyBeyondTheirThreshold) {
   test::on_every_device([](ocl::DeviceContext& device) {
-    Scene scene;
+    SystemScene scene;
     scene.options.keypoint_2d_huber_px = 8;
     PoseSystem system(device, scene.actor, scene.camera, scene.options);
     const PoseState standing{test::standing_pose(scene.actor, 0), {}};
@@ -315,7 +315,7 @@ TEST(PoseSystem, RobustKeypointsGrowLinearlyBeyondTheirThreshold) {
 
 TEST(PoseSystem, WrongInputsAreRefused) {
   test::on_every_device([](ocl::DeviceContext& device) {
-    Scene scene;
+    SystemScene scene;
     PoseSystem system(device, scene.actor, scene.camera, scene.options);
     DeviceFrame frame(device, scene.camera.width, scene.camera.height);
     DeviceFrame small(device, 100, 100);
@@ -340,7 +340,7 @@ TEST(PoseSystem, WrongInputsAreRefused) {
 TEST(PoseSystem, MatchesAreThinnedToTheirTotalWeight) {
   test::on_every_device_and_body(
       [](ocl::DeviceContext& device) {
-        Scene scene;
+        SystemScene scene;
         scene.options.max_matches = 40;
         scene.options.match_huber_px = 0;
         PoseSystem system(device, scene.actor, scene.camera, scene.options);

@@ -16,7 +16,7 @@ namespace livecap {
 namespace {
 
 // A pose, detections that lie near or far from it, and where it was a frame ago.
-struct Scene {
+struct RoundScene {
   Actor actor = test::make_test_actor(0.7);
   Camera camera = test::portrait_camera();
   PoseOptions options;
@@ -26,7 +26,7 @@ struct Scene {
   double doubt_mm = 60;
   bool has_previous = true;
 
-  explicit Scene(unsigned seed) {
+  explicit RoundScene(unsigned seed) {
     std::mt19937 rng{seed};
     std::uniform_real_distribution<double> uniform(-1, 1);
     options.floor_huber_mm = 0;
@@ -66,7 +66,7 @@ struct Scene {
 };
 
 // Rounds without steps: what the last one prepared. given_stands: of all soles.
-PoseSystem::Rounds rounds_of(ocl::DeviceContext& device, const Scene& scene, int n_rounds, double given_stands) {
+PoseSystem::Rounds rounds_of(ocl::DeviceContext& device, const RoundScene& scene, int n_rounds, double given_stands) {
   PoseSystem system(device, scene.actor, scene.camera, scene.options);
   const SeenVertices nothing;
   const std::vector<double> stands(system.soles().size(), given_stands);
@@ -80,7 +80,7 @@ PoseSystem::Rounds rounds_of(ocl::DeviceContext& device, const Scene& scene, int
   return done.value_or(PoseSystem::Rounds{});
 }
 
-void expect_prepared(const PoseSystem::Rounds& got, const Scene& scene, const KeypointTargets& targets,
+void expect_prepared(const PoseSystem::Rounds& got, const RoundScene& scene, const KeypointTargets& targets,
                      const Eigen::Vector3d& t_prime_mm, const std::vector<double>& stands) {
   double total = 0;
   for (const KeypointTarget& target : targets) total += target.weight_3d;
@@ -99,7 +99,7 @@ void expect_prepared(const PoseSystem::Rounds& got, const Scene& scene, const Ke
 }
 
 // As the host would have prepared the second round.
-void expect_the_hosts(ocl::DeviceContext& device, const Scene& scene) {
+void expect_the_hosts(ocl::DeviceContext& device, const RoundScene& scene) {
   constexpr double kGiven = 0.25;
   const auto keypoints = keypoint_positions(scene.actor, forward_kinematics(scene.actor.skeleton, scene.pose));
   KeypointTargets targets = scene.targets;
@@ -116,7 +116,7 @@ TEST(RoundStart, IsTheHosts) {
     int n_stand = 0, n_hang = 0;
     for (unsigned seed = 0; seed < 24; ++seed) {
       SCOPED_TRACE(seed);
-      const Scene scene(seed);
+      const RoundScene scene(seed);
       expect_the_hosts(device, scene);
       for (double s :
            standing(sole_points(scene.actor), scene.actor.skeleton, scene.floor, scene.pose, &scene.previous))
@@ -131,22 +131,22 @@ TEST(RoundStart, IsTheHostsWhereThereIsLittleToTell) {
   test::on_every_gpu_body([](ocl::DeviceContext& device) {
     const auto expect_with = [&](const char* what, auto&& change) {
       SCOPED_TRACE(what);
-      Scene scene(5);
+      RoundScene scene(5);
       change(scene);
       expect_the_hosts(device, scene);
     };
-    expect_with("no doubt", [](Scene& s) { s.doubt_mm = 0; });
-    expect_with("nothing detected in 3D", [](Scene& s) {
+    expect_with("no doubt", [](RoundScene& s) { s.doubt_mm = 0; });
+    expect_with("nothing detected in 3D", [](RoundScene& s) {
       for (KeypointTarget& target : s.targets) target.weight_3d = 0;
     });
-    expect_with("one detection", [](Scene& s) {
+    expect_with("one detection", [](RoundScene& s) {
       for (int k = 1; k < kKeypointCount; ++k) s.targets[k].weight_3d = 0;
     });
-    expect_with("no frame before", [](Scene& s) { s.has_previous = false; });
-    expect_with("on the floor", [](Scene& s) { s.place_floor(0); });
-    expect_with("in the floor", [](Scene& s) { s.place_floor(-40); });
-    expect_with("far above it", [](Scene& s) { s.place_floor(2000); });
-    expect_with("no feet", [](Scene& s) {
+    expect_with("no frame before", [](RoundScene& s) { s.has_previous = false; });
+    expect_with("on the floor", [](RoundScene& s) { s.place_floor(0); });
+    expect_with("in the floor", [](RoundScene& s) { s.place_floor(-40); });
+    expect_with("far above it", [](RoundScene& s) { s.place_floor(2000); });
+    expect_with("no feet", [](RoundScene& s) {
       for (Bone& bone : s.actor.skeleton.bones) bone.name += "_";
     });
   });
@@ -154,7 +154,7 @@ TEST(RoundStart, IsTheHostsWhereThereIsLittleToTell) {
 
 TEST(RoundStart, SolesOfAnotherCountAreRefused) {
   test::on_every_gpu_body([](ocl::DeviceContext& device) {
-    const Scene scene(1);
+    const RoundScene scene(1);
     PoseSystem system(device, scene.actor, scene.camera, scene.options);
     const std::vector<double> stands(system.soles().size(), 0.0);
     std::vector<float> before = scene.soles_before();
@@ -172,7 +172,7 @@ TEST(RoundStart, SolesOfAnotherCountAreRefused) {
 // Which the host has prepared.
 TEST(RoundStart, LeavesTheFirstRoundAsItIs) {
   test::on_every_gpu_body([](ocl::DeviceContext& device) {
-    const Scene scene(3);
+    const RoundScene scene(3);
     const std::vector<double> given(sole_points(scene.actor).size(), 0.25);
     expect_prepared(rounds_of(device, scene, 1, 0.25), scene, scene.targets, {7, 8, 9}, given);
   });

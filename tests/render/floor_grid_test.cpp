@@ -7,7 +7,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A level camera 1 m above the floor; what is looked at is 3 m in front of it, 0.9 m above the floor.
+// A level camera 1 m above the floor; what is looked grey_at is 3 m in front of it, 0.9 m above the floor.
 const Floor kFloor{-Vector3d::UnitY(), 1000};
 const Vector3d kPlace(0, 100, 3000);
 
@@ -22,21 +22,21 @@ ImageRgb white() {
   return {301, 301, std::vector<uint8_t>(3 * 301 * 301, 255)};
 }
 
-uint8_t at(const ImageRgb& image, int x, int y) {
+uint8_t grey_at(const ImageRgb& image, int x, int y) {
   return image.pixels[3 * (size_t(y) * image.width + x)];
 }
 
 TEST(FloorGrid, LinesEveryHalfMetreFromThePlaceOn) {
   ImageRgb canvas = white();
   FloorGrid(kFloor, kPlace).draw(from_above(), {}, {}, canvas);
-  const uint8_t floor = at(canvas, 175, 175);
+  const uint8_t floor = grey_at(canvas, 175, 175);
   EXPECT_LT(floor, 255);
-  for (int x = 110; x <= 190; ++x) {  // 150 is the place: lines at 100, 150, 200
-    EXPECT_EQ(at(canvas, x, 120) < floor, x == 150) << x;
-    EXPECT_EQ(at(canvas, 120, x) < floor, x == 150) << x;
+  for (int x = 110; x <= 190; ++x) {  // 150 is the place: lines grey_at 100, 150, 200
+    EXPECT_EQ(grey_at(canvas, x, 120) < floor, x == 150) << x;
+    EXPECT_EQ(grey_at(canvas, 120, x) < floor, x == 150) << x;
   }
-  EXPECT_LT(at(canvas, 100, 120), floor);
-  EXPECT_LT(at(canvas, 120, 200), floor);
+  EXPECT_LT(grey_at(canvas, 100, 120), floor);
+  EXPECT_LT(grey_at(canvas, 120, 200), floor);
 }
 
 TEST(FloorGrid, TheShadowLiesBelowTheBodyAndIsDarkerWhereThatIsNear) {
@@ -51,7 +51,7 @@ TEST(FloorGrid, TheShadowLiesBelowTheBodyAndIsDarkerWhereThatIsNear) {
   ImageRgb empty = white(), canvas = white();
   grid.draw(from_above(), {}, {}, empty);
   grid.draw(from_above(), positions, triangles, canvas);
-  const auto darkened = [&](int x, int y) { return at(empty, x, y) - at(canvas, x, y); };
+  const auto darkened = [&](int x, int y) { return grey_at(empty, x, y) - grey_at(canvas, x, y); };
   EXPECT_GT(darkened(175, 155), 80);  // below the near one
   EXPECT_GT(darkened(125, 155), 5);   // below the far one
   EXPECT_LT(darkened(125, 155), darkened(175, 155) / 3);
@@ -63,8 +63,8 @@ TEST(FloorGrid, NothingAboveTheHorizonOrFromBelow) {
   const Camera camera = camera_from_fov(301, 301, 60);
   ImageRgb canvas = white();
   grid.draw(viewpoint_about(camera, {kPlace, kFloor.up}, {20, 0}, 3000), {}, {}, canvas);
-  for (int x = 0; x < 301; ++x) EXPECT_EQ(at(canvas, x, 149), 255);
-  EXPECT_LT(at(canvas, 150, 260), 255);
+  for (int x = 0; x < 301; ++x) EXPECT_EQ(grey_at(canvas, x, 149), 255);
+  EXPECT_LT(grey_at(canvas, 150, 260), 255);
   canvas = white();
   grid.draw(viewpoint_about(camera_from_fov(301, 301, 150), {kPlace, kFloor.up}, {20, -60}, 1200), {}, {}, canvas);
   EXPECT_EQ(canvas.pixels, white().pixels);

@@ -27,7 +27,7 @@ std::vector<float> solved(ocl::DeviceContext& device, const Scene& s, const Surf
 }
 
 // A sphere seen as a circle of 75 px; the silhouette is a circle of `radius_px` about the same point.
-Scene ball(double radius_px, int subdivisions = 3) {
+Scene solver_ball(double radius_px, int subdivisions = 3) {
   Scene s = test::make_scene(test::icosphere(subdivisions, 300, {0, 0, 2000}), 321, 241, 490);
   test::set_distance(s, [&](double x, double y) { return std::hypot(x - 160, y - 120) - radius_px; });
   test::mark_rim(s, 0.08);
@@ -62,7 +62,7 @@ Scene moved_plane(double dx, double dy) {
 
 TEST(SurfaceSolver, ConvergesToTheMinimumOfADirectSolver) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
-    Scene s = ball(79);
+    Scene s = solver_ball(79);
     for (int i = 0; i < s.n(); ++i) {
       const auto uv = s.project(s.start, i);
       for (int c = 0; c < 3; ++c) s.actor.colors[3 * i + c] = float(texture(uv[0] + 1.5, uv[1] - 1, c));
@@ -100,7 +100,7 @@ TEST(SurfaceSolver, ConvergesToTheMinimumOfADirectSolver) {
 TEST(SurfaceSolver, SilhouettePullsTheContourIntoPlace) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
     for (const double radius : {70.5, 79.0}) {
-      const Scene s = ball(radius);
+      const Scene s = solver_ball(radius);
       SurfaceOptions o;
       o.w_photo = 0;
       EXPECT_GT(worst_contour_distance(s, s.start, radius), 3.5);
@@ -115,7 +115,7 @@ TEST(SurfaceSolver, SilhouettePullsTheContourIntoPlace) {
 
 TEST(SurfaceSolver, OtherPartsRegionSwitchesTheSilhouetteOff) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
-    Scene s = ball(80);
+    Scene s = solver_ball(80);
     s.part_image.assign(s.part_image.size(), 2);
     SurfaceOptions o;
     o.w_photo = 0;
@@ -302,7 +302,7 @@ TEST(SurfaceSolver, OneStepIsCapped) {
 
 TEST(SurfaceSolver, VerticesOutsideThePictureHaveNoData) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
-    Scene s = ball(80);
+    Scene s = solver_ball(80);
     for (size_t k = 0; k < s.start.size(); k += 3) {
       s.start[k] += 1.0e6f;
       s.skinned[k] += 1.0e6f;

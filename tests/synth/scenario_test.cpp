@@ -17,10 +17,10 @@
 namespace livecap {
 namespace {
 
-constexpr int kFrames = 40;
+constexpr int kScenarioFrames = 40;
 constexpr size_t kPc2Header = 32;
 
-struct Sequence {
+struct ScenarioSequence {
   std::filesystem::path folder;
   SynthReport report;
   std::string vertices;  // of vertices.pc2, without its header
@@ -28,7 +28,7 @@ struct Sequence {
   std::vector<cv::Mat> pictures;  // [n_frames] BGR
   std::vector<double> pts_ms;
 
-  Sequence(const std::string& scenario, int n_frames = kFrames) {
+  ScenarioSequence(const std::string& scenario, int n_frames = kScenarioFrames) {
     SynthOptions options;
     options.scenario = scenario;
     options.motions = {"walk"};
@@ -49,7 +49,7 @@ struct Sequence {
       pts_ms.push_back(frame.pts_ms);
     }
   }
-  ~Sequence() { std::filesystem::remove_all(folder); }
+  ~ScenarioSequence() { std::filesystem::remove_all(folder); }
 
   cv::Mat mask(int frame) const {
     return cv::imread((folder / "truth" / "masks" / format("%06d.png", frame)).string(), cv::IMREAD_UNCHANGED);
@@ -62,8 +62,8 @@ struct Sequence {
   cv::Mat plate() const { return cv::imread((folder / "background.png").string()); }
 };
 
-const Sequence& undisturbed() {
-  static const Sequence sequence("none");
+const ScenarioSequence& undisturbed() {
+  static const ScenarioSequence sequence("none");
   return sequence;
 }
 
@@ -76,7 +76,7 @@ cv::Mat darker(const cv::Mat& picture, const cv::Mat& than, int levels) {
 }
 
 TEST(Scenario, LeavingIsOutOfThePictureAndBack) {
-  const Sequence s("leave", 110);
+  const ScenarioSequence s("leave", 110);
   ASSERT_EQ(s.report.n_frames, 110);
   int gone = -1, back = -1;
   for (int i = 0; i < 110; ++i) {
@@ -98,11 +98,11 @@ TEST(Scenario, LeavingIsOutOfThePictureAndBack) {
 }
 
 TEST(Scenario, ThePasserByIsNotPartOfTheTruth) {
-  const Sequence s("two-people");
+  const ScenarioSequence s("two-people");
   EXPECT_TRUE(s.vertices == undisturbed().vertices);
   EXPECT_EQ(s.joints, undisturbed().joints);
   int frames_with_two = 0;
-  for (int i = 0; i < kFrames; ++i) {
+  for (int i = 0; i < kScenarioFrames; ++i) {
     EXPECT_EQ(cv::countNonZero(s.mask(i) != undisturbed().mask(i)), 0) << "behind her he covers nothing";
     cv::Mat difference, gray;
     cv::absdiff(s.pictures[i], undisturbed().pictures[i], difference);
@@ -114,7 +114,7 @@ TEST(Scenario, ThePasserByIsNotPartOfTheTruth) {
 }
 
 TEST(Scenario, TheShadowMovesAndTheTruthDoesNot) {
-  const Sequence s("moving-shadow");
+  const ScenarioSequence s("moving-shadow");
   EXPECT_TRUE(s.vertices == undisturbed().vertices);
   const auto middle = [&](int frame) {
     const cv::Moments m = cv::moments(darker(s.pictures[frame], undisturbed().pictures[frame], 12), true);
@@ -125,12 +125,12 @@ TEST(Scenario, TheShadowMovesAndTheTruthDoesNot) {
 }
 
 TEST(Scenario, TheRoomHasTheColoursOfTheClothes) {
-  const Sequence s("similar-background");
+  const ScenarioSequence s("similar-background");
   EXPECT_TRUE(s.vertices == undisturbed().vertices);
   // Upper and lower half of the person against the plate there, mean colours; against the plain room for comparison.
   const cv::Mat mask = s.mask(0);
   const cv::Rect box = cv::boundingRect(mask);
-  const auto distance = [&](const Sequence& of, int from, int to) {
+  const auto distance = [&](const ScenarioSequence& of, int from, int to) {
     cv::Mat part = cv::Mat::zeros(mask.size(), CV_8U);
     const cv::Rect rows(0, box.y + from * box.height / 100, mask.cols, (to - from) * box.height / 100);
     mask(rows).copyTo(part(rows));
@@ -141,11 +141,11 @@ TEST(Scenario, TheRoomHasTheColoursOfTheClothes) {
 }
 
 TEST(Scenario, AGapKeepsTheTimesOfWhatIsLeft) {
-  const Sequence s("gap");  // 1.33 s: frames 21, 22 and 23 are missing
-  ASSERT_EQ(s.report.n_frames, kFrames - 3);
-  ASSERT_EQ(s.pictures.size(), static_cast<size_t>(kFrames - 3));
-  ASSERT_EQ(s.joints.size(), static_cast<size_t>(kFrames - 3));
-  for (int i = 0; i < kFrames - 3; ++i) {
+  const ScenarioSequence s("gap");  // 1.33 s: frames 21, 22 and 23 are missing
+  ASSERT_EQ(s.report.n_frames, kScenarioFrames - 3);
+  ASSERT_EQ(s.pictures.size(), static_cast<size_t>(kScenarioFrames - 3));
+  ASSERT_EQ(s.joints.size(), static_cast<size_t>(kScenarioFrames - 3));
+  for (int i = 0; i < kScenarioFrames - 3; ++i) {
     const int at = i < 21 ? i : i + 3;
     EXPECT_NEAR(s.pts_ms[i], 1000 * at / 30.0, test::kPtsMs);
     EXPECT_TRUE(s.vertices_of(i) == undisturbed().vertices_of(at)) << i;

@@ -12,11 +12,11 @@
 namespace livecap {
 namespace {
 
-constexpr int kWidth = 180, kHeight = 240, kViews = 24;
+constexpr int kPictureWidth = 180, kPictureHeight = 240, kViews = 24;
 
 // A trunk that is wide from the front and narrow from the side, a head, arms; from the front one sees between the legs.
 bool is_person(int view, double x, double y) {
-  const double wide = std::abs(std::cos(2 * M_PI * view / kViews)), across = x - kWidth / 2;
+  const double wide = std::abs(std::cos(2 * M_PI * view / kViews)), across = x - kPictureWidth / 2;
   if (std::hypot(across, y - 35) < 13) return true;                          // head
   if (y > 48 && y < 130 && std::abs(across) < 16 + 12 * wide) return true;   // trunk
   if (y > 60 && y < 72 && std::abs(across) < 20 + 45 * wide) return true;    // arms
@@ -24,7 +24,7 @@ bool is_person(int view, double x, double y) {
 }
 
 struct Scene {
-  ImageRgb wall{kWidth, kHeight, std::vector<uint8_t>(3 * kWidth * kHeight)};
+  ImageRgb wall{kPictureWidth, kPictureHeight, std::vector<uint8_t>(3 * kPictureWidth * kPictureHeight)};
   std::vector<View> views;
   std::vector<ImageGray> truth;
 };
@@ -34,21 +34,21 @@ struct Scene {
 Scene scene(int moved_px) {
   Scene scene;
   std::mt19937 random(3);
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x)
+  for (int y = 0; y < kPictureHeight; ++y)
+    for (int x = 0; x < kPictureWidth; ++x)
       for (int c = 0; c < 3; ++c)
-        scene.wall.pixels[3 * (size_t(y) * kWidth + x) + c] =
+        scene.wall.pixels[3 * (size_t(y) * kPictureWidth + x) + c] =
             static_cast<uint8_t>(150 + 30 * std::sin(x / 7.0 + c) + 30 * std::sin(y / 9.0 + 2 * c));
   for (int i = 0; i < kViews; ++i) {
     View view;
     view.image = scene.wall;
-    view.mask = {kWidth, kHeight, std::vector<uint8_t>(kWidth * kHeight)};
+    view.mask = {kPictureWidth, kPictureHeight, std::vector<uint8_t>(kPictureWidth * kPictureHeight)};
     ImageGray truth = view.mask;
     const double aside = 2 * std::cos(2.4 * i), down = 2 * std::sin(2.4 * i);
-    for (int y = 0; y < kHeight; ++y)
-      for (int x = 0; x < kWidth; ++x) {
-        const size_t p = size_t(y) * kWidth + x;
-        const size_t from = size_t(y) * kWidth + (x + moved_px * i) % kWidth;
+    for (int y = 0; y < kPictureHeight; ++y)
+      for (int x = 0; x < kPictureWidth; ++x) {
+        const size_t p = size_t(y) * kPictureWidth + x;
+        const size_t from = size_t(y) * kPictureWidth + (x + moved_px * i) % kPictureWidth;
         for (int c = 0; c < 3; ++c) {
           const int noise = static_cast<int>(random() % 5) - 2;
           const int color = is_person(i, x, y) ? 30 + 40 * c : scene.wall.pixels[3 * from + c];
@@ -82,9 +82,9 @@ TEST(TurnMasks, TheTurnShowsTheWallBehindThePerson) {
   for (const View& view : turn.views) masks.push_back(view.mask);
   const TurnBackground background = find_background(turn.views, masks, 0.02);
   int n_known = 0;
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x) {
-      const size_t p = size_t(y) * kWidth + x;
+  for (int y = 0; y < kPictureHeight; ++y)
+    for (int x = 0; x < kPictureWidth; ++x) {
+      const size_t p = size_t(y) * kPictureWidth + x;
       bool always = true;
       for (const ImageGray& mask : turn.truth) always = always && mask.pixels[p] > 0;
       if (always || background.known.pixels[p] == 0) continue;
@@ -93,9 +93,9 @@ TEST(TurnMasks, TheTurnShowsTheWallBehindThePerson) {
         EXPECT_NEAR(background.plate.pixels[3 * p + c], turn.wall.pixels[3 * p + c], test::kFilledPlate)
             << x << " " << y;
     }
-  EXPECT_GT(n_known, kWidth * kHeight / 2);
+  EXPECT_GT(n_known, kPictureWidth * kPictureHeight / 2);
   // In the middle of the trunk somebody is always.
-  EXPECT_EQ(background.known.pixels[size_t(90) * kWidth + kWidth / 2], 0);
+  EXPECT_EQ(background.known.pixels[size_t(90) * kPictureWidth + kPictureWidth / 2], 0);
 }
 
 TEST(TurnMasks, AreSharperThanTheNetworks) {

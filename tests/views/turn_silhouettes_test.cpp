@@ -13,7 +13,7 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kDegree = M_PI / 180;
+constexpr double kTiltDegree = M_PI / 180;
 
 struct Ball {
   Vector3d center;  // of the body, mm, +Y up
@@ -29,7 +29,7 @@ const std::vector<Ball> kBody = {{{0, 700, 20}, 110},    {{0, 450, 0}, 130},    
                                  {{-120, -450, 0}, 70},  {{-150, -700, -30}, 60}, {{-160, -830, 50}, 50}};
 
 Quaterniond turned(double degrees, const Vector3d& about) {
-  return Quaterniond(Eigen::AngleAxisd(degrees * kDegree, about));
+  return Quaterniond(Eigen::AngleAxisd(degrees * kTiltDegree, about));
 }
 
 // 24 views of one turn, the camera pitched by 4 degrees and rolled by 1.
@@ -37,7 +37,7 @@ Turn true_turn() {
   Turn turn;
   turn.axis = turned(4, Vector3d::UnitX()) * turned(1, Vector3d::UnitZ()) * turn.axis;
   turn.center_mm = {40, 20, 2900};
-  for (int i = 0; i < 24; ++i) turn.angle_rad.push_back(i * 15 * kDegree);
+  for (int i = 0; i < 24; ++i) turn.angle_rad.push_back(i * 15 * kTiltDegree);
   turn.deviation.resize(24);
   return turn;
 }

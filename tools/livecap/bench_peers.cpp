@@ -11,13 +11,13 @@
 namespace livecap::tools {
 namespace {
 
-constexpr int kRepeats = 15;
+constexpr int kPeerRepeats = 15;
 
 template <typename Work>
 double median_ms(Work&& work) {
   work();  // first touch of memory
   std::vector<double> times;
-  for (int i = 0; i < kRepeats; ++i) {
+  for (int i = 0; i < kPeerRepeats; ++i) {
     const Timer timer;
     work();
     times.push_back(timer.elapsed_ms());

@@ -18,7 +18,7 @@
 namespace livecap::tools {
 namespace {
 
-struct Options {
+struct CalibrateCommand {
   CalibrateOptions calibrate;
   FloorBoardOptions floor;
   std::string images, video, camera;
@@ -54,7 +54,7 @@ void print(const FloorBoard& result, const std::string& out) {
   std::printf("%s written\n", out.c_str());
 }
 
-BoardOptions board_of(const Options& options) {
+BoardOptions board_of(const CalibrateCommand& options) {
   BoardOptions board = options.calibrate.board;
   if (options.board.empty() == options.charuco.empty())
     throw ConfigError(
@@ -79,7 +79,7 @@ Calibration calibrate_views(const CalibrateOptions& options) {
   return calibrate(views);
 }
 
-int calibrate(const Options& options) {
+int calibrate(const CalibrateCommand& options) {
   const bool has_floor = !options.floor.picture.empty(), has_camera = !options.camera.empty();
   if (has_camera && (!options.images.empty() || !options.video.empty()))
     throw ConfigError("calibrate: --camera is one that is calibrated already; it does not go with --images or --video");
@@ -123,7 +123,7 @@ int calibrate(const Options& options) {
 }  // namespace
 
 void add_calibrate_command(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CalibrateCommand>();
   CLI::App* command = app.add_subcommand("calibrate", "camera.json from views of a chessboard or ChArUco board");
   command->add_option("--images", options->images, "folder of pictures of the board");
   command->add_option("--video", options->video, "or a video of it");

@@ -14,7 +14,7 @@
 namespace livecap::tools {
 namespace {
 
-struct Options {
+struct CaptureCommand {
   CaptureOptions capture;
   std::string pace = "fast";
   std::string bvh_unit = "cm";
@@ -36,7 +36,7 @@ void print_summary(const CaptureReport& report) {
   }
 }
 
-int run(const Options& options) {
+int run(const CaptureCommand& options) {
   CaptureOptions capture = options.capture;
   capture.realtime = options.pace == "realtime";
   capture.bvh_unit_m = bvh_unit_m(options.bvh_unit);
@@ -60,7 +60,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_capture_command(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CaptureCommand>();
   CaptureOptions& capture = options->capture;
   CLI::App* command = app.add_subcommand("capture", "capture a person in a video: pose and deforming surface");
 

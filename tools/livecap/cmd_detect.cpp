@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct DetectCommand {
   std::string video;
   std::string camera;
   double fov_deg = 0;
@@ -97,7 +97,7 @@ void make_folder(const fs::path& folder) {
   if (code) throw IoError(folder.string() + ": cannot be made: " + code.message());
 }
 
-int run(const Options& options) {
+int run(const DetectCommand& options) {
   if (options.camera.empty() == (options.fov_deg == 0)) throw ConfigError("give either --camera FILE or --fov DEGREES");
   VideoReader video(options.video);
   const VideoInfo info = video.info();
@@ -156,7 +156,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_detect_command(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DetectCommand>();
   CLI::App* command = app.add_subcommand("detect", "run the pose network alone over a video");
   command->add_option("--video", options->video, "video file, folder of images, or webcam:N")->required();
   add_camera_options(*command, options->camera, options->fov_deg);

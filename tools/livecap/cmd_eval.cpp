@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct EvalCommand {
   EvalOptions eval;
   std::vector<std::pair<std::string, std::string>> views;  // camera file, folder of masks
   std::string pose_only;
@@ -46,8 +46,8 @@ std::string with_fields(const std::string& report_json,
   return json + report_json.substr(report_json.find('{') + 1);
 }
 
-int finish(const Options& options, const EvalOptions& pictured, const EvalReport& report, const EvalReport* pose_only,
-           const Ablation* ablation) {
+int finish(const EvalCommand& options, const EvalOptions& pictured, const EvalReport& report,
+           const EvalReport* pose_only, const Ablation* ablation) {
   const std::vector<Bar> bars = judge_bars(report, pose_only);
   if (!options.html.empty()) {
     write_file_atomically(options.html,
@@ -68,7 +68,7 @@ int finish(const Options& options, const EvalOptions& pictured, const EvalReport
   return kExitOk;
 }
 
-int run_one(const Options& options) {
+int run_one(const EvalCommand& options) {
   if (options.eval.capture.empty()) throw ConfigError("--capture is missing: a folder that `livecap capture` wrote");
   const EvalReport report = evaluate(options.eval);
   std::optional<EvalReport> pose_only;
@@ -80,7 +80,7 @@ int run_one(const Options& options) {
   return finish(options, options.eval, report, pose_only ? &*pose_only : nullptr, nullptr);
 }
 
-int run_all(Options options) {
+int run_all(EvalCommand options) {
   if (!options.eval.capture.empty())
     throw ConfigError("--ablate makes its captures itself: give --video, not --capture");
   if (!options.pose_only.empty()) throw ConfigError("--ablate makes its captures itself: no --pose-only");
@@ -96,7 +96,7 @@ int run_all(Options options) {
                 &ablation.rows[ablation.pose_only].draws.front(), &ablation);
 }
 
-int run(Options options) {
+int run(EvalCommand options) {
   for (const auto& [camera, masks] : options.views) options.eval.views.push_back(open_view(camera, masks));
   if (!options.html.empty()) require_writable(options.html);
   if (!options.ablate && !options.out.empty()) require_writable(options.out);
@@ -106,7 +106,7 @@ int run(Options options) {
 }  // namespace
 
 void add_eval_command(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EvalCommand>();
   CaptureOptions& capture = options->capture;
   CLI::App* command = app.add_subcommand("eval", "compare a capture with ground truth");
   command->add_option("--capture", options->eval.capture, "folder that `livecap capture` wrote");

@@ -14,7 +14,7 @@
 namespace livecap::tools {
 namespace {
 
-struct Options {
+struct ExportCommand {
   LevelExportOptions level;
   std::string capture;
   std::vector<std::string> out;
@@ -30,7 +30,7 @@ std::string floor_text(const LevelExportReport& report) {
                 report.tilt.down_deg < 0 ? "up" : "down", report.tilt.roll_deg);
 }
 
-int run(const Options& options) {
+int run(const ExportCommand& options) {
   LevelExportOptions level = options.level;
   level.capture = options.capture;
   level.bvh_unit_m = bvh_unit_m(options.bvh_unit);
@@ -46,7 +46,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_export_command(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExportCommand>();
   LevelExportOptions& level = options->level;
   CLI::App* command = app.add_subcommand("export", "a capture for other programs, upright on its floor");
   command->add_option("--capture", options->capture, "folder that `livecap capture` wrote")->required();

@@ -31,7 +31,7 @@
 namespace livecap::tools {
 namespace {
 
-struct Options {
+struct LiveCommand {
   LiveOptions live;
   std::string video;
   std::string camera;
@@ -104,7 +104,7 @@ struct Totals {
   }
 };
 
-int run(const Options& options) {
+int run(const LiveCommand& options) {
   if (options.camera.empty() && options.fov_deg == 0) throw ConfigError("give either --camera FILE or --fov DEGREES");
   if (options.show) choose_window_driver();
   const ImageThreads one_thread(1);
@@ -165,7 +165,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_live_command(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<LiveCommand>();
   CLI::App* command = app.add_subcommand("live", "capture a person while it happens: show it, send the skeleton on");
 
   command->add_option("--video", options->video, "webcam:N, or a video file or folder of images at its own pace")

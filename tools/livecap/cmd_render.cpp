@@ -17,7 +17,7 @@
 namespace livecap::tools {
 namespace {
 
-struct Options {
+struct RenderCommand {
   render::RenderOptions render;
   std::string size;
   std::string sheet;
@@ -33,7 +33,7 @@ void parse_pair(const char* option, const std::string& text, int& first, int& se
     throw ConfigError(std::string(option) + " " + text + ": expected two numbers above 0 such as 4x3");
 }
 
-int run(const Options& options) {
+int run(const RenderCommand& options) {
   render::RenderOptions render = options.render;
   parse_pair("--size", options.size, render.width, render.height);
   parse_pair("--sheet", options.sheet, render.sheet_columns, render.sheet_rows);
@@ -61,7 +61,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_render_command(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RenderCommand>();
   render::RenderOptions& render = options->render;
   CLI::App* command = app.add_subcommand("render", "pictures and films of a capture, also from other sides");
   command->add_option("--capture", render.capture, "folder that `livecap capture` wrote")->required();

@@ -16,7 +16,7 @@
 namespace livecap::tools {
 namespace {
 
-struct Options {
+struct SynthCommand {
   SynthOptions synth;
   std::string actor = "builtin:skirt";
   double distance_m = 3.6;
@@ -24,7 +24,7 @@ struct Options {
   std::string out;
 };
 
-int run(const Options& options) {
+int run(const SynthCommand& options) {
   SynthOptions synth = options.synth;
   synth.actor = builtin_actor_name(options.actor);
   synth.distance_mm = options.distance_m * 1000;
@@ -48,7 +48,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_synth_command(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SynthCommand>();
   SynthOptions& synth = options->synth;
   CLI::App* command = app.add_subcommand("synth", "make a sequence with ground truth from a built-in actor");
   command->add_option("--actor", options->actor, "builtin:NAME, NAME one of " + joined(builtin_actor_names()))

@@ -16,6 +16,7 @@
 #include "eval/pose_metrics.h"
 #include "eval/true_mesh.h"
 #include "eval/truth_folder.h"
+#include "image/mask_iou.h"
 #include "livecap/error.h"
 
 namespace livecap {

@@ -7,7 +7,6 @@
 #include <numeric>
 #include <utility>
 
-#include "base/text.h"
 #include "eval/packed_points.h"
 #include "livecap/error.h"
 
@@ -36,25 +35,6 @@ double quantile(const std::vector<double>& sorted, double q) {
 }
 
 }  // namespace
-
-double mask_iou(const ImageGray& a, const ImageGray& b) {
-  if (a.width != b.width || a.height != b.height) {
-    throw LogicError(format("masks of %dx%d and %dx%d cannot be compared", a.width, a.height, b.width, b.height));
-  }
-  int64_t both = 0;
-  int64_t any = 0;
-  for (size_t i = 0; i < a.pixels.size(); ++i) {
-    const bool in_a = a.pixels[i] >= 128;
-    const bool in_b = b.pixels[i] >= 128;
-    both += in_a && in_b;
-    any += in_a || in_b;
-  }
-  return any == 0 ? 1.0 : static_cast<double>(both) / static_cast<double>(any);
-}
-
-bool mask_has_person(const ImageGray& mask) {
-  return std::any_of(mask.pixels.begin(), mask.pixels.end(), [](uint8_t value) { return value >= 128; });
-}
 
 std::vector<double> point_distances(std::span<const float> estimate, std::span<const float> truth) {
   require_same_points(estimate, truth);

@@ -1,20 +1,12 @@
-// How far a capture is from the truth, as pure functions: silhouette overlap, vertex and joint distances under the
-// three usual alignments (none, translation, similarity), and their summaries.
+// How far a capture is from the truth, as pure functions: vertex and joint distances under the three usual alignments
+// (none, translation, similarity), and their summaries.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "base/image_rgb.h"
-
 namespace livecap {
-
-// Intersection over union of the pixels >= 128. 1 when neither picture has any. Throws LogicError when sizes differ.
-double mask_iou(const ImageGray& a, const ImageGray& b);
-
-// True when a pixel is >= 128.
-bool mask_has_person(const ImageGray& mask);
 
 // Distance of each point of `estimate` to the same point of `truth`. Both [3*n], any unit -> [n]. Throws LogicError
 // when sizes differ or are no multiple of 3.

@@ -5,8 +5,8 @@
 
 #include "base/text.h"
 #include "eval/capture_folder.h"
-#include "eval/metrics.h"
 #include "image/image_io.h"
+#include "image/mask_iou.h"
 #include "livecap/error.h"
 
 namespace livecap {

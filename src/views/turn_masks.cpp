@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "image/foreground.h"
+#include "image/mask_iou.h"
 
 namespace livecap {
 
@@ -19,16 +20,6 @@ constexpr size_t kLeastSamples = 3, kMostSamples = 15;
 constexpr double kBrightness = 0.8;   // of a place's samples, from dark to bright: the others may be in the shadow
 constexpr double kFillPx = 6;         // what nobody saw so near to what somebody saw looks the same
 constexpr double kSamePerson = 0.85;  // IoU with the network's masks, in the mean
-
-double overlap(const ImageGray& a, const ImageGray& b) {
-  size_t both = 0, either = 0;
-  for (size_t p = 0; p < a.pixels.size(); ++p) {
-    const bool in_a = a.pixels[p] > 127, in_b = b.pixels[p] > 127;
-    both += in_a && in_b;
-    either += in_a || in_b;
-  }
-  return either > 0 ? static_cast<double>(both) / static_cast<double>(either) : 1;
-}
 
 // How far each pixel is from where the person may be, px, at most 255; 0 there, and everywhere if the mask is empty.
 ImageGray distance_to_person(const ImageGray& mask, double margin) {
@@ -109,7 +100,7 @@ bool mask_by_background(ocl::DeviceContext& device, std::vector<View>& views) {
       // What nobody ever saw is inside of the person; with the wide margin of the first round also beside them.
       for (size_t p = 0; p < network.pixels.size(); ++p)
         if (background.known.pixels[p] == 0) masks[i].pixels[p] = !first || network.pixels[p] > 127 ? 255 : 0;
-      agreement += overlap(masks[i], network);
+      agreement += mask_iou(masks[i], network);
       ++n_seen;
     }
   }

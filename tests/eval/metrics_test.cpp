@@ -17,34 +17,6 @@ namespace {
 using test::kDoubleExact;
 using test::kFloatRelative;
 
-ImageGray mask(int width, int height, const std::vector<uint8_t>& pixels) {
-  return {width, height, pixels};
-}
-
-TEST(Metrics, IouCountsPixelsAtOrAboveHalf) {
-  // Set in a: 0,1,2; in b: 1,2,3,4. Both: 2 pixels, any: 5.
-  const ImageGray a = mask(3, 2, {255, 128, 200, 127, 0, 0});
-  const ImageGray b = mask(3, 2, {0, 255, 255, 255, 128, 0});
-  EXPECT_DOUBLE_EQ(mask_iou(a, b), 2.0 / 5.0);
-  EXPECT_DOUBLE_EQ(mask_iou(b, a), 2.0 / 5.0);
-  EXPECT_DOUBLE_EQ(mask_iou(a, a), 1.0);
-}
-
-TEST(Metrics, IouOfDisjointAndEmptyMasks) {
-  const ImageGray left = mask(2, 1, {255, 0});
-  const ImageGray right = mask(2, 1, {0, 255});
-  const ImageGray none = mask(2, 1, {0, 0});
-  EXPECT_DOUBLE_EQ(mask_iou(left, right), 0.0);
-  EXPECT_DOUBLE_EQ(mask_iou(left, none), 0.0);
-  EXPECT_DOUBLE_EQ(mask_iou(none, none), 1.0);
-  EXPECT_FALSE(mask_has_person(none));
-  EXPECT_TRUE(mask_has_person(right));
-}
-
-TEST(Metrics, IouRefusesDifferentSizes) {
-  EXPECT_THROW(mask_iou(mask(2, 1, {0, 0}), mask(1, 2, {0, 0})), LogicError);
-}
-
 TEST(Metrics, PointDistances) {
   const std::vector<float> a = {0, 0, 0, 1, 1, 1};
   const std::vector<float> b = {3, 4, 0, 1, 1, 3};

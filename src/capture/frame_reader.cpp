@@ -27,14 +27,12 @@ int64_t FrameReader::n_frames() const {
   return options_.frames > 0 ? std::min(left, options_.frames) : left;
 }
 
-std::vector<ImageRgb> FrameReader::empty_plates() {
+void FrameReader::read_empty_plates(const std::function<void(const ImageRgb&)>& take) {
   // A reader of its own, so that the plate frames are also captured; a webcam has no second start.
   const bool own = options_.background_frames > 0 && !is_webcam(options_.video);
   const std::unique_ptr<VideoReader> second = own ? std::make_unique<VideoReader>(options_.video) : nullptr;
-  std::vector<ImageRgb> plates =
-      read_empty_pictures(options_.background, options_.background_frames, options_.video, own ? *second : *video_);
-  for (ImageRgb& plate : plates) plate = undistorter_->undistort(std::move(plate));
-  return plates;
+  read_empty_pictures(options_.background, options_.background_frames, options_.video, own ? *second : *video_,
+                      [&](ImageRgb&& plate) { take(undistorter_->undistort(std::move(plate))); });
 }
 
 bool FrameReader::next(Frame& frame) {

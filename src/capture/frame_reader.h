@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,8 +29,9 @@ class FrameReader {
   // Frames that will come, 0 when unknown.
   int64_t n_frames() const;
 
-  // Pictures of the empty scene, undistorted: the background file, the first frames of the video, or none.
-  std::vector<ImageRgb> empty_plates();
+  // Gives `take` the pictures of the empty scene, undistorted: the background file, the first frames of the video, or
+  // none.
+  void read_empty_plates(const std::function<void(const ImageRgb&)>& take);
 
   // Fills index, time, image; a damaged frame has status kDamaged. False at the end. With live pacing it waits until
   // the frame's time has come.

@@ -30,7 +30,7 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   FrameReader reader(options);
   const CapturedActor who = load_captured_actor(options);
   BackgroundModel background;
-  for (const ImageRgb& plate : reader.empty_plates()) background.train(plate);
+  reader.read_empty_plates([&](const ImageRgb& plate) { background.train(plate); });
   CaptureEngine engine(options, {options.model, options.detections, options.missed_detections, options.draw}, devices,
                        who.actor, reader.camera(), background);
   CaptureOutput output(options, who.actor, who.glb, reader.camera(), reader.info().fps);

@@ -45,8 +45,8 @@ BackgroundModel train(const FitActorOptions& options, const Undistorter& undisto
   BackgroundModel background;
   if (options.background.empty() && options.background_frames == 0) return background;
   VideoReader reader(options.video);
-  for (ImageRgb& picture : read_empty_pictures(options.background, options.background_frames, options.video, reader))
-    background.train(undistorter.undistort(std::move(picture)));
+  read_empty_pictures(options.background, options.background_frames, options.video, reader,
+                      [&](ImageRgb&& picture) { background.train(undistorter.undistort(std::move(picture))); });
   return background;
 }
 

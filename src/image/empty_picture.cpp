@@ -19,11 +19,10 @@ ImageRgb read_empty_picture(const std::string& file, const VideoInfo& video) {
 
 }  // namespace
 
-std::vector<ImageRgb> read_empty_pictures(const std::string& background, int n_frames, const std::string& video,
-                                          VideoReader& reader) {
-  std::vector<ImageRgb> pictures;
-  if (!background.empty()) pictures.push_back(read_empty_picture(background, reader.info()));
-  if (n_frames <= 0) return pictures;
+void read_empty_pictures(const std::string& background, int n_frames, const std::string& video, VideoReader& reader,
+                         const std::function<void(ImageRgb&&)>& take) {
+  if (!background.empty()) take(read_empty_picture(background, reader.info()));
+  if (n_frames <= 0) return;
   const auto require_more_than = [&](int64_t n) {
     if (n_frames >= n)
       throw ConfigError(format("--background-frames %d: %s has %lld frames, and some must show the person", n_frames,
@@ -31,12 +30,14 @@ std::vector<ImageRgb> read_empty_pictures(const std::string& background, int n_f
   };
   if (const int64_t hint = reader.info().frame_count_hint; hint >= 0) require_more_than(hint);
   Frame frame;
+  bool any = !background.empty();
   for (int i = 0; i < n_frames; ++i) {
     if (!reader.read(frame)) require_more_than(i);
-    if (!frame.damaged) pictures.push_back(std::move(frame.image));
+    if (frame.damaged) continue;
+    take(std::move(frame.image));
+    any = true;
   }
-  if (pictures.empty()) throw IoError(video + ": none of the background frames could be decoded");
-  return pictures;
+  if (!any) throw IoError(video + ": none of the background frames could be decoded");
 }
 
 std::string not_empty_warning(const std::string& video, int n_person, int n_frames) {

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <utility>
+#include <vector>
 
 #include "base/text.h"
 #include "image/image_io.h"
@@ -34,7 +36,10 @@ class EmptyPicture : public ::testing::Test {
   }
   std::vector<ImageRgb> read(const std::string& background, int n_frames, const std::string& video) const {
     VideoReader reader(video);
-    return read_empty_pictures(background, n_frames, video, reader);
+    std::vector<ImageRgb> pictures;
+    read_empty_pictures(background, n_frames, video, reader,
+                        [&](ImageRgb&& picture) { pictures.push_back(std::move(picture)); });
+    return pictures;
   }
   template <typename Error>
   std::string refusal(const std::string& background, int n_frames, const std::string& video) const {

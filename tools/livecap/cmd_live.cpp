@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "base/log.h"
@@ -112,8 +113,9 @@ int run(const LiveCommand& options) {
   VideoReader video(options.video);
   LiveOptions live = options.live;
   live.camera = video_camera(options.camera, options.fov_deg, video.info(), options.video);
-  const std::vector<ImageRgb> plates =
-      read_empty_pictures(options.background, options.background_frames, options.video, video);
+  std::vector<ImageRgb> plates;
+  read_empty_pictures(options.background, options.background_frames, options.video, video,
+                      [&](ImageRgb&& plate) { plates.push_back(std::move(plate)); });
   for (const ImageRgb& plate : plates) live.background.push_back(picture_of(plate, 0));
   std::optional<UdpSender> receiver;
   if (!options.vmc.empty()) receiver.emplace(options.vmc);

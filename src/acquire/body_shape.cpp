@@ -6,6 +6,7 @@
 #include "acquire/facet_offsets.h"
 #include "acquire/hull.h"
 #include "acquire/open_skirt.h"
+#include "actor/height_range.h"
 #include "base/text.h"
 #include "livecap/error.h"
 #include "meshing/remesh.h"
@@ -95,7 +96,7 @@ PersonFrame stand_on_floor(const meshing::Surface& surface, double given_height_
   PersonFrame down;
   if (given_height_mm > 0) down.scale_mm = given_height_mm / (top - bottom);
   height_mm = down.scale_mm * (top - bottom);
-  if (height_mm < kLowestMm || height_mm > kTallestMm)
+  if (!kPersonHeightMm.contains(height_mm))
     throw ConfigError(format("the body is %.0f mm tall; --unit or --height", height_mm));
   down.translation_mm = Vector3d(0, -down.scale_mm * bottom, 0);
   return down;

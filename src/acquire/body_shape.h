@@ -13,8 +13,6 @@
 
 namespace livecap::acquire {
 
-inline constexpr double kLowestMm = 800, kTallestMm = 2500;  // of a person
-
 struct BodyShape {
   Volume volume;          // what is inside of the body, also under cloth
   Volume open;            // the same with an open skirt; of size 0: there is no skirt

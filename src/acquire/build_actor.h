@@ -10,6 +10,7 @@
 
 #include "acquire/body_rig.h"
 #include "acquire/parsing_network.h"
+#include "base/value_range.h"
 #include "meshing/actor_glb.h"
 #include "ocl/context.h"
 #include "scan/volume.h"
@@ -19,6 +20,8 @@
 namespace livecap::acquire {
 
 struct BuildOptions {
+  static constexpr ValueRange kTargetVertices{500, 40000}, kGridMm{3, 30}, kTextureSize{128, 8192};
+
   ViewFiles views;               // pictures; views.images empty: none
   bool colmap = false;           // COLMAP finds the cameras of the pictures
   TurntableOptions turntable;    // instead of pictures; turntable.video empty: none

@@ -1,8 +1,7 @@
 // What the options of a build have to be, and which of them go together.
-#include "acquire/body_shape.h"
 #include "acquire/build_actor.h"
 #include "acquire/person_frame.h"
-#include "base/text.h"
+#include "actor/height_range.h"
 #include "livecap/error.h"
 
 namespace livecap::acquire {
@@ -40,13 +39,10 @@ void BuildOptions::validate() const {
     if (given && views.images.empty())
       throw ConfigError(std::string(option) + " needs --images, the pictures that it belongs to");
   unit_in_mm(unit);
-  if (target_vertices < 500 || target_vertices > 40000)
-    throw ConfigError(format("--vertices %d; must be within 500..40000", target_vertices));
-  if (!(height_mm == 0 || (height_mm >= kLowestMm && height_mm <= kTallestMm)))
-    throw ConfigError(format("--height %g m; must be within 0.8..2.5", height_mm / 1000));
-  if (!(grid_mm >= 3 && grid_mm <= 30)) throw ConfigError(format("--grid %g mm; must be within 3..30", grid_mm));
-  if (texture_size < 128 || texture_size > 8192)
-    throw ConfigError(format("--texture %d; must be within 128..8192", texture_size));
+  require_within("--vertices", target_vertices, kTargetVertices);
+  require_person_height(height_mm);
+  require_within("--grid", grid_mm, kGridMm, "mm");
+  require_within("--texture", texture_size, kTextureSize, "px");
 }
 
 }  // namespace livecap::acquire

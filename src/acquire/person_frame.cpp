@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "actor/height_range.h"
 #include "base/text.h"
 #include "livecap/error.h"
 
@@ -76,7 +77,7 @@ PersonFrame find_person_frame(const SpaceKeypoints& world, double unit_mm, doubl
     frame.scale_mm = height_mm / height_units;
   } else if (unit_mm > 0) {
     frame.scale_mm = unit_mm;
-    if (height_units * unit_mm < 800 || height_units * unit_mm > 2500)
+    if (!kPersonHeightMm.contains(height_units * unit_mm))
       throw ConfigError(
           format("--unit: the person would be %.3g m tall; another unit, or --height", height_units * unit_mm / 1000));
   } else {

@@ -113,9 +113,9 @@ void RehearsalOptions::validate() const {
   const auto require = [](bool ok, const std::string& what) {
     if (!ok) throw ConfigError("actor views: " + what);
   };
-  require(n_views >= 1 && n_views <= 1000, format("%d views; must be within 1..1000", n_views));
-  require(width >= 64 && width <= 8192 && height >= 64 && height <= 8192,
-          format("pictures of %d x %d; sides must be within 64..8192", width, height));
+  require_within("--views", n_views, kViews);
+  require_within("--width", width, kSide, "px");
+  require_within("--picture-height", height, kSide, "px");
   require(fov_deg > 5 && fov_deg < 120, format("field of view of %g degrees; must be within 5..120", fov_deg));
   require(distance_mm >= 800 && distance_mm <= 20000, format("distance %g mm; must be within 800..20000", distance_mm));
   require(noise >= 0 && blur_px >= 0 && unit_mm > 0, "noise and blur must not be negative, the unit must be positive");

@@ -8,10 +8,13 @@
 #include <functional>
 
 #include "actor/actor.h"
+#include "base/value_range.h"
 
 namespace livecap::acquire {
 
 struct RehearsalOptions {
+  static constexpr ValueRange kViews{1, 1000}, kSide{64, 8192};
+
   int n_views = 70;
   int width = 720;            // px
   int height = 960;           // px

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "actor/bone_names.h"
+#include "actor/height_range.h"
 #include "actor/keypoint_offsets.h"
 #include "base/text.h"
 #include "livecap/error.h"
@@ -105,11 +106,9 @@ void FitActorOptions::validate() const {
   if (background_frames < 0)
     throw ConfigError(format("--background-frames %d: must not be negative", background_frames));
   synth::outfit_from_name(actor);
-  if (!(height_mm == 0 || (height_mm >= 800 && height_mm <= 2500)))
-    throw ConfigError(format("--height %g m; must be within 0.8..2.5", height_mm / 1000));
+  require_person_height(height_mm);
   if (max_frames < 1) throw ConfigError(format("--frames is %d; it must be positive", max_frames));
-  if (n_frames < 4 || n_frames > 200)
-    throw ConfigError(format("--fit-frames is %d; it must be within 4..200", n_frames));
+  require_within("--fit-frames", n_frames, kFitFrames);
 }
 
 FitResult fit_actor(ocl::DeviceContext& device, FitFootage footage, const FitActorOptions& options,

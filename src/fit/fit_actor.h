@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/value_range.h"
 #include "fit/fit_proportions.h"
 #include "meshing/actor_glb.h"
 #include "ocl/context.h"
@@ -14,6 +15,8 @@
 namespace livecap {
 
 struct FitActorOptions {
+  static constexpr ValueRange kFitFrames{4, 200};
+
   std::string video;               // file or folder of pictures
   std::string camera;              // camera.json; or
   double fov_deg = 0;              // field of view of the longer side

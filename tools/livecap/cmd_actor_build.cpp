@@ -6,6 +6,7 @@
 #include "acquire/build_actor.h"
 #include "acquire/rehearsal.h"
 #include "acquire/report.h"
+#include "actor/height_range.h"
 #include "actor/inspect.h"
 #include "base/log.h"
 #include "base/text.h"
@@ -96,9 +97,15 @@ void add_actor_views_command(CLI::App& actor, Action& action) {
   command->fallthrough();
   command->add_option("file", options->actor, "actor.glb or builtin:NAME")->required();
   command->add_option("--out", options->out, "folder to write")->required();
-  command->add_option("--views", options->views.n_views, "how many")->check(between(1, 1000))->capture_default_str();
-  command->add_option("--width", options->views.width, "px")->check(between(64, 8192))->capture_default_str();
-  command->add_option("--picture-height", options->views.height, "px")->check(between(64, 8192))->capture_default_str();
+  command->add_option("--views", options->views.n_views, "how many")
+      ->check(between(acquire::RehearsalOptions::kViews))
+      ->capture_default_str();
+  command->add_option("--width", options->views.width, "px")
+      ->check(between(acquire::RehearsalOptions::kSide))
+      ->capture_default_str();
+  command->add_option("--picture-height", options->views.height, "px")
+      ->check(between(acquire::RehearsalOptions::kSide))
+      ->capture_default_str();
   command->add_option("--noise", options->views.noise, "sensor noise, 8-bit levels")
       ->check(at_least(0))
       ->capture_default_str();
@@ -126,7 +133,7 @@ void add_actor_build_command(CLI::App& actor, Action& action) {
   add_fov_option(*command, build_options.turntable.fov_deg,
                  "of --video without --camera: field of view of the longer side, degrees; else 60 is assumed");
   command->add_option("--views", build_options.turntable.n_views, "frames of --video that are used")
-      ->check(between(kMinViews, 400))
+      ->check(between({kMinViews, 400}))
       ->capture_default_str();
   command->add_option("--masks", build_options.views.masks, "folder of masks, 255 = person; else the network's");
   command->add_option("--labels", build_options.views.labels, "folder of label images (LIP ids); else guessed");
@@ -145,15 +152,15 @@ void add_actor_build_command(CLI::App& actor, Action& action) {
                       "joints.json: joints that replace those found from the network");
   command->add_option("--unit", build_options.unit, "of the cameras' or the scan's world: m, cm, mm, inch, auto")
       ->capture_default_str();
-  add_height_option(*command, build_options.height_mm, "of the person, metres; sets the scale", 0.8, 2.5);
+  add_height_option(*command, build_options.height_mm, "of the person, metres; sets the scale", kPersonHeightMm);
   command->add_option("--vertices", build_options.target_vertices, "of the actor")
-      ->check(between(500, 40000))
+      ->check(between(acquire::BuildOptions::kTargetVertices))
       ->capture_default_str();
   command->add_option("--texture", build_options.texture_size, "side of the texture, px")
-      ->check(between(128, 8192))
+      ->check(between(acquire::BuildOptions::kTextureSize))
       ->capture_default_str();
   command->add_option("--grid", build_options.grid_mm, "spacing of the carved volume, mm")
-      ->check(between(3, 30))
+      ->check(between(acquire::BuildOptions::kGridMm))
       ->capture_default_str();
   command->add_flag_callback(
       "--no-refine", [options] { options->build.refine = false; },

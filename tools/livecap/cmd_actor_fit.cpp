@@ -4,6 +4,7 @@
 #include <string>
 
 #include "acquire/report.h"
+#include "actor/height_range.h"
 #include "base/log.h"
 #include "base/text.h"
 #include "cmd_actor.h"
@@ -68,12 +69,13 @@ void add_actor_fit_command(CLI::App& actor, Action& action) {
   add_camera_options(*command, fit_options.camera, fit_options.fov_deg);
   add_background_options(*command, fit_options.background, fit_options.background_frames);
   command->add_option("--actor", options->actor, "builtin:NAME, what the person wears")->capture_default_str();
-  add_height_option(*command, fit_options.height_mm, "of the person, metres; one view does not tell it", 0.8, 2.5);
+  add_height_option(*command, fit_options.height_mm, "of the person, metres; one view does not tell it",
+                    kPersonHeightMm);
   command->add_option("--frames", fit_options.max_frames, "look at so many frames at most")
       ->check(at_least(1))
       ->capture_default_str();
   command->add_option("--fit-frames", fit_options.n_frames, "fit to about so many of them")
-      ->check(between(4, 200))
+      ->check(between(FitActorOptions::kFitFrames))
       ->capture_default_str();
   add_model_option(*command, fit_options.model);
   add_device_options(*command, options->cnn_device, options->solver_device);

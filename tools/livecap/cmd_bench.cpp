@@ -191,7 +191,7 @@ void add_bench_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("bench", "measure how fast this machine captures");
   command->add_flag("--json", options->json, "print the result as JSON");
   command->add_option("--frames", options->frames, "capture at most this many")
-      ->check(between(3, 100000))
+      ->check(between({3, 100000}))
       ->capture_default_str();
   command->add_flag("--decoded", options->decoded,
                     "decode all frames before the clock starts: what is measured begins with decoded frames, which "

@@ -131,13 +131,13 @@ void add_calibrate_command(CLI::App& app, Action& action) {
   command->add_option("--charuco", options->charuco, "or a ChArUco board: squares, COLUMNSxROWS, e.g. 7x5");
   command->add_option("--dictionary", options->dictionary, "of the ChArUco markers")->capture_default_str();
   command->add_option("--marker", options->calibrate.board.marker_share, "side of a marker over that of its square")
-      ->check(between(0.2, 1))
+      ->check(between({0.2, 1}))
       ->capture_default_str();
   command->add_option("--floor", options->floor.picture, "also where the floor is: a picture of the board lying on it");
   command->add_option("--square", options->floor.square_mm, "side of a square in mm, for --floor")->check(above(0));
   command->add_option("--camera", options->camera, "camera.json to add the floor to, instead of --images or --video");
   command->add_option("--max-views", options->calibrate.max_views, "the most different ones are used")
-      ->check(between(kMinBoardViews, 200))
+      ->check(between({kMinBoardViews, 200}))
       ->capture_default_str();
   command->add_option("--out", options->out, "camera.json to write")->required();
   command->callback([options, &action] { action = [options] { return calibrate(*options); }; });

@@ -75,11 +75,11 @@ void add_capture_command(CLI::App& app, Action& action) {
   command
       ->add_option("--miss-detections", capture.missed_detections,
                    "test of robustness: show the network nothing in this share of the frames, chosen at random")
-      ->check(between(0, 1));
+      ->check(between({0, 1}));
   command
       ->add_option("--draw", capture.draw,
                    "test of chance: move the network's first crop aside by N hundredths of a pixel")
-      ->check(between(0, 99));
+      ->check(between({0, 99}));
   command->add_flag("--smooth", capture.smooth, "filter the result with [0.15, 0.7, 0.15] over time once more");
 
   command->add_flag("--sequential", capture.sequential, "one thread; the result is the same");

@@ -133,7 +133,7 @@ void add_eval_command(CLI::App& app, Action& action) {
           ->add_option("--draws", options->draws,
                        "capture each row so often, with other draws of the network's detections; the table has the "
                        "means, all else is of the first")
-          ->check(between(1, 100))
+          ->check(between({1, 100}))
           ->capture_default_str(),
       add_fov_option(*command, capture.fov_deg),
       command->add_flag("--smooth", capture.smooth, "filter the result with [0.15, 0.7, 0.15] over time once more"),

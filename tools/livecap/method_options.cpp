@@ -4,16 +4,16 @@
 
 namespace livecap::tools {
 
-CLI::Option* add_height_option(CLI::App& command, double& height_mm, const std::string& what, double least_m,
-                               double most_m) {
+CLI::Option* add_height_option(CLI::App& command, double& height_mm, const std::string& what,
+                               const ValueRange& range_mm) {
   return command
       .add_option_function<double>(
           "--height", [&height_mm](double height_m) { height_mm = 1000 * height_m; }, what)
-      ->check(between(least_m, most_m, "metres"));
+      ->check(between({range_mm.least / 1000, range_mm.most / 1000}, "metres"));
 }
 
 CLI::Option* add_fov_option(CLI::App& command, double& fov_deg, const std::string& what) {
-  return command.add_option("--fov", fov_deg, what)->check(between(1, 170, "degrees"));
+  return command.add_option("--fov", fov_deg, what)->check(between({1, 170}, "degrees"));
 }
 
 void add_camera_options(CLI::App& command, std::string& camera, double& fov_deg) {

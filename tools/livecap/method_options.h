@@ -6,13 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "base/value_range.h"
 #include "livecap/method.h"
 
 namespace livecap::tools {
 
-// --height, in metres: between least_m and most_m.
-CLI::Option* add_height_option(CLI::App& command, double& height_mm, const std::string& what, double least_m = 0.5,
-                               double most_m = 3);
+// --height, in metres.
+CLI::Option* add_height_option(CLI::App& command, double& height_mm, const std::string& what,
+                               const ValueRange& range_mm = {500, 3000});
 // --fov.
 CLI::Option* add_fov_option(CLI::App& command, double& fov_deg,
                             const std::string& what = "instead of --camera: field of view of the longer side, degrees");

@@ -29,9 +29,9 @@ CLI::Validator at_least(double least) {
   return number_check(format("at least %g", least), [least](double value) { return value >= least; });
 }
 
-CLI::Validator between(double least, double most, const std::string& unit) {
-  return number_check(format("between %g and %g", least, most) + (unit.empty() ? "" : " " + unit),
-                      [least, most](double value) { return value >= least && value <= most; });
+CLI::Validator between(const ValueRange& range, const std::string& unit) {
+  return number_check(format("between %g and %g", range.least, range.most) + (unit.empty() ? "" : " " + unit),
+                      [range](double value) { return range.contains(value); });
 }
 
 }  // namespace livecap::tools

@@ -5,11 +5,13 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
+#include "base/value_range.h"
+
 namespace livecap::tools {
 
 // The error of each: "--frames: must be at least 1, not 0".
 CLI::Validator above(double bound);
 CLI::Validator at_least(double least);
-CLI::Validator between(double least, double most, const std::string& unit = "");  // either included
+CLI::Validator between(const ValueRange& range, const std::string& unit = "");
 
 }  // namespace livecap::tools

@@ -1,0 +1,16 @@
+// How tall people are whom an actor is made of.
+#pragma once
+
+#include "base/value_range.h"
+
+namespace livecap {
+
+inline constexpr ValueRange kPersonHeightMm{800, 2500};
+
+// height_mm: 0 is not given. Throws ConfigError.
+inline void require_person_height(double height_mm) {
+  if (height_mm == 0) return;
+  require_within("--height", height_mm / 1000, {kPersonHeightMm.least / 1000, kPersonHeightMm.most / 1000}, "metres");
+}
+
+}  // namespace livecap

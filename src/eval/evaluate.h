@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,20 +28,21 @@ struct EvalOptions {
   std::string truth_actor;  // the mesh of vertices.pc2; empty: actor.glb beside the truth folder, when it is there
 };
 
-// Values are NaN where the frame has no such truth or no result.
 struct FrameEval {
-  int64_t index = 0;              // of the input frame
-  int64_t row = 0;                // of the capture's tables
-  std::string status;             // of the capture
-  bool tracked = false;           // status ok or initialized
-  double iou = 0;                 // captured mesh against the true mask
-  double vertex_mm = 0;           // mean vertex distance
-  double vertex_aligned_mm = 0;   // after the best translation of the frame
-  double loose_aligned_mm = 0;    // the same of the loose garments' vertices
-  double joint_mm = 0;            // mean joint distance
-  double joint_aligned_mm = 0;    // after the best similarity transform of the frame
-  double network_aligned_mm = 0;  // the same of the network's own joints
-  bool arms_exchanged = false;    // left and right, see sides_exchanged()
+  static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // no such truth, or no result
+
+  int64_t index = 0;                     // of the input frame
+  int64_t row = 0;                       // of the capture's tables
+  std::string status;                    // of the capture
+  bool tracked = false;                  // status ok or initialized
+  double iou = kUnknown;                 // captured mesh against the true mask
+  double vertex_mm = kUnknown;           // mean vertex distance
+  double vertex_aligned_mm = kUnknown;   // after the best translation of the frame
+  double loose_aligned_mm = kUnknown;    // the same of the loose garments' vertices
+  double joint_mm = kUnknown;            // mean joint distance
+  double joint_aligned_mm = kUnknown;    // after the best similarity transform of the frame
+  double network_aligned_mm = kUnknown;  // the same of the network's own joints
+  bool arms_exchanged = false;           // left and right, see sides_exchanged()
   bool legs_exchanged = false;
   bool limb_inside = false;  // an elbow or wrist in the trunk, see limb_inside_trunk()
 };

@@ -139,6 +139,28 @@ void JointJudge::add_foot(int side, const std::vector<float>& ours, const std::v
   true_foot_[side].push_back(foot(theirs));
 }
 
+BodyPointJudge::BodyPointJudge(const CaptureFolder& capture, const TrueMesh& true_mesh,
+                               const std::vector<JointPair>& pairs)
+    : capture_(capture), judge_(pairs, capture.fps) {
+  if (true_mesh.is_other()) carried_.emplace(capture.actor, *true_mesh.actor(), true_mesh.overlay(), pairs);
+}
+
+void BodyPointJudge::add(int64_t row, const std::vector<float>& captured, const std::vector<float>& truth) {
+  if (!carried_) return;
+  const std::vector<Eigen::Isometry3d> bones = captured_bones(capture_, row, captured);
+  FrameEval unused;
+  if (!bones.empty()) judge_.add(carried_->at(captured, bones), truth, unused);
+}
+
+void BodyPointJudge::finish(EvalReport& report) {
+  EvalReport of_points;
+  if (carried_) judge_.finish(of_points);
+  const EvalReport& joints = carried_ ? of_points : report;
+  report.body_point_mm = joints.joint_mm;
+  report.body_point_aligned_mm = joints.joint_aligned_mm;
+  report.body_points_aligned_mm = joints.joints_aligned_mm;
+}
+
 NetworkJudge::NetworkJudge(const CaptureFolder& capture, const std::vector<std::string>& truth_names)
     : actor_(capture.actor), camera_(Undistorter(capture.camera).undistorted_camera()) {
   const std::filesystem::path file = capture.path / "detections.jsonl";

@@ -4,15 +4,18 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "actor/actor.h"
+#include "eval/body_points.h"
 #include "eval/capture_folder.h"
 #include "eval/evaluate.h"
 #include "eval/joint_names.h"
 #include "eval/motion_metrics.h"
 #include "eval/pose_metrics.h"
+#include "eval/true_mesh.h"
 #include "livecap/detections.h"
 
 namespace livecap {
@@ -50,6 +53,23 @@ class JointJudge {
   std::vector<std::vector<double>> per_joint_;      // [n_pairs]
   JitterMeter jitter_;
   std::vector<std::vector<float>> captured_foot_[2], true_foot_[2];  // left, right ankle
+};
+
+// The joints as points of the body (eval/body_points.h); of the truth's own mesh that is what they are anyway.
+class BodyPointJudge {
+ public:
+  // capture must outlive this.
+  BodyPointJudge(const CaptureFolder& capture, const TrueMesh& true_mesh, const std::vector<JointPair>& pairs);
+
+  // A frame with a person: captured_joints() of its row, and the truth as JointJudge has it.
+  void add(int64_t row, const std::vector<float>& captured, const std::vector<float>& truth);
+  // After JointJudge's.
+  void finish(EvalReport& report);
+
+ private:
+  const CaptureFolder& capture_;
+  std::optional<CarriedJoints> carried_;  // of another mesh
+  JointJudge judge_;
 };
 
 // The joints that the network saw in the capture's frames (eval/network_baseline.h).

@@ -3,21 +3,18 @@
 #include "eval/evaluate.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <limits>
 
 #include "actor/actor.h"
 #include "base/text.h"
-#include "eval/contact_sheet.h"
-#include "eval/html_report.h"
-#include "eval/mask_raster.h"
 #include "export/pc2.h"
 #include "image/image_io.h"
 #include "livecap/camera.h"
 #include "livecap/error.h"
 #include "livecap/log.h"
+#include "support/capture_by_hand.h"
 #include "support/refusal.h"
 #include "support/tolerances.h"
 #include "synth/synth.h"
@@ -27,76 +24,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFrames = 4;  // the first without a person
-const std::vector<float> kJoints = {0, 0, -3, 0.2f, 0.5f, -3.1f, -0.2f, 0.5f, -2.9f, 0.3f, 0.1f, -3.2f};
+using test::kHandFrames;
 
-class Evaluate : public testing::Test {
+class Evaluate : public test::CaptureByHand {
  protected:
-  // The built-in actor three metres in front of the camera as truth.
-  static void SetUpTestSuite() {
-    folder_ = fs::temp_directory_path() / format("livecap_evaluate_%d", static_cast<int>(::getpid()));
-    fs::create_directories(folder_ / "truth/masks");
-    write_file_atomically(folder_ / "actor.glb", make_builtin_actor_glb("trousers", kBuiltinHeightMm, 1500));
-    actor_ = load_actor(folder_ / "actor.glb");
-    camera_ = camera_from_fov(90, 160, 45);
-    save_camera(camera_, folder_ / "camera.json");
-    for (int i = 0; i < actor_.n_vertices(); ++i) {
-      const float* rest = &actor_.mesh.positions[3 * i];
-      truth_.insert(truth_.end(), {rest[0] / 1000, rest[1] / 1000 - 0.9f, rest[2] / 1000 - 3});
-    }
-    std::vector<float> camera_mm = truth_;
-    for (size_t i = 0; i < camera_mm.size(); ++i) camera_mm[i] *= i % 3 == 0 ? 1000 : -1000;
-    ImageGray mask = render_silhouette(camera_mm, actor_.mesh.triangles, camera_);
-    ImageGray empty = mask;
-    empty.pixels.assign(empty.pixels.size(), 0);
-
-    Pc2Writer pc2(folder_ / "truth/vertices.pc2", actor_.n_vertices());
-    std::string joints = R"({"names":["Hips","LeftArm","RightArm","LeftHand"],"frames":[null)";
-    for (int frame = 0; frame < kFrames; ++frame) {
-      pc2.append(frame == 0 ? std::vector<float>(truth_.size(), NAN) : truth_);
-      write_png(frame == 0 ? empty : mask, folder_ / "truth/masks" / format("%06d.png", frame));
-      if (frame > 0) joints += ",[[0,0,-3],[0.2,0.5,-3.1],[-0.2,0.5,-2.9],[0.3,0.1,-3.2]]";
-    }
-    write_file_atomically(folder_ / "truth/joints.json", joints + "]}");
-  }
-  static void TearDownTestSuite() { fs::remove_all(folder_); }
-
-  // A capture whose frame k has the truth's vertices and joints moved by shift_m[k] along x; NaN: no result.
-  static EvalReport compare(const std::vector<float>& shift_m, const std::vector<std::string>& status,
-                            const std::vector<ExtraView>& views = {}) {
-    const fs::path out = folder_ / "capture";
-    fs::create_directories(out);
-    Pc2Writer pc2(out / "vertices.pc2", actor_.n_vertices());
-    std::string frames = "index,pts_ms,status,latency_ms\n";
-    std::string angles = "index,pts_ms,tracked,left_elbow_y,left_knee_x\n";
-    std::string joints = "index,pts_ms,tracked";
-    for (const char* name : {"joint_root", "joint_left_shoulder", "joint_right_shoulder", "keypoint_left_wrist"}) {
-      for (const char* axis : {"_x", "_y", "_z"}) joints += std::string(",") + name + axis;
-    }
-    joints += "\n";
-    for (int k = 0; k < kFrames; ++k) {
-      std::vector<float> vertices = truth_;
-      for (size_t i = 0; i < vertices.size(); i += 3) vertices[i] += shift_m[k];
-      if (std::isnan(shift_m[k])) vertices.assign(vertices.size(), NAN);
-      pc2.append(vertices);
-      frames += format("%d,%g,%s,%d\n", k, 40.0 * k, status[k].c_str(), 100 + k);
-      angles += format("%d,%g,1,%d,%d\n", k, 40.0 * k, k < 3 ? -60 : -149, 30);
-      joints += format("%d,0,1", k);
-      for (size_t i = 0; i < kJoints.size(); ++i) {
-        joints += std::isnan(shift_m[k]) ? "," : format(",%.9g", kJoints[i] + (i % 3 == 0 ? shift_m[k] : 0));
-      }
-      joints += "\n";
-    }
-    write_file_atomically(out / "frames.csv", frames);
-    write_file_atomically(out / "joints.csv", joints);
-    write_file_atomically(out / "angles.csv", angles);
-    write_file_atomically(out / "report.json", R"({"options":{"actor":")" + (folder_ / "actor.glb").string() +
-                                                   R"(","camera":")" + (folder_ / "camera.json").string() +
-                                                   R"(","height_mm":0}})");
-    EvalOptions options{out, folder_ / "truth", "", "", views};
-    return evaluate(options);
-  }
-
   // A folder that holds nothing but a joints.csv.
   static EvalOptions other_program(const std::string& joints) {
     const fs::path out = folder_ / "other_program";
@@ -114,11 +45,6 @@ class Evaluate : public testing::Test {
     set_log_sink({});
     return report;
   }
-
-  static inline fs::path folder_;
-  static inline Actor actor_;
-  static inline Camera camera_;
-  static inline std::vector<float> truth_;  // glTF frame, m
 };
 
 TEST_F(Evaluate, TheTruthItselfIsPerfect) {
@@ -197,7 +123,7 @@ TEST_F(Evaluate, JointsOfAnotherMeshAreAlsoPointsOfTheBody) {
     angles += "," + dof.name;
     zeros += format(",%.9g", dof.rest_rad * 180 / M_PI);
   }
-  for (int k = 0; k < kFrames; ++k) {
+  for (int k = 0; k < kHandFrames; ++k) {
     head += format("\n%d,%d,1", k, 40 * k) + row;
     angles += format("\n%d,%d,1", k, 40 * k) + zeros;
   }
@@ -214,19 +140,8 @@ TEST_F(Evaluate, JointsOfAnotherMeshAreAlsoPointsOfTheBody) {
 // would be off by half a metre, by surface points it is right.
 TEST_F(Evaluate, AnotherMeshIsComparedBySurface) {
   compare({0, 0.1f, 0.1f, 0.1f}, {"nobody", "ok", "ok", "ok"});
-  const fs::path out = folder_ / "capture";
-  write_file_atomically(folder_ / "other.glb", make_builtin_actor_glb("trousers", kBuiltinHeightMm, 1400));
+  const EvalOptions options = with_other_mesh();
   const Actor other = load_actor(folder_ / "other.glb");
-  Pc2Writer pc2(out / "vertices.pc2", other.n_vertices());
-  for (int k = 0; k < kFrames; ++k) {
-    std::vector<float> vertices;
-    for (int i = 0; i < other.n_vertices(); ++i) {
-      const float* rest = &other.mesh.positions[3 * i];
-      vertices.insert(vertices.end(), {rest[0] / 1000 + 0.1f, rest[1] / 1000 - 0.9f, rest[2] / 1000 - 3});
-    }
-    pc2.append(vertices);
-  }
-  const EvalOptions options{out, folder_ / "truth", (folder_ / "other.glb").string(), "", {}};
   const EvalReport report = evaluate(options);
   EXPECT_TRUE(report.other_mesh);
   EXPECT_EQ(report.vertex_mm.n, 3 * other.n_vertices());
@@ -236,19 +151,6 @@ TEST_F(Evaluate, AnotherMeshIsComparedBySurface) {
   EXPECT_EQ(report.true_vertex_aligned_mm.n, 3 * actor_.n_vertices());
   EXPECT_LT(report.true_vertex_aligned_mm.mean, test::kOtherMeshMm);
   EXPECT_NE(eval_report_text(report).find("another mesh"), std::string::npos);
-  // Moved as a whole it has no warm colour in the heat map, the last of three panels (there is no video); any other
-  // order of the vertices would give it some.
-  const ContactSheet sheet = contact_sheet(options, "", {1}, 160);
-  ASSERT_TRUE(sheet.has_error);
-  const ImageRgb& picture = sheet.pictures.at(1);
-  int n_warm = 0;
-  for (int y = 0; y < picture.height; ++y) {
-    for (int x = picture.width * 2 / 3 + 4; x < picture.width; ++x) {
-      const uint8_t* rgb = &picture.pixels[size_t(3) * (size_t(y) * picture.width + x)];
-      n_warm += rgb[0] > rgb[1] + 60;
-    }
-  }
-  EXPECT_EQ(n_warm, 0);
   EvalOptions wrong = options;
   wrong.truth_actor = "builtin:skirt";
   EXPECT_THROW(evaluate(wrong), IoError);
@@ -310,7 +212,7 @@ TEST_F(Evaluate, AViewFromTheSideSeesWhatTheCameraDoesNot) {
   fs::create_directories(view.masks);
   std::vector<float> camera_mm = truth_;
   for (size_t i = 0; i < camera_mm.size(); ++i) camera_mm[i] *= i % 3 == 0 ? 1000 : -1000;
-  for (int frame = 1; frame < kFrames; ++frame) {
+  for (int frame = 1; frame < kHandFrames; ++frame) {
     write_png(render_silhouette(to_view(view, camera_mm), actor_.mesh.triangles, camera_),
               view.masks / format("%06d.png", frame));
   }
@@ -428,26 +330,6 @@ TEST_F(Evaluate, RefusesATruthWithoutAnybody) {
   Pc2Writer pc2(empty / "vertices.pc2", actor_.n_vertices());
   pc2.append(std::vector<float>(truth_.size(), NAN));
   EXPECT_THROW(evaluate({folder_ / "capture", empty, "", "", {}}), IoError);
-}
-
-TEST_F(Evaluate, HtmlIsOneFileWithPictures) {
-  const EvalReport report = compare({0, 0.1f, 0, 0}, {"nobody", "ok", "lost", "ok"});
-  const EvalOptions options{folder_ / "capture", folder_ / "truth", "", "", {}};
-  const std::string html = html_report({options, "", report, nullptr, nullptr, judge_bars(report)});
-  EXPECT_EQ(html.rfind("<!DOCTYPE html>", 0), 0u);
-  EXPECT_NE(html.find("</html>"), std::string::npos);
-  for (const char* outside : {"http:", "https:", "<script", "url(", "nan"}) {
-    EXPECT_EQ(html.find(outside), std::string::npos) << outside;
-  }
-  const auto count = [&](const std::string& word) {
-    int n = 0;
-    for (size_t at = html.find(word); at != std::string::npos; at = html.find(word, at + 1)) ++n;
-    return n;
-  };
-  EXPECT_EQ(count("data:image/png"), 1);       // the error on the mesh
-  EXPECT_EQ(count("data:image/jpeg"), 4 * 3);  // three frames: evenly, and worst by vertices, joints and silhouette
-  EXPECT_EQ(count("<svg"), 3);                 // IoU, vertices, joints; nothing loose
-  EXPECT_EQ(count("class=\"lost\""), 3);       // frame 2 in each
 }
 
 TEST_F(Evaluate, JsonHoldsEveryFrame) {

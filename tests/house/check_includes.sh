@@ -8,13 +8,13 @@ trap 'rm -f "$bad"' EXIT
 
 # Bottom to top, as in CMakeLists.txt.
 find src include tools tests -name '*.h' -o -name '*.cpp' | sort | xargs grep -HnE '^[[:space:]]*#[[:space:]]*include' |
-  awk -v rooms='base ocl geometry actor image meshing raster picture match nn detect solve pose surface cloth export synth eval level render calibrate views scan texture fit acquire capture c_api' '
+  awk -v rooms='base ocl geometry actor image meshing raster picture match nn detect solve pose surface cloth export synth eval report level render calibrate views scan texture fit acquire capture c_api' '
   BEGIN {
     n = split(rooms, list, " ")
     for (i = 1; i <= n; ++i) level[list[i]] = i
     network["nn"]; network["detect"]
     solver["solve"]; solver["pose"]; solver["surface"]; solver["cloth"]
-    home["opencv2"] = "image cloth synth render calibrate views acquire"; home["OpenMesh"] = "actor meshing"; home["clblast.h"] = "nn"
+    home["opencv2"] = "image cloth synth report render calibrate views acquire"; home["OpenMesh"] = "actor meshing"; home["clblast.h"] = "nn"
     home["tiny_gltf.h"] = "actor meshing export"; home["CLI"] = ""
   }
   function offence(why) { print file ":" line ": " what " " why }

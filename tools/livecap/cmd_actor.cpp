@@ -6,7 +6,6 @@
 #include <string>
 
 #include "acquire/person_frame.h"
-#include "acquire/report.h"
 #include "actor/actor.h"
 #include "actor/inspect.h"
 #include "base/require_writable.h"
@@ -18,6 +17,7 @@
 #include "livecap/error.h"
 #include "method_options.h"
 #include "ocl/context.h"
+#include "report/actor_report.h"
 #include "texture/surface_views.h"
 
 namespace livecap::tools {
@@ -45,8 +45,7 @@ int compare(const Options& options) {
   const ActorComparison comparison = compare_actors(built, truth, 20, seen);
   const std::string text = comparison_report(comparison);
   if (!options.html.empty())
-    write_file_atomically(options.html,
-                          acquire::comparison_html(built, text, comparison.distances_mm, comparison.hidden));
+    write_file_atomically(options.html, comparison_html(built, text, comparison.distances_mm, comparison.hidden));
   std::fputs(text.c_str(), stdout);
   return kExitOk;
 }

@@ -4,8 +4,6 @@
 #include <string>
 
 #include "acquire/build_actor.h"
-#include "acquire/rehearsal.h"
-#include "acquire/report.h"
 #include "actor/height_range.h"
 #include "actor/inspect.h"
 #include "base/log.h"
@@ -15,13 +13,15 @@
 #include "livecap/error.h"
 #include "method_options.h"
 #include "progress.h"
+#include "report/actor_report.h"
+#include "synth/rehearsal.h"
 #include "value_checks.h"
 
 namespace livecap::tools {
 namespace {
 
 struct ViewsOptions {
-  acquire::RehearsalOptions views;
+  synth::RehearsalOptions views;
   std::string actor;
   std::string unit = "m";
   std::string out;
@@ -29,11 +29,11 @@ struct ViewsOptions {
 
 int write_views(const ViewsOptions& options) {
   const Actor actor = load_actor_named(options.actor, 0);
-  acquire::RehearsalOptions views = options.views;
+  synth::RehearsalOptions views = options.views;
   if (options.unit != "m") views.unit_mm = acquire::unit_in_mm(options.unit);
   catch_interrupt();
   Progress progress("views");
-  acquire::write_rehearsal(actor, views, options.out, [&](int done, int total) {
+  synth::write_rehearsal(actor, views, options.out, [&](int done, int total) {
     progress.update(done, total);
     return !interrupted();
   });
@@ -83,7 +83,7 @@ int build(const BuildCommand& options) {
   if (!result.turn.empty()) lines.push_back(result.turn);
   for (size_t i = 1; i < lines.size(); ++i) std::printf("  %s\n", lines[i].c_str());
   const std::filesystem::path report = std::filesystem::path(options.out).replace_extension(".html");
-  write_file_atomically(report, acquire::actor_report_html(actor, {build.name, lines, result.notes}));
+  write_file_atomically(report, actor_report_html(actor, {build.name, lines, result.notes}));
   std::printf("%s: %s; see %s\n", options.out.c_str(), facts.c_str(), report.c_str());
   return kExitOk;
 }
@@ -98,13 +98,13 @@ void add_actor_views_command(CLI::App& actor, Action& action) {
   command->add_option("file", options->actor, "actor.glb or builtin:NAME")->required();
   command->add_option("--out", options->out, "folder to write")->required();
   command->add_option("--views", options->views.n_views, "how many")
-      ->check(between(acquire::RehearsalOptions::kViews))
+      ->check(between(synth::RehearsalOptions::kViews))
       ->capture_default_str();
   command->add_option("--width", options->views.width, "px")
-      ->check(between(acquire::RehearsalOptions::kSide))
+      ->check(between(synth::RehearsalOptions::kSide))
       ->capture_default_str();
   command->add_option("--picture-height", options->views.height, "px")
-      ->check(between(acquire::RehearsalOptions::kSide))
+      ->check(between(synth::RehearsalOptions::kSide))
       ->capture_default_str();
   command->add_option("--noise", options->views.noise, "sensor noise, 8-bit levels")
       ->check(at_least(0))

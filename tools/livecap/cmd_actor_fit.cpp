@@ -3,7 +3,6 @@
 #include <memory>
 #include <string>
 
-#include "acquire/report.h"
 #include "actor/height_range.h"
 #include "base/log.h"
 #include "base/text.h"
@@ -11,6 +10,7 @@
 #include "fit/fit_actor.h"
 #include "method_options.h"
 #include "progress.h"
+#include "report/actor_report.h"
 #include "synth/named_actor.h"
 #include "value_checks.h"
 
@@ -52,7 +52,7 @@ int fit(const FitCommand& command) {
       "silhouette overlap %.3f, with %s %.3f, over %d of %d frames; %.0f %% of the surface seen", result.overlap_after,
       command.actor.c_str(), result.overlap_before, result.n_used, result.n_looked_at, 100 * result.seen_share);
   const std::filesystem::path report = std::filesystem::path(command.out).replace_extension(".html");
-  write_file_atomically(report, acquire::actor_report_html(actor, {result.actor.name, {facts}, result.notes}));
+  write_file_atomically(report, actor_report_html(actor, {result.actor.name, {facts}, result.notes}));
   std::printf("%s: %s; see %s\n", command.out.c_str(), facts.c_str(), report.c_str());
   return kExitOk;
 }

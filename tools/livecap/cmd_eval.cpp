@@ -14,10 +14,10 @@
 #include "eval/bars.h"
 #include "eval/evaluate.h"
 #include "eval/extra_view.h"
-#include "eval/html_report.h"
 #include "livecap/capture.h"
 #include "livecap/error.h"
 #include "method_options.h"
+#include "report/html_report.h"
 #include "scratch_folder.h"
 #include "value_checks.h"
 

@@ -10,7 +10,7 @@
 #include "actor/actor.h"
 #include "base/value_range.h"
 
-namespace livecap::acquire {
+namespace livecap::synth {
 
 struct RehearsalOptions {
   static constexpr ValueRange kViews{1, 1000}, kSide{64, 8192};
@@ -33,4 +33,4 @@ struct RehearsalOptions {
 void write_rehearsal(const Actor& actor, const RehearsalOptions& options, const std::filesystem::path& folder,
                      const std::function<bool(int done, int total)>& progress = {});
 
-}  // namespace livecap::acquire
+}  // namespace livecap::synth

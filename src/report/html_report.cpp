@@ -1,4 +1,4 @@
-#include "eval/html_report.h"
+#include "report/html_report.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,11 +9,11 @@
 
 #include "base/html_text.h"
 #include "base/text.h"
-#include "eval/contact_sheet.h"
-#include "eval/html_style.h"
-#include "eval/svg_chart.h"
 #include "image/image_io.h"
 #include "picture/turnaround.h"
+#include "report/contact_sheet.h"
+#include "report/html_style.h"
+#include "report/svg_chart.h"
 
 namespace livecap {
 namespace {

@@ -1,9 +1,8 @@
-#include "acquire/report.h"
+#include "report/actor_report.h"
 
 #include <algorithm>
 #include <map>
 
-#include "acquire/turnaround_strip.h"
 #include "actor/inspect.h"
 #include "actor/labels.h"
 #include "base/html_text.h"
@@ -11,8 +10,9 @@
 #include "image/image_io.h"
 #include "livecap/error.h"
 #include "picture/color_scale.h"
+#include "report/turnaround_strip.h"
 
-namespace livecap::acquire {
+namespace livecap {
 
 namespace {
 
@@ -39,8 +39,7 @@ std::string label_legend(const Actor& actor) {
   return text + "</p>\n";
 }
 
-}  // namespace
-
+// Poses that show what skinning does: arms down, arms up, a step, a squat, a twist of the head, a hug.
 std::vector<Eigen::VectorXd> check_poses(const Skeleton& skeleton) {
   constexpr double kDegree = M_PI / 180;
   const std::vector<std::map<std::string, double>> poses = {
@@ -83,6 +82,8 @@ std::vector<Eigen::VectorXd> check_poses(const Skeleton& skeleton) {
   return angles;
 }
 
+}  // namespace
+
 std::string comparison_html(const Actor& actor, const std::string& text, const std::vector<double>& distances_mm,
                             const std::vector<char>& hidden) {
   constexpr double kFullMm = 20;
@@ -120,4 +121,4 @@ std::string actor_report_html(const Actor& actor, const ReportText& text) {
          "</pre>\n</body></html>\n";
 }
 
-}  // namespace livecap::acquire
+}  // namespace livecap

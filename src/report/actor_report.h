@@ -7,7 +7,7 @@
 
 #include "actor/actor.h"
 
-namespace livecap::acquire {
+namespace livecap {
 
 struct ReportText {
   std::string title;
@@ -22,7 +22,4 @@ std::string actor_report_html(const Actor& actor, const ReportText& text);
 std::string comparison_html(const Actor& actor, const std::string& text, const std::vector<double>& distances_mm,
                             const std::vector<char>& hidden);
 
-// Poses that show what skinning does: arms down, arms up, a step, a squat, a twist of the head, a hug.
-std::vector<Eigen::VectorXd> check_poses(const Skeleton& skeleton);
-
-}  // namespace livecap::acquire
+}  // namespace livecap

@@ -1,4 +1,4 @@
-#include "acquire/turnaround_strip.h"
+#include "report/turnaround_strip.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include "picture/overlay.h"
 #include "picture/side_by_side.h"
 
-namespace livecap::acquire {
+namespace livecap {
 
 namespace {
 
@@ -144,4 +144,4 @@ ImageRgb pose_strip(const Actor& actor, const std::vector<Eigen::VectorXd>& pose
   return side_by_side(images);
 }
 
-}  // namespace livecap::acquire
+}  // namespace livecap

@@ -1,4 +1,4 @@
-#include "acquire/rehearsal.h"
+#include "synth/rehearsal.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -13,14 +13,14 @@
 #include "synth/random.h"
 #include "synth/renderer.h"
 
-namespace livecap::acquire {
+namespace livecap::synth {
 
 namespace {
 
 using Eigen::Vector3d;
 
-synth::ActorModel subject_of(const Actor& actor) {
-  synth::ActorModel subject;
+ActorModel subject_of(const Actor& actor) {
+  ActorModel subject;
   subject.name = actor.name;
   subject.surface = meshing::surface_of(actor.mesh);
   const auto& r = actor.render;
@@ -36,7 +36,7 @@ synth::ActorModel subject_of(const Actor& actor) {
 }
 
 // Three walks around the person: chest high, from above, and from below the knees.
-synth::View place_camera(const RehearsalOptions& options, int index, double middle_mm) {
+View place_camera(const RehearsalOptions& options, int index, double middle_mm) {
   constexpr double kHeights[3] = {0.1, 0.9, -0.45};  // of the distance's half, above the middle
   const int ring = index % 3;
   const double turn = 2 * M_PI * (index + 0.31 * ring) / options.n_views;
@@ -48,7 +48,7 @@ synth::View place_camera(const RehearsalOptions& options, int index, double midd
   const Vector3d forward = (target - from).normalized();
   const double roll = 0.03 * std::sin(2.4 * index);
   const Vector3d right = Eigen::AngleAxisd(roll, forward) * forward.cross(Vector3d::UnitY()).normalized();
-  synth::View view;
+  View view;
   view.camera = camera_from_fov(options.width, options.height, options.fov_deg);
   view.camera_from_room_rotation << right.transpose(), forward.cross(right).transpose(), forward.transpose();
   view.camera_from_room_translation = -view.camera_from_room_rotation * from;
@@ -56,23 +56,23 @@ synth::View place_camera(const RehearsalOptions& options, int index, double midd
 }
 
 // A plain studio: a floor and a wall that get darker with distance, and a little grain.
-synth::Color backdrop(const synth::View& view, int x, int y, uint64_t seed) {
+Color backdrop(const View& view, int x, int y, uint64_t seed) {
   const Vector3d ray = view.camera_from_room_rotation.transpose() *
                        Vector3d((x - view.camera.cx) / view.camera.fx, (y - view.camera.cy) / view.camera.fy, 1);
   const Vector3d from = -view.camera_from_room_rotation.transpose() * view.camera_from_room_translation;
   const double down = ray.y() < -1e-3 ? -from.y() / ray.y() : 1e9;
   const Vector3d hit = from + down * ray;
   if (down > 0 && std::hypot(hit.x(), hit.z()) < 4500) {
-    const double weave = synth::cloud_noise(hit.x() / 60, hit.z() / 60, seed);
-    return synth::Color(0.28f, 0.25f, 0.22f) * static_cast<float>(0.8 + 0.4 * weave);
+    const double weave = cloud_noise(hit.x() / 60, hit.z() / 60, seed);
+    return Color(0.28f, 0.25f, 0.22f) * static_cast<float>(0.8 + 0.4 * weave);
   }
   const double angle = std::atan2(ray.x(), ray.z()), rise = ray.y() / std::hypot(ray.x(), ray.z());
-  const double cloud = synth::cloud_noise(6 * angle, 5 * rise, seed + 1);
-  return synth::Color(0.42f, 0.46f, 0.50f) * static_cast<float>(0.75 + 0.4 * cloud);
+  const double cloud = cloud_noise(6 * angle, 5 * rise, seed + 1);
+  return Color(0.42f, 0.46f, 0.50f) * static_cast<float>(0.75 + 0.4 * cloud);
 }
 
 // Label ids by painting triangles from far to near.
-ImageGray label_image(const synth::View& view, const synth::ActorModel& subject) {
+ImageGray label_image(const View& view, const ActorModel& subject) {
   const auto& surface = subject.surface;
   std::vector<Vector3d> camera_points;
   for (const Vector3d& p : surface.vertices) camera_points.push_back(view.to_camera(p));
@@ -100,7 +100,7 @@ ImageGray label_image(const synth::View& view, const synth::ActorModel& subject)
   return image;
 }
 
-std::string colmap_pose(const synth::View& view, int index, double unit_mm) {
+std::string colmap_pose(const View& view, int index, double unit_mm) {
   const Eigen::Quaterniond q(view.camera_from_room_rotation);
   const Vector3d t = view.camera_from_room_translation / unit_mm;
   return format("%d %.12f %.12f %.12f %.12f %.9f %.9f %.9f 1 %03d.png\n\n", index + 1, q.w(), q.x(), q.y(), q.z(),
@@ -125,7 +125,7 @@ void write_rehearsal(const Actor& actor, const RehearsalOptions& options, const 
                      const std::function<bool(int, int)>& progress) {
   options.validate();
   if (actor.texture.empty()) throw ConfigError("actor views: the actor has no texture to look at");
-  const synth::ActorModel subject = subject_of(actor);
+  const ActorModel subject = subject_of(actor);
   for (const char* name : {"images", "masks", "labels"}) {
     std::error_code error;
     std::filesystem::create_directories(folder / name, error);
@@ -133,26 +133,25 @@ void write_rehearsal(const Actor& actor, const RehearsalOptions& options, const 
   }
   double top = 0;
   for (const Vector3d& p : subject.surface.vertices) top = std::max(top, p.y());
-  const synth::Lighting lighting;
+  const Lighting lighting;
   std::string poses = "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME\n";
   for (int i = 0; i < options.n_views; ++i) {
     if (progress && !progress(i, options.n_views)) return;
-    const synth::View view = place_camera(options, i, 0.52 * top);
-    const auto layer = synth::render_person(view, lighting, subject, subject.surface.vertices);
-    std::vector<synth::Color> linear(layer.covered.size());
+    const View view = place_camera(options, i, 0.52 * top);
+    const auto layer = render_person(view, lighting, subject, subject.surface.vertices);
+    std::vector<Color> linear(layer.covered.size());
     ImageGray mask{options.width, options.height, std::vector<uint8_t>(layer.covered.size(), 0)};
     for (size_t p = 0; p < linear.size(); ++p) {
-      const float share = static_cast<float>(layer.covered[p]) / synth::kSamples;
-      linear[p] = layer.color[p] / synth::kSamples;
+      const float share = static_cast<float>(layer.covered[p]) / kSamples;
+      linear[p] = layer.color[p] / kSamples;
       if (share < 1)
         linear[p] += (1 - share) * backdrop(view, static_cast<int>(p % options.width),
                                             static_cast<int>(p / options.width), options.seed);
-      mask.pixels[p] = 2 * layer.covered[p] >= synth::kSamples ? 255 : 0;
+      mask.pixels[p] = 2 * layer.covered[p] >= kSamples ? 255 : 0;
     }
     const std::string name = format("%03d.png", i);
-    write_png(
-        synth::expose(linear, options.width, options.height, {options.blur_px, options.noise, 1, options.seed + i}),
-        folder / "images" / name);
+    write_png(expose(linear, options.width, options.height, {options.blur_px, options.noise, 1, options.seed + i}),
+              folder / "images" / name);
     write_png(mask, folder / "masks" / name);
     write_png(label_image(view, subject), folder / "labels" / name);
     poses += colmap_pose(view, i, options.unit_mm);
@@ -165,4 +164,4 @@ void write_rehearsal(const Actor& actor, const RehearsalOptions& options, const 
   if (progress) progress(options.n_views, options.n_views);
 }
 
-}  // namespace livecap::acquire
+}  // namespace livecap::synth

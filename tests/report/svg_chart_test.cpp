@@ -1,5 +1,5 @@
 // Curves: where a value lies in the picture, what is left out.
-#include "eval/svg_chart.h"
+#include "report/svg_chart.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "eval/contact_sheet.h"
+#include "report/contact_sheet.h"
 
 #include <algorithm>
 #include <cmath>

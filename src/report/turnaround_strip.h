@@ -7,7 +7,7 @@
 #include "actor/actor.h"
 #include "base/image_rgb.h"
 
-namespace livecap::acquire {
+namespace livecap {
 
 enum class StripColor { kTexture, kShape, kLabels, kWeights };
 
@@ -20,4 +20,4 @@ ImageRgb painted_strip(const Actor& actor, const std::vector<float>& colors);
 // The actor textured in these poses (joint angles, rad), from the front and a little from the side.
 ImageRgb pose_strip(const Actor& actor, const std::vector<Eigen::VectorXd>& poses);
 
-}  // namespace livecap::acquire
+}  // namespace livecap

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <numeric>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 #include <vector>
 
 #include "cloth/hanging_cloth.h"
+#include "geometry/disjoint_sets.h"
 
 namespace livecap {
 namespace {
@@ -55,27 +55,22 @@ Section section_at(const Actor& actor, const std::vector<const int32_t*>& triang
     }
     lines.emplace_back(ends[0], ends[1]);
   }
-  std::vector<int> parent(places.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  for (const auto& [i, j] : lines) parent[root(i)] = root(j);
+  DisjointSets pieces(int(places.size()));
+  for (const auto& [i, j] : lines) pieces.join(i, j);
   std::vector<double> around(places.size(), 0);
   std::vector<int> n_lines(places.size(), 0);
   for (const auto& [i, j] : lines) {
-    around[root(i)] += cv::norm(places[i] - places[j]);
+    around[pieces.find(i)] += cv::norm(places[i] - places[j]);
     ++n_lines[i], ++n_lines[j];
   }
   for (int i = 0; i < int(places.size()); ++i)
-    if (n_lines[i] != 2) around[root(i)] = 0;  // it ends or branches
+    if (n_lines[i] != 2) around[pieces.find(i)] = 0;  // it ends or branches
   if (places.empty()) return {};
   const int longest = int(std::max_element(around.begin(), around.end()) - around.begin());
   if (around[longest] == 0) return {};
   std::vector<cv::Point2f> of_longest, hull;
   for (int i = 0; i < int(places.size()); ++i)
-    if (root(i) == longest) of_longest.push_back(places[i]);
+    if (pieces.find(i) == longest) of_longest.push_back(places[i]);
   cv::convexHull(of_longest, hull);
   return {around[longest], cv::arcLength(hull, true)};
 }

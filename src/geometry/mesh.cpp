@@ -2,7 +2,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <numeric>
+
+#include "geometry/disjoint_sets.h"
 
 namespace livecap {
 
@@ -53,23 +54,10 @@ std::vector<float> vertex_normals(std::span<const float> positions, std::span<co
 }
 
 int connected_components(int n_vertices, std::span<const int32_t> triangles) {
-  std::vector<int32_t> parent(n_vertices);
-  std::iota(parent.begin(), parent.end(), 0);
-  auto root = [&](int32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  DisjointSets sets(n_vertices);
   int components = n_vertices;
-  for (size_t t = 0; t + 2 < triangles.size(); t += 3) {
-    for (int k = 1; k < 3; ++k) {
-      const int32_t a = root(triangles[t]);
-      const int32_t b = root(triangles[t + k]);
-      if (a != b) {
-        parent[a] = b;
-        --components;
-      }
-    }
-  }
+  for (size_t t = 0; t + 2 < triangles.size(); t += 3)
+    for (int k = 1; k < 3; ++k) components -= sets.join(triangles[t], triangles[t + k]);
   return components;
 }
 

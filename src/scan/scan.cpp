@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numeric>
 #include <string_view>
 #include <unordered_map>
 
 #include "base/text.h"
+#include "geometry/disjoint_sets.h"
 #include "livecap/error.h"
 #include "scan/scan_files.h"
 
@@ -160,20 +160,15 @@ bool is_closed_manifold(const meshing::Surface& surface) {
 
 double keep_largest_piece(Scan& scan) {
   const meshing::Surface& surface = scan.surface;
-  std::vector<int> parent(surface.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
+  DisjointSets pieces(static_cast<int>(surface.vertices.size()));
   for (const auto& t : surface.triangles)
-    for (int k = 1; k < 3; ++k) parent[root(t[k])] = root(t[0]);
+    for (int k = 1; k < 3; ++k) pieces.join(t[k], t[0]);
   std::unordered_map<int, double> area;
   double total = 0;
   for (const auto& t : surface.triangles) {
     const Vector3d& a = surface.vertices[t[0]];
     const double size = (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a).norm();
-    area[root(t[0])] += size;
+    area[pieces.find(t[0])] += size;
     total += size;
   }
   int best = -1;
@@ -183,7 +178,7 @@ double keep_largest_piece(Scan& scan) {
   std::vector<int> id(surface.vertices.size(), -1);
   for (size_t i = 0; i < surface.triangles.size(); ++i) {
     const auto& t = surface.triangles[i];
-    if (root(t[0]) != best) continue;
+    if (pieces.find(t[0]) != best) continue;
     Eigen::Vector3i moved;
     for (int k = 0; k < 3; ++k) {
       if (id[t[k]] < 0) {

@@ -54,8 +54,9 @@ ImageRgb texture_from_scan(const meshing::Surface& surface, const meshing::Atlas
   // Cells of about three edges of the scan.
   const double cell = 3 * std::sqrt(3e6 / static_cast<double>(scan.surface.triangles.size()));
   const meshing::NearestSurface near(scan.surface, std::clamp(cell, 4.0, 40.0));
-  return meshing::bake_texture(surface, atlas, size,
-                               [&](const Vector3d& p, int) { return scan.color_at(near.find(p)); });
+  return meshing::bake_texture(surface, atlas, size, [&](const meshing::SurfacePoint& point) {
+    return scan.color_at(near.find(point.position));
+  });
 }
 
 std::vector<Vector3d> vertex_colors(const meshing::Surface& surface, const meshing::Atlas& atlas,

@@ -158,14 +158,10 @@ FitResult fit_actor(ocl::DeviceContext& device, FitFootage footage, const FitAct
   const std::vector<Vector3d> colors = colors_from_frames(*current, result.actor.surface, frames, result.seen_share);
   const meshing::Surface& surface = result.actor.surface;
   result.actor.texture = meshing::bake_texture(
-      surface, result.actor.atlas, result.actor.texture.width, [&](const Vector3d& p, int triangle) {
-        const auto& t = surface.triangles[triangle];
-        const Vector3d &a = surface.vertices[t[0]], &b = surface.vertices[t[1]], &c = surface.vertices[t[2]];
-        const Vector3d normal = (b - a).cross(c - a);
-        const double area = normal.squaredNorm();
-        if (!(area > 1e-12)) return colors[t[0]];
-        const double u = (p - a).cross(c - a).dot(normal) / area, v = (b - a).cross(p - a).dot(normal) / area;
-        return Vector3d((1 - u - v) * colors[t[0]] + u * colors[t[1]] + v * colors[t[2]]);
+      surface, result.actor.atlas, result.actor.texture.width, [&](const meshing::SurfacePoint& point) {
+        const auto& [a, b, c] = point.weights;
+        const auto& t = surface.triangles[point.triangle];
+        return Vector3d(a * colors[t[0]] + b * colors[t[1]] + c * colors[t[2]]);
       });
   if (result.seen_share < 0.55)
     result.notes.push_back(

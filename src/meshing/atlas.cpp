@@ -179,7 +179,7 @@ Atlas make_atlas(const Surface& surface, const std::vector<int>& group, const st
 }
 
 ImageRgb bake_texture(const Surface& surface, const Atlas& atlas, int size,
-                      const std::function<Vector3d(const Vector3d&, int)>& color) {
+                      const std::function<Vector3d(const SurfacePoint&)>& color) {
   ImageRgb image{size, size, std::vector<uint8_t>(static_cast<size_t>(3) * size * size, 128)};
   std::vector<int> ring(static_cast<size_t>(size) * size, -1);  // 0 inside a chart, k after k steps of growing
   for (size_t t = 0; t < atlas.triangles.size(); ++t) {
@@ -198,9 +198,10 @@ ImageRgb bake_texture(const Surface& surface, const Atlas& atlas, int size,
         const Vector2d q(x - c[0].x(), y - c[0].y());
         const double b1 = (q.x() * e2.y() - q.y() * e2.x()) / det, b2 = (e1.x() * q.y() - e1.y() * q.x()) / det;
         if (b1 < 0 || b2 < 0 || b1 + b2 > 1) continue;
-        const Vector3d p =
+        SurfacePoint point{static_cast<int>(t), {1 - b1 - b2, b1, b2}};
+        point.position =
             (1 - b1 - b2) * surface.vertices[tri[0]] + b1 * surface.vertices[tri[1]] + b2 * surface.vertices[tri[2]];
-        const Vector3d rgb = color(p, static_cast<int>(t));
+        const Vector3d rgb = color(point);
         const size_t texel = static_cast<size_t>(y) * size + x;
         for (int k = 0; k < 3; ++k)
           image.pixels[3 * texel + k] = static_cast<uint8_t>(std::lround(255 * std::clamp(rgb[k], 0.0, 1.0)));

@@ -8,6 +8,7 @@
 
 #include "base/image_rgb.h"
 #include "meshing/isosurface.h"
+#include "meshing/nearest_surface.h"
 
 namespace livecap::meshing {
 
@@ -22,8 +23,8 @@ struct Atlas {
 // group[t]: triangles of different groups never share a chart. density[g]: texels per length of a group, relative.
 Atlas make_atlas(const Surface& surface, const std::vector<int>& group, const std::vector<double>& density, int size);
 
-// color(position, triangle): sRGB in [0,1]. Texels around the charts repeat the nearest chart's border.
+// color: of a point of the surface, sRGB in [0,1]. Texels around the charts repeat the nearest chart's border.
 ImageRgb bake_texture(const Surface& surface, const Atlas& atlas, int size,
-                      const std::function<Eigen::Vector3d(const Eigen::Vector3d&, int)>& color);
+                      const std::function<Eigen::Vector3d(const SurfacePoint&)>& color);
 
 }  // namespace livecap::meshing

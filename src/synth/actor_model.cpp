@@ -63,8 +63,9 @@ ActorModel build_actor(const std::string& name, double height_mm, int target_ver
   for (const auto& t : actor.surface.triangles)
     group.push_back(kGroupOfPart[shape.part((vertices[t[0]] + vertices[t[1]] + vertices[t[2]]) / 3)]);
   actor.atlas = meshing::make_atlas(actor.surface, group, kGroupDensity, kTextureSize);
-  actor.texture = meshing::bake_texture(actor.surface, actor.atlas, kTextureSize,
-                                        [&](const Vec3& p, int) { return paint(shape, shape.part(p), p); });
+  actor.texture = meshing::bake_texture(
+      actor.surface, actor.atlas, kTextureSize,
+      [&](const meshing::SurfacePoint& point) { return paint(shape, shape.part(point.position), point.position); });
 
   const FaceFeatures features = face_features(shape);
   actor.left_eye = nearest_vertex(actor.surface, features.left_eye);

@@ -151,29 +151,20 @@ BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atl
     if (known[i]) colors[i] = (colors[i] / light.at(normals[i])).cwiseMin(1.0);
   spread_colors(of_one_label(neighbors, labels), known, colors);
   spread_colors(neighbors, known, colors);
-  const auto color = [&](const Vector3d& p, int triangle) {
-    const auto& t = surface.triangles[triangle];
-    const Vector3d &a = surface.vertices[t[0]], &b = surface.vertices[t[1]], &c = surface.vertices[t[2]];
-    const Vector3d normal = (b - a).cross(c - a);
-    const double area = normal.squaredNorm();
-    double bary[3] = {1, 0, 0};
-    if (area > 1e-12) {
-      bary[1] = (p - a).cross(c - a).dot(normal) / area;
-      bary[2] = (b - a).cross(p - a).dot(normal) / area;
-      bary[0] = 1 - bary[1] - bary[2];
-    }
+  const auto color = [&](const meshing::SurfacePoint& point) {
+    const auto& t = surface.triangles[point.triangle];
     Vector3d lit = Vector3d::Zero(), unlit = Vector3d::Zero(), facing = Vector3d::Zero();
     for (int k = 0; k < 3; ++k) {
-      facing += bary[k] * normals[t[k]];
-      if (shares[t[k]].empty()) unlit += bary[k] * colors[t[k]];
+      facing += point.weights[k] * normals[t[k]];
+      if (shares[t[k]].empty()) unlit += point.weights[k] * colors[t[k]];
       for (const auto& [view, weight] : shares[t[k]]) {
         // A view that does not show the whole triangle stands back for the corner's own colour.
         const bool whole = coverage[view].facing[t[(k + 1) % 3]] > 0 && coverage[view].facing[t[(k + 2) % 3]] > 0;
         Eigen::Vector2d pixel;
-        if (whole && views[view].project(p, pixel))
-          lit += bary[k] * weight * sample(views[view].image, pixel.x(), pixel.y());
+        if (whole && views[view].project(point.position, pixel))
+          lit += point.weights[k] * weight * sample(views[view].image, pixel.x(), pixel.y());
         else
-          unlit += bary[k] * weight * colors[t[k]];
+          unlit += point.weights[k] * weight * colors[t[k]];
       }
     }
     return Vector3d((lit / light.at(facing.normalized()) + unlit).cwiseMin(1.0));

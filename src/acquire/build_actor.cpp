@@ -234,8 +234,7 @@ class Builder {
   double ankles_mm() const { return (keypoints_[kLeftAnkle].position.y() + keypoints_[kRightAnkle].position.y()) / 2; }
 
   void refine() {
-    const RefineResult refined =
-        refine_by_color(views_, cover_surface(device_, mesh_of(surface()), views_), {}, surface());
+    const RefineResult refined = refine_by_color(views_, cover_surface(device_, mesh_of(surface()), views_), surface());
     if (refined.n_evidence * 5 < static_cast<int>(surface().vertices.size()))
       note(format(
           "only %d of %zu vertices have enough texture to see hollows; elsewhere the shape is the silhouettes' hull",

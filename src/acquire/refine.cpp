@@ -14,6 +14,11 @@ namespace {
 
 using Eigen::Vector3d;
 
+constexpr double kDeepestMm = 45;    // how far a vertex may sink
+constexpr double kStepMm = 3;        // of the search
+constexpr double kSpacingMm = 3.5;   // between the samples of a patch of 7 x 7
+constexpr double kLeastScore = 0.8;  // correlation that counts as agreement
+constexpr double kStiffness = 4;     // of neighbours against one vertex with full agreement
 constexpr int kSide = 7, kPatch = kSide * kSide;
 using Patch = std::array<float, kPatch>;
 
@@ -106,7 +111,7 @@ double agreement(const std::vector<int>& chosen, const std::vector<View>& views,
 }  // namespace
 
 RefineResult refine_by_color(const std::vector<View>& views, const std::vector<ViewCoverage>& coverage,
-                             const RefineOptions& options, meshing::Surface& surface) {
+                             meshing::Surface& surface) {
   const size_t n = surface.vertices.size();
   const std::vector<std::vector<int>> neighbors = meshing::neighbors_of(surface);
   const auto normals = meshing::smooth_normals(surface, neighbors, 2);
@@ -118,16 +123,16 @@ RefineResult refine_by_color(const std::vector<View>& views, const std::vector<V
   }
 
   std::vector<double> depth(n, 0), trust(n, 0);
-  const int steps = static_cast<int>(options.deepest_mm / options.step_mm);
+  const int steps = static_cast<int>(kDeepestMm / kStepMm);
   for (size_t i = 0; i < n; ++i) {
     const auto chosen = choose_views(i, surface.vertices[i], views, centers, coverage);
     if (chosen.empty()) continue;
-    const Vector3d u = options.spacing_mm * normals[i].unitOrthogonal(), v = normals[i].cross(u);
+    const Vector3d u = kSpacingMm * normals[i].unitOrthogonal(), v = normals[i].cross(u);
     std::vector<double> score(steps + 1);
     for (int s = 0; s <= steps; ++s)
-      score[s] = agreement(chosen, views, grays, surface.vertices[i] - s * options.step_mm * normals[i], u, v);
+      score[s] = agreement(chosen, views, grays, surface.vertices[i] - s * kStepMm * normals[i], u, v);
     const int best = static_cast<int>(std::max_element(score.begin(), score.end()) - score.begin());
-    if (score[best] < options.least_score || best == steps) continue;
+    if (score[best] < kLeastScore || best == steps) continue;
     // A second peak as good somewhere else: a pattern that repeats.
     double second = -1;
     for (int s = 0; s <= steps; ++s)
@@ -137,7 +142,7 @@ RefineResult refine_by_color(const std::vector<View>& views, const std::vector<V
       const double a = score[best - 1], b = score[best], c = score[best + 1];
       if (const double curve = a - 2 * b + c; curve < -1e-9) at += std::clamp(0.5 * (a - c) / curve, -0.5, 0.5);
     }
-    depth[i] = at * options.step_mm;
+    depth[i] = at * kStepMm;
     trust[i] = std::clamp((score[best] - second) / 0.15, 0.0, 1.0);
   }
 
@@ -154,7 +159,7 @@ RefineResult refine_by_color(const std::vector<View>& views, const std::vector<V
       entries.emplace_back(row, row, weight + 0.02);
       right[row] = weight * depth[i];
       for (int other : neighbors[i]) {
-        const double spring = options.stiffness / static_cast<double>(neighbors[i].size() + neighbors[other].size());
+        const double spring = kStiffness / static_cast<double>(neighbors[i].size() + neighbors[other].size());
         entries.emplace_back(row, row, spring);
         entries.emplace_back(row, other, -spring);
       }
@@ -166,7 +171,7 @@ RefineResult refine_by_color(const std::vector<View>& views, const std::vector<V
     sunk = factor.solve(right);
   }
   for (size_t i = 0; i < n; ++i) {
-    const double by = std::clamp(sunk[static_cast<int>(i)], 0.0, options.deepest_mm);
+    const double by = std::clamp(sunk[static_cast<int>(i)], 0.0, kDeepestMm);
     surface.vertices[i] -= by * normals[i];
     if (trust[i] > 0) ++result.n_evidence;
   }

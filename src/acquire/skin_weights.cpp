@@ -181,7 +181,7 @@ meshing::Influences strongest(Eigen::VectorXd row) {
 }  // namespace
 
 std::vector<meshing::Influences> heat_weights(const meshing::Surface& surface, const BodyJoints& joints,
-                                              const Volume& volume, const SkinOptions& options) {
+                                              const Volume& volume) {
   const int n = static_cast<int>(surface.vertices.size());
   const auto segments = bone_segments(joints);
   const LegLine left = leg_of(joints, kLeftUpLegBone), right = leg_of(joints, kRightUpLegBone);
@@ -206,7 +206,7 @@ std::vector<meshing::Influences> heat_weights(const meshing::Surface& surface, c
     const int thigh = bone >= kRightUpLegBone ? kRightUpLegBone : kLeftUpLegBone;
     const bool on_leg = bone == thigh || bone == thigh + 1;
     const double knee = on_leg ? knee_share(joints, thigh, p) : 1;
-    const double strength = knee * options.heat / (distance * distance) * areas[i];
+    const double strength = knee * kContactHeat / (distance * distance) * areas[i];
     system.coeffRef(i, i) += strength;
     const double share = on_leg && around_both_legs(left, right, volume, p.y(), 0.5 * volume.step)
                              ? followed_share(joints, thigh, p)

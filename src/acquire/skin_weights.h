@@ -12,12 +12,11 @@
 
 namespace livecap::acquire {
 
-struct SkinOptions {
-  double heat = 2.4;  // strength of the contact, c in c/d^2: higher keeps vertices closer to their own bone
-};
+// Strength of the contact, c in c/d^2: higher keeps vertices closer to their own bone.
+inline constexpr double kContactHeat = 2.4;
 
 // surface: closed, rest frame, mm. At most four bones of kBodyBones each, strongest first, sum 1.
 std::vector<meshing::Influences> heat_weights(const meshing::Surface& surface, const BodyJoints& joints,
-                                              const Volume& volume, const SkinOptions& options = {});
+                                              const Volume& volume);
 
 }  // namespace livecap::acquire

@@ -138,7 +138,7 @@ FitResult fit_actor(ocl::DeviceContext& device, FitFootage footage, const FitAct
   FramePoser* current = before.second.get();
   const Actor* shaped = before.first.get();
   for (int round = 0; round < kRounds; ++round) {
-    const Proportions found = fit_proportions(*current, *shaped, footage.camera, options.fit, frames);
+    const Proportions found = fit_proportions(*current, *shaped, footage.camera, frames);
     const double scale = reshape(*shaped, found, height_mm, result.actor);
     total += found + Proportions::Constant(std::log(scale));
     poser.reset();

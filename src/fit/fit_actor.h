@@ -27,7 +27,6 @@ struct FitActorOptions {
   std::string model = "full";      // of the pose network
   int max_frames = 600;            // of the video that are looked at
   int n_frames = 24;               // that are fitted to, at least half of it when the video has them
-  FitOptions fit;
 
   void validate() const;  // throws ConfigError
 };

@@ -18,6 +18,18 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
+constexpr int kSteps = 8;
+constexpr double kKeypointShare = 0.012;    // standard deviation of a keypoint, of the person's height in the picture
+constexpr double kSilhouetteShare = 0.004;  // of a point of the outline
+constexpr double kOutlinePoints = 120;      // as how many independent points an outline counts
+constexpr double kLengthPrior = 0.12;       // standard deviation of a length, relative, in each frame
+constexpr double kGirthPrior = 0.2;         // of a girth
+constexpr double kShoulderPrior = 0.05;     // of the shoulders' width, which trades against the arms' length
+// Of thigh against shank and upper arm against forearm: people differ little in them, and a network that sees knees
+// and elbows too high or too low does so in every frame.
+constexpr double kRatioPrior = 0.03;
+constexpr double kAnglePriorRad = 0.15;     // of a joint angle around that of the frame's own solution
+constexpr double kRotationPriorRad = 0.08;  // of the root
 constexpr double kHuberSigmas = 2;
 constexpr double kLimitRad = 0.03;     // standard deviation of an angle beyond its limit
 constexpr double kLargestStep = 0.08;  // of a proportion's logarithm
@@ -27,12 +39,11 @@ constexpr double kAngleStep = 1e-4, kMoveStep = 0.5, kScaleStep = 1e-4;  // of t
 // One frame's residuals, whitened, as a function of proportions and pose.
 class FrameProblem {
  public:
-  FrameProblem(const Actor& actor, const Reshaper& reshaper, const Camera& camera, const FitOptions& options,
-               const FitFrame& frame)
-      : actor_(actor), reshaper_(reshaper), camera_(camera), options_(options), frame_(frame), start_(frame.pose) {
+  FrameProblem(const Actor& actor, const Reshaper& reshaper, const Camera& camera, const FitFrame& frame)
+      : actor_(actor), reshaper_(reshaper), camera_(camera), frame_(frame), start_(frame.pose) {
     const double height = keypoints_height_px(frame.detections);
-    keypoint_px_ = std::max(1.0, options.keypoint_share * height);
-    silhouette_px_ = std::max(1.0, options.silhouette_share * height);
+    keypoint_px_ = std::max(1.0, kKeypointShare * height);
+    silhouette_px_ = std::max(1.0, kSilhouetteShare * height);
     const auto lambda = default_keypoint_2d_weights();
     for (int k = 0; k < kKeypointCount; ++k) {
       const double confidence = frame.detections.keypoints[k].confidence;
@@ -60,7 +71,7 @@ class FrameProblem {
       r.segment<2>(row) = error;
       row += 2;
     }
-    const double share = std::sqrt(std::min(1.0, options_.outline_points / std::max<size_t>(outline_.size(), 1)));
+    const double share = std::sqrt(std::min(1.0, kOutlinePoints / std::max<size_t>(outline_.size(), 1)));
     for (int vertex : outline_) {
       const Vector3d p = posed_point(quats, actor_.skin, vertex, reshaper_.vertex(shape, vertex));
       const Vector2d pixel = project_px(camera_, p);
@@ -69,11 +80,10 @@ class FrameProblem {
     for (int k = 0; k < n_angles; ++k) {
       const Dof& dof = shape.skeleton.dofs[k];
       const double angle = pose.angles_rad[k];
-      r[row++] = (angle - start_.angles_rad[k]) / options_.angle_prior_rad;
+      r[row++] = (angle - start_.angles_rad[k]) / kAnglePriorRad;
       r[row++] = (std::max(0.0, angle - dof.max_rad) - std::max(0.0, dof.min_rad - angle)) / kLimitRad;
     }
-    r.segment<3>(row) =
-        vector_from_rotation(pose.root_rotation * start_.root_rotation.transpose()) / options_.rotation_prior_rad;
+    r.segment<3>(row) = vector_from_rotation(pose.root_rotation * start_.root_rotation.transpose()) / kRotationPriorRad;
     return r;
   }
 
@@ -84,7 +94,7 @@ class FrameProblem {
       const double size = r.segment<2>(2 * k).norm();
       if (size > kHuberSigmas) factors.segment<2>(2 * k).setConstant(std::sqrt(kHuberSigmas / size));
     }
-    const double share = std::sqrt(std::min(1.0, options_.outline_points / std::max<size_t>(outline_.size(), 1)));
+    const double share = std::sqrt(std::min(1.0, kOutlinePoints / std::max<size_t>(outline_.size(), 1)));
     for (size_t i = 0; i < outline_.size(); ++i) {
       const double size = std::abs(r[2 * kKeypointCount + i]) / share;
       if (size > kHuberSigmas) factors[2 * kKeypointCount + i] = std::sqrt(kHuberSigmas / size);
@@ -96,7 +106,6 @@ class FrameProblem {
   const Actor& actor_;
   const Reshaper& reshaper_;
   const Camera& camera_;
-  const FitOptions& options_;
   const FitFrame& frame_;
   Pose start_;
   double keypoint_px_, silhouette_px_;
@@ -124,30 +133,30 @@ std::vector<float> displacement_of(const Actor& actor, const Reshaper& reshaper,
 
 }  // namespace
 
-Proportions fit_proportions(FramePoser& poser, const Actor& actor, const Camera& camera, const FitOptions& options,
+Proportions fit_proportions(FramePoser& poser, const Actor& actor, const Camera& camera,
                             std::vector<FitFrame>& frames) {
   const Reshaper reshaper(actor);
   std::vector<FrameProblem> problems;
   std::vector<FitFrame*> used;
   for (FitFrame& frame : frames) {
     if (!frame.posed) continue;
-    problems.emplace_back(actor, reshaper, camera, options, frame);
+    problems.emplace_back(actor, reshaper, camera, frame);
     used.push_back(&frame);
   }
   Proportions proportions = Proportions::Zero(), prior;
   for (int k = 0; k < kProportionCount; ++k) {
     const bool girth =
         k == kTrunkGirth || k == kUpperArmGirth || k == kForearmGirth || k == kThighGirth || k == kShankGirth;
-    prior[k] = 1 / (girth ? options.girth_prior : options.length_prior);
+    prior[k] = 1 / (girth ? kGirthPrior : kLengthPrior);
   }
-  prior[kShoulderWidth] = 1 / options.shoulder_prior;
+  prior[kShoulderWidth] = 1 / kShoulderPrior;
   Eigen::Matrix<double, kProportionCount, kProportionCount> prior_matrix = prior.cwiseAbs2().asDiagonal();
   for (const auto& [a, b] : {std::pair{kThighLength, kShankLength}, std::pair{kUpperArmLength, kForearmLength}}) {
-    const Proportions ratio = (Proportions::Unit(a) - Proportions::Unit(b)) / options.ratio_prior;
+    const Proportions ratio = (Proportions::Unit(a) - Proportions::Unit(b)) / kRatioPrior;
     prior_matrix += ratio * ratio.transpose();
   }
   const int n_pose = 6 + actor.skeleton.n_dofs();
-  for (int step = 0; step < options.steps && !used.empty(); ++step) {
+  for (int step = 0; step < kSteps && !used.empty(); ++step) {
     const Shape shape = reshaper.shape(proportions);
     const std::vector<float> displacement = displacement_of(actor, reshaper, shape);
     std::vector<Shape> nudged;

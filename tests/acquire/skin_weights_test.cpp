@@ -320,7 +320,6 @@ TEST(SkinWeights, ATubeFollowsTheLegsByItsGap) {
 
 // Independent of any rig: on a cylinder around two bones in line the heat equation is one-dimensional.
 TEST(SkinWeights, OfACapsuleFollowTheHeatEquation) {
-  const acquire::SkinOptions options;
   const double half = 300, radius = 50;
   const meshing::DistanceField field = [&](const Vector3d& p) {
     return (p - Vector3d(0, std::clamp(p.y(), -half, half), 0)).norm() - radius;
@@ -334,7 +333,7 @@ TEST(SkinWeights, OfACapsuleFollowTheHeatEquation) {
   joints[acquire::kLeftHandBone] = {0, -half, 0};
   joints[acquire::kLeftKnuckleBone] = {0, -half, 0};
   for (int bone = acquire::kRightArmBone; bone < acquire::kLeftUpLegBone; ++bone) joints[bone] = {-2000, half, 0};
-  const auto weights = acquire::heat_weights(surface, joints, volume_of(surface, 10), options);
+  const auto weights = acquire::heat_weights(surface, joints, volume_of(surface, 10));
   int n_middle = 0;
   for (size_t i = 0; i < weights.size(); ++i) {
     double upper = 0, lower = 0, sum = 0;
@@ -347,7 +346,7 @@ TEST(SkinWeights, OfACapsuleFollowTheHeatEquation) {
     EXPECT_NEAR(sum, 1, test::kWeightSum);
     if (std::abs(y) > 240) continue;
     // -u'' + c/r^2 u = c/r^2 on one side: an exponential with the length r / sqrt(c).
-    const double expected = 0.5 * std::exp(-std::sqrt(options.heat) * std::abs(y) / radius);
+    const double expected = 0.5 * std::exp(-std::sqrt(acquire::kContactHeat) * std::abs(y) / radius);
     EXPECT_NEAR(y > 0 ? lower : upper, expected, test::kHeatProfile) << y;
     n_middle += expected > 0.1;
   }

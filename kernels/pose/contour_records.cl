@@ -30,14 +30,13 @@ LC_FN DistanceSample sample_bilinear(global const float* restrict image, int wid
 // The lanes from contour vertex `first` on; records and residuals have them from `place` on. camera: fx, fy, cx, cy.
 // step: layout.h. vertices [contour.n] vertex indices. rest, rest_normals [3*n_vertices] mm, template frame. bones,
 // weights [4*n_vertices]. distance [width*height] px, positive outside. records, residuals: the first contour row's.
-// Out: distances_px the sampled distance; NaN, and a zero row, for a vertex that is not inside the image. Everything
-// that is written has room for whole slices.
+// Out: a zero row for a vertex that is not inside the image. What is written has room for whole slices.
 static inline void contour_records(int first, int place, PoseLayout layout, float4 camera, PoseContour contour,
                                    LC_POSE_SPACE const float* restrict step, global const int* restrict vertices,
                                    global const float* restrict rest, global const float* restrict rest_normals,
                                    global const int* restrict bones, global const float* restrict weights,
                                    global const float* restrict distance, LC_POSE_SPACE float* restrict records,
-                                   LC_POSE_SPACE float* restrict residuals, global float* restrict distances_px) {
+                                   LC_POSE_SPACE float* restrict residuals) {
   const Pinhole cam = {camera.x, camera.y, camera.z, camera.w};
   const LaneInt vertex = lane_vertices(vertices, first, contour.n);
   const SkinnedVertex skinned =
@@ -57,7 +56,6 @@ static inline void contour_records(int first, int place, PoseLayout layout, floa
   const SilhouetteRow row = silhouette_row(v_camera, cam, sample.value, sample.gradient,
                                            silhouette_direction(sample.value, sample.gradient, normal_px));
   const REAL s = contour.sqrt_weight * huber_factor(fabs(row.r), contour.huber_px);
-  STORE(inside ? row.r : (REAL)nan(0u), distances_px, first);
   STORE(inside ? s * row.r : (REAL)0.0f, residuals, place);
   write_skinned_row(records + place / SLICE * SLICE * LC_POSE_RECORD, place, &skinned,
                     point_gradient(&skinned, scale3(vec3(row.J[0], row.J[1], row.J[2]), s)), inside);
@@ -70,10 +68,10 @@ kernel void pose_contour_records(PoseLayout layout, float4 camera, PoseContour c
                                  global const float* restrict rest, global const float* restrict rest_normals,
                                  global const int* restrict bones, global const float* restrict weights,
                                  global const float* restrict distance, global float* restrict records,
-                                 global float* restrict residuals, global float* restrict distances_px) {
+                                 global float* restrict residuals) {
   if (FIRST_ROW >= contour.n) return;
   contour_records(FIRST_ROW, FIRST_ROW, layout, camera, contour, step,
                   (global const int*)(inputs + at.contour_vertices), rest, rest_normals, bones, weights, distance,
-                  records, residuals, distances_px);
+                  records, residuals);
 }
 #endif

@@ -88,11 +88,8 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
   contour.n = counts[LC_POSE_COUNT_CONTOUR];
   contour.sqrt_weight = inputs[at.counts + LC_POSE_COUNT_CONTOUR_ROOT];
   const int n_of[4] = {n_point, contour.n, 2 * n_matches, n_shaded};
-  int n_parts = 0, n_rows = 0;
-  for (int kind = 0; kind < 4; ++kind) {
-    n_parts += (n_of[kind] + ROWS - 1) / ROWS;
-    n_rows += n_of[kind];
-  }
+  int n_parts = 0;
+  for (int kind = 0; kind < 4; ++kind) n_parts += (n_of[kind] + ROWS - 1) / ROWS;
   global float* residuals = results + LC_POSE_RESULT_RESIDUALS(layout);
   local float* moved_by = (local float*)near;
   local float* step = moved_by + layout.n_bones * n_columns;
@@ -171,7 +168,7 @@ kernel __attribute__((reqd_work_group_size(LC_POSE_GROUP, 1, 1))) void pose_gaus
         if (id < left)
           contour_records(first + id, id, layout, camera, contour, step,
                           (global const int*)(inputs + at.contour_vertices), rest, rest_normals, bones, weights,
-                          distance, records, of_rows, residuals + n_rows);
+                          distance, records, of_rows);
       } else if (kind == 2) {
         if (2 * id < left)
           match_records(first / 2 + id, id, layout, camera, n_matches, match_huber_px, step,

@@ -196,8 +196,7 @@ typedef struct {
 #define LC_POSE_NOT_FINITE 2
 // What it says, in words: the state where the steps ended (doubles); how many were begun; LC_POSE_SOLVED or why the
 // last one failed; whether a wait was given up (never reset); the round; how far a keypoint moved at most, px; the
-// targets' roots of 3D weights; the inputs' counts; F^T F before each; the residuals of all rows, then the contour's
-// distances_px.
+// targets' roots of 3D weights; the inputs' counts; F^T F before each; the residuals of all rows.
 #define LC_POSE_MOST_STEPS 32
 #define LC_POSE_RESULT_TAKEN(layout) (2 * LC_POSE_STATE_SIZE(layout))
 #define LC_POSE_RESULT_STATUS(layout) (LC_POSE_RESULT_TAKEN(layout) + 1)

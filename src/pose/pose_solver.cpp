@@ -231,12 +231,12 @@ PoseSteps PoseSolver::take_steps(const PoseState& start, int n_steps, double set
   return steps;
 }
 
-void PoseSolver::measure(const PoseState& state, const PoseResiduals& residuals, const Prepared& prepared,
+void PoseSolver::measure(const PoseState& state, std::span<const float> residuals, const Prepared& prepared,
                          PoseResult& result) const {
   const KeypointTargets& targets = prepared.targets;
   const auto energy = [&](int first, int n) {
     double sum = 0;
-    for (int i = first; i < first + n; ++i) sum += double(residuals.rows[i]) * residuals.rows[i];
+    for (int i = first; i < first + n; ++i) sum += double(residuals[i]) * residuals[i];
     return sum;
   };
   for (int k = 0; k < kKeypointCount; ++k) {
@@ -270,14 +270,6 @@ void PoseSolver::measure(const PoseState& state, const PoseResiduals& residuals,
     weight += targets[k].weight_2d;
   }
   result.keypoint_error_px = weight > 0 ? error_px / weight : 0;
-
-  double distance_px = 0;
-  for (int i = 0; i < system_.n_contour(); ++i) {
-    if (std::isnan(residuals.distances_px[i])) continue;
-    ++result.n_contour_visible;
-    distance_px += std::abs(residuals.distances_px[i]);
-  }
-  result.silhouette_error_px = result.n_contour_visible > 0 ? distance_px / result.n_contour_visible : 0;
 }
 
 }  // namespace livecap

@@ -64,8 +64,6 @@ struct PoseResult {
   std::vector<double> step_energy;                       // total before each step
   double keypoint_error_px = 0;                          // mean 2D error, weighted as in E_2D; 0 without detections
   double moved_px = 0;                                   // furthest that a keypoint went in the picture
-  double silhouette_error_px = 0;                        // mean |distance| of the contour vertices in the picture
-  int n_contour_visible = 0;
   double missed_weight = 0;  // that the matches of PoseInput::seen fall short of perfect ones in
 };
 
@@ -126,7 +124,7 @@ class PoseSolver {
   int steps_of(const PoseInput& input) const;
   PoseSteps take_steps(const PoseState& start, int n_steps, double settled_px);
   void take(const PoseSteps& steps, const Prepared& prepared, PoseResult& result) const;
-  void measure(const PoseState& state, const PoseResiduals& residuals, const Prepared& prepared,
+  void measure(const PoseState& state, std::span<const float> residuals, const Prepared& prepared,
                PoseResult& result) const;
 
   const Actor& actor_;

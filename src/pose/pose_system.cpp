@@ -119,7 +119,7 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
     parts_ = ocl::Buffer<uint64_t>(device, most_parts * gram_.size());
     sums_ = ocl::Buffer<uint64_t>(device, 2 * gram_.size());
     for (ocl::Buffer<uint64_t>* words : {&parts_, &sums_}) words->fill(0);
-    most_rows_ = n_point_rows_ + 2 * n_contour + 2 * n_matches + n_shaded;
+    most_rows_ = n_point_rows_ + n_contour + 2 * n_matches + n_shaded;
     results_ = ocl::Buffer<float>(device, LC_POSE_RESULT_RESIDUALS(layout_) + most_rows_);
     results_.fill(0);
     moved_ = ocl::Buffer<float>(device, 1);
@@ -149,7 +149,6 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
   shading_records_ = ocl::Buffer<float>(device, LC_POSE_RECORD * n_shaded);
   point_residuals_ = ocl::Buffer<float>(device, n_point_rows_);
   contour_residuals_ = ocl::Buffer<float>(device, n_contour);
-  distances_px_ = ocl::Buffer<float>(device, n_contour);
   match_residuals_ = ocl::Buffer<float>(device, 2 * n_matches);
   shading_residuals_ = ocl::Buffer<float>(device, n_shaded);
   point_records_kernel_ = ocl::Kernel(device, kProgram, "pose_point_records");
@@ -226,7 +225,7 @@ void PoseSystem::launch_records() {
   if (n_contour() == 0) return;
   contour_records_kernel_.launch(lane_items(n_contour()), 1, layout_, pinhole_, contour_arg(), inputs_.places(), step_,
                                  inputs_on_device_, rest_, rest_normals_, bones_, weights_, frame_->signed_distance,
-                                 contour_records_, contour_residuals_, distances_px_);
+                                 contour_records_, contour_residuals_);
 }
 
 PoseContour PoseSystem::contour_arg() const {
@@ -308,7 +307,7 @@ std::optional<PoseSteps> PoseSystem::take_steps(const PoseState& start, int n_st
   if (seen_) launch_choice(n_slices_);
   PoseStepsArg steps = steps_arg(n_steps, settled_px);
   launch_gauss_newton(groups_.n(), steps);
-  read_results(seen_ ? most_rows_ : n_rows() + n_contour());
+  read_results(seen_ ? most_rows_ : n_rows());
   if (groups_.gave_up("pose", told(LC_POSE_RESULT_GAVE_UP(layout_)) != 0)) return std::nullopt;
   return steps_read();
 }
@@ -408,9 +407,9 @@ void PoseSystem::read_results(size_t n_rows) {
   results_.read(results_host_);
 }
 
-PoseResiduals PoseSystem::residuals_read() const {
+std::vector<float> PoseSystem::residuals_read() const {
   const auto rows = results_host_.begin() + LC_POSE_RESULT_RESIDUALS(layout_);
-  return {{rows, rows + n_rows()}, {rows + n_rows(), rows + n_rows() + n_contour()}};
+  return {rows, rows + n_rows()};
 }
 
 PoseNormalEquations PoseSystem::assemble(const PoseState& state) {
@@ -442,22 +441,19 @@ PoseNormalEquations PoseSystem::assemble(const PoseState& state) {
   return equations;
 }
 
-PoseResiduals PoseSystem::residuals(const PoseState& state) {
+std::vector<float> PoseSystem::residuals(const PoseState& state) {
   upload(state);
   if (!is_cpu_) {
     launch_normal_equations(false);
-    read_results(n_rows() + n_contour());
+    read_results(n_rows());
     return residuals_read();
   }
-  PoseResiduals result;
-  result.rows.resize(n_rows());
-  result.distances_px.resize(n_contour());
+  std::vector<float> result(n_rows());
   launch_records();
-  contour_residuals_.read_later(std::span(result.rows).subspan(n_point_rows_, n_contour()));
-  match_residuals_.read_later(std::span(result.rows).subspan(n_point_rows_ + n_contour(), 2 * n_matches()));
-  shading_residuals_.read_later(std::span(result.rows).last(n_shaded()));
-  distances_px_.read_later(result.distances_px);
-  point_residuals_.read(std::span(result.rows).first(n_point_rows_));
+  contour_residuals_.read_later(std::span(result).subspan(n_point_rows_, n_contour()));
+  match_residuals_.read_later(std::span(result).subspan(n_point_rows_ + n_contour(), 2 * n_matches()));
+  shading_residuals_.read_later(std::span(result).last(n_shaded()));
+  point_residuals_.read(std::span(result).first(n_point_rows_));
   return result;
 }
 

@@ -36,19 +36,12 @@ struct PoseNormalEquations {
   double energy = 0;    // F^T F
 };
 
-// All residuals, weighted: 8 per keypoint (2D 2, 3D 3, temporal 3), n_dofs joint limits, n_dofs rest angles, one per
-// point of the soles, one per contour vertex, two per match, one per shaded vertex.
-struct PoseResiduals {
-  std::vector<float> rows;          // [n_rows]
-  std::vector<float> distances_px;  // [n_contour] signed; NaN for a vertex that is not inside the image
-};
-
 // Gauss-Newton steps from a state on.
 struct PoseSteps {
   SolveStatus status = SolveStatus::kOk;
   PoseState state;                  // where they ended, or the last one failed
   std::vector<double> step_energy;  // F^T F before each
-  PoseResiduals residuals;          // at `state`; empty unless status is kOk
+  std::vector<float> residuals;     // at `state`; empty unless status is kOk
 };
 
 class PoseSystem {
@@ -112,7 +105,9 @@ class PoseSystem {
   void forget_look() { look_state_.fill(0); }
 
   PoseNormalEquations assemble(const PoseState& state);
-  PoseResiduals residuals(const PoseState& state);
+  // Weighted, [n_rows]: 8 per keypoint (2D 2, 3D 3, temporal 3), n_dofs joint limits, n_dofs rest angles, one per point
+  // of the soles, one per contour vertex (0 where it is not inside the picture), two per match, one per shaded vertex.
+  std::vector<float> residuals(const PoseState& state);
   // n_steps, fewer where one moves no keypoint by settled_px (0: never), in one launch with one read. Nothing where the
   // device cannot, or for more than LC_POSE_MOST_STEPS: then assemble, solve and ask for the residuals.
   std::optional<PoseSteps> take_steps(const PoseState& start, int n_steps, double settled_px);
@@ -144,7 +139,7 @@ class PoseSystem {
   void launch_normal_equations(bool write_rows);
   void read_results(size_t n_rows);
   void set_picture(const DeviceFrame* frame);
-  PoseResiduals residuals_read() const;
+  std::vector<float> residuals_read() const;
   PoseContour contour_arg() const;
 
   PosePoints points_;
@@ -163,7 +158,7 @@ class PoseSystem {
   bool inputs_changed_ = true;        // since they were uploaded
   std::optional<SeenVertices> seen_;  // what the device is to choose from
   bool rests_ = false;                // whether soles_before of the rounds are known
-  size_t most_rows_ = 0;              // and distances_px
+  size_t most_rows_ = 0;
   std::vector<float> step_host_;
   std::vector<float> gram_host_;
   std::vector<float> results_host_;
@@ -186,7 +181,6 @@ class PoseSystem {
   ocl::Buffer<float> contour_records_;
   ocl::Buffer<float> point_residuals_;
   ocl::Buffer<float> contour_residuals_;
-  ocl::Buffer<float> distances_px_;
   ocl::Buffer<float> match_records_;
   ocl::Buffer<float> match_residuals_;
   ocl::Buffer<float> shading_records_;

@@ -152,9 +152,9 @@ ocl::SelfTestResult check_choice(ocl::DeviceContext& device, PoseSystem& system,
   // First the device, so that it does not find the host's choice.
   system.set_seen_frame(targets, &frame, seen);
   system.read_choice();
-  const std::vector<float> chosen = system.residuals(state).rows;
+  const std::vector<float> chosen = system.residuals(state);
   system.set_frame(targets, &frame, std::vector<int32_t>{0, 2, 4}, found, shaded);
-  ocl::SelfTestResult result{"pose/choose.cl pose_choose", system.residuals(state).rows == chosen, {}};
+  ocl::SelfTestResult result{"pose/choose.cl pose_choose", system.residuals(state) == chosen, {}};
   if (!result.ok) result.detail = "it chooses other vertices than the host, or weighs them otherwise";
   return result;
 }
@@ -191,7 +191,7 @@ std::vector<ocl::SelfTestResult> pose_self_test(ocl::DeviceContext& device) {
   const Floor floor{Eigen::Vector3d(0.6, -0.8, 0), -40};
   const double stands = 0.5;
   system.set_floor(&floor, std::vector<double>{stands});
-  const std::vector<float> rows = system.residuals(state).rows;
+  const std::vector<float> rows = system.residuals(state);
   const Eigen::VectorXd F = Eigen::Map<const Eigen::VectorXf>(rows.data(), rows.size()).cast<double>();
   const Eigen::MatrixXd J = system.jacobian(state).cast<double>();
   const PoseNormalEquations equations = system.assemble(state);

@@ -172,7 +172,7 @@ TEST(PoseChoice, IsTheHosts) {
                     test::kPoseJacobian * (1 + picture.missed_weight()));
         EXPECT_EQ(got->step_energy, expected->step_energy);
         EXPECT_EQ(state_values(got->state), state_values(expected->state));
-        EXPECT_EQ(got->residuals.rows, expected->residuals.rows);
+        EXPECT_EQ(got->residuals, expected->residuals);
         system.read_choice();
         EXPECT_EQ(system.n_contour(), n_contour);
         EXPECT_TRUE(system.jacobian(scene.start) == J);
@@ -217,7 +217,7 @@ TEST(PoseChoice, IsReadWhereTheHostNeedsIt) {
           EXPECT_EQ(got.status, expected.status);
           EXPECT_EQ(got.step_energy, expected.step_energy);
           EXPECT_EQ(got.pose.angles_rad, expected.pose.angles_rad);
-          EXPECT_EQ(got.n_contour_visible, expected.n_contour_visible);
+          EXPECT_EQ(got.energy.silhouette, expected.energy.silhouette);
         }
       },
       7);  // two of each kind choose

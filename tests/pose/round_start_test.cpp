@@ -92,7 +92,7 @@ void expect_prepared(const PoseSystem::Rounds& got, const RoundScene& scene, con
   const int first = LC_POSE_POINT_ROWS + 2 * scene.actor.skeleton.n_dofs();
   for (size_t i = 0; i < points.size(); ++i) {
     const double height = scene.floor.height_mm(points[i]), root = std::sqrt(scene.options.weights.floor);
-    EXPECT_NEAR(got.steps.residuals.rows[first + i], root * (height < 0 ? 1 : stands[i]) * height,
+    EXPECT_NEAR(got.steps.residuals[first + i], root * (height < 0 ? 1 : stands[i]) * height,
                 root * test::kRoundStartMm)
         << i;
   }

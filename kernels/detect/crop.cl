@@ -1,5 +1,6 @@
 // What surrounds a pose network on a GPU: its input out of the picture, and what is read of its outputs. The same as
 // src/detect/crop.cpp and src/detect/blazepose.cpp on the host.
+#include "detect/layout.h"
 #include "image/warp_point.h"
 
 // The picture's part that is looked at, in blocks of factor x factor pixels from (x0, y0) on.
@@ -36,34 +37,31 @@ kernel void crop_picture(int size, int mirrored, Blocks blocks, int at, global c
   }
 }
 
-#define LANDMARKS 39
-#define WINDOW 7
-#define HEATMAP 64
-#define CROP 256
-
-// Over LANDMARKS * WINDOW^2. Offsets of landmarks, score, heat maps and world points. Out: [5*LANDMARKS] landmarks, the
-// score, [3*LANDMARKS] world points, and of each heat map the window around its landmark, 0 outside.
+// Over LC_LANDMARKS * LC_WINDOW^2. Offsets of landmarks, score, heat maps and world points. Out: [5*LC_LANDMARKS]
+// landmarks, the score, [3*LC_LANDMARKS] world points, and of each heat map the window around its landmark, 0 outside.
 kernel void pose_outputs(int4 offsets, global const float* restrict arena, global float* restrict out) {
   const int i = get_global_id(0);
-  if (i >= LANDMARKS * WINDOW * WINDOW) return;
+  if (i >= LC_LANDMARKS * LC_WINDOW * LC_WINDOW) return;
   global const float* landmarks = arena + offsets.x;
-  if (i < 5 * LANDMARKS) out[i] = landmarks[i];
-  if (i == 0) out[5 * LANDMARKS] = arena[offsets.y];
-  if (i < 3 * LANDMARKS) out[5 * LANDMARKS + 1 + i] = arena[offsets.w + i];
-  const int l = i / (WINDOW * WINDOW), k = i % (WINDOW * WINDOW);
-  const float scale = (float)HEATMAP / CROP;
+  if (i < 5 * LC_LANDMARKS) out[i] = landmarks[i];
+  if (i == 0) out[5 * LC_LANDMARKS] = arena[offsets.y];
+  if (i < 3 * LC_LANDMARKS) out[5 * LC_LANDMARKS + 1 + i] = arena[offsets.w + i];
+  const int l = i / (LC_WINDOW * LC_WINDOW), k = i % (LC_WINDOW * LC_WINDOW);
+  const float scale = (float)LC_HEATMAP / LC_CROP;
   // NaN and what is far away: any window.
   const float px = landmarks[5 * l] * scale, py = landmarks[5 * l + 1] * scale;
-  const int inside = px >= 0.0f && py >= 0.0f && px < (float)HEATMAP && py < (float)HEATMAP;
-  const int x = (inside ? (int)px : 0) + k % WINDOW - WINDOW / 2, y = (inside ? (int)py : 0) + k / WINDOW - WINDOW / 2;
-  out[8 * LANDMARKS + 1 + i] =
-      x >= 0 && y >= 0 && x < HEATMAP && y < HEATMAP ? arena[offsets.z + (y * HEATMAP + x) * LANDMARKS + l] : 0.0f;
+  const int inside = px >= 0.0f && py >= 0.0f && px < (float)LC_HEATMAP && py < (float)LC_HEATMAP;
+  const int x = (inside ? (int)px : 0) + k % LC_WINDOW - LC_WINDOW / 2,
+            y = (inside ? (int)py : 0) + k / LC_WINDOW - LC_WINDOW / 2;
+  out[8 * LC_LANDMARKS + 1 + i] = x >= 0 && y >= 0 && x < LC_HEATMAP && y < LC_HEATMAP
+                                      ? arena[offsets.z + (y * LC_HEATMAP + x) * LC_LANDMARKS + l]
+                                      : 0.0f;
 }
 
-// Over CROP^2: probabilities from logits, 255 = 1.
+// Over LC_CROP^2: probabilities from logits, 255 = 1.
 kernel void mask_bytes(int at, int mirrored, global const float* restrict arena, global uchar* restrict mask) {
   const int i = get_global_id(0);
-  if (i >= CROP * CROP) return;
-  const int from = mirrored ? i / CROP * CROP + CROP - 1 - i % CROP : i;
+  if (i >= LC_CROP * LC_CROP) return;
+  const int from = mirrored ? i / LC_CROP * LC_CROP + LC_CROP - 1 - i % LC_CROP : i;
   mask[i] = (uchar)(255.0f / (1.0f + exp(-arena[at + from])) + 0.5f);
 }

@@ -2,14 +2,13 @@
 // general algorithm for computing distance transforms in linear time", 2000): along columns, then the least over each
 // row: on a CPU sixteen pixels at a time look at the columns between the nearest one of the first and of the last, on a
 // GPU each pixel at the columns beside it, the nearest first.
+#include "image/layout.h"
 #include "shared/bits.h"
 #include "shared/lanes.h"
 #include "shared/plain_math.h"
 
 #ifdef LC_DEVICE
 
-#define LC_LANES 16
-#define LC_BLOCK 32
 #define LC_NONE 32000  // CPU: no pixel of the other kind in this column
 #define LC_NOWHERE (LC_NONE * LC_NONE)
 #define LC_INSIDE ((ushort)0x8000)

@@ -1,15 +1,13 @@
 // The person's mask (paper, "Input Stream Processing"): difference from the background with shadows left out, the
 // network's mask as gate and second opinion, smoothing, decision, trimmed border. One work-item handles 16 pixels of a
 // row, so that a CPU's byte lanes are full and rows are read in whole vectors; work-items past the end do nothing.
+#include "image/layout.h"
 #include "shared/plain_math.h"
 #include "shared/wide.h"
 
 #ifdef LC_DEVICE
 // The tests compare with the same formulas in C++, rounded after every operation.
 #pragma OPENCL FP_CONTRACT OFF
-
-#define LC_LANES 16
-#define LC_COARSE 4  // pixels per cell of gate and core
 
 // The first n of 16 values, zero beyond; n <= 0: none.
 static inline uchar16 load_bytes(global const uchar* from, int n) {

@@ -17,6 +17,12 @@
 // Pixels that a work-item clears on a GPU.
 #define LC_RASTER_CLEAR 4
 
+// Body-part mask: pixels of a row that a work-item takes, a vector of them; rows of which it grows the parts at once;
+// zeros before and behind each row of the planes, at least as many as parts grow.
+#define LC_PART_PIXELS 16
+#define LC_PART_ROWS 8
+#define LC_PART_PAD 16
+
 // How far apart depths of neighbouring pixels lie, and their triangles' ids: 2 where either is half of a word
 // (raster/depth_and_id.h).
 #ifndef LC_RASTER_APART

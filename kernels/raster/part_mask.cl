@@ -1,6 +1,7 @@
 // Body-part mask (paper, "Stage II", body part mask): the part of each pixel, each part grown by a square of half-side
 // `radius`, the torso over everything else. Sets of parts are bit masks (bit p = part p), so growing is a bitwise or.
-// Padded planes: row stride `stride`, LC_PAD columns before and `radius` rows above and below the picture, all zero.
+// Padded planes: row stride `stride`, LC_PART_PAD columns before and `radius` rows above and below the picture, all
+// zero.
 #include "raster/layout.h"
 #include "shared/bits.h"
 #include "shared/gather.h"
@@ -8,27 +9,24 @@
 
 #ifdef LC_DEVICE
 
-#define LC_PAD 16
-#define LC_PART_ROWS 8
-
-// One work-item per 16 pixels of a row. drawn: on CPUs the columns that depth.cl covers of each strip of rows.
+// One work-item per LC_PART_PIXELS of a row. drawn: on CPUs the columns that depth.cl covers of each strip of rows.
 kernel void part_bits(int width, int height, int stride, int radius, global const int* restrict drawn,
                       global const int* restrict ids, global const int* restrict triangle_part,
                       global uchar* restrict bits) {
-  const int x0 = 16 * (int)get_global_id(0);
+  const int x0 = LC_PART_PIXELS * (int)get_global_id(0);
   const int y = get_global_id(1);
   if (x0 >= width || y >= height) return;
   ids += y * width;
-  bits += (y + radius) * stride + LC_PAD;
+  bits += (y + radius) * stride + LC_PART_PAD;
 #if !LC_CPU
   (void)drawn;
 #else
   const int strip = y / LC_STRIP_ROWS;
-  if (x0 > drawn[2 * strip + 1] || x0 + 16 <= drawn[2 * strip]) {
+  if (x0 > drawn[2 * strip + 1] || x0 + LC_PART_PIXELS <= drawn[2 * strip]) {
     store_uchar16((uchar16)0, bits + x0);  // the planes have room
     return;
   }
-  if (x0 + 16 <= width) {
+  if (x0 + LC_PART_PIXELS <= width) {
     const int16 id = vload16(0, ids + x0), drawn = id >= 0;
     int16 bit = 0;
     if (any_of_16(drawn)) bit = drawn & ((int16)1 << gather_int16(triangle_part, max(id, 0)));
@@ -36,19 +34,20 @@ kernel void part_bits(int width, int height, int stride, int radius, global cons
     return;
   }
 #endif
-  for (int x = x0; x < min(x0 + 16, width); ++x) bits[x] = ids[x] < 0 ? 0 : (uchar)(1 << triangle_part[ids[x]]);
+  for (int x = x0; x < min(x0 + LC_PART_PIXELS, width); ++x)
+    bits[x] = ids[x] < 0 ? 0 : (uchar)(1 << triangle_part[ids[x]]);
 }
 
-// One work-item per 16 pixels of a row; n_groups of them make a row.
+// One work-item per LC_PART_PIXELS of a row; n_groups of them make a row.
 kernel void part_grow_rows(int n_groups, int height, int stride, int radius, global const uchar* restrict bits,
                            global uchar* restrict grown) {
   const int group = get_global_id(0);
   const int y = get_global_id(1);
   if (group >= n_groups || y >= height) return;
-  const int at = (y + radius) * stride + LC_PAD + 16 * group;
+  const int at = (y + radius) * stride + LC_PART_PAD + LC_PART_PIXELS * group;
   // Mostly there is nobody in reach of any of them.
   const ulong2 near =
-      as_ulong2(vload16(0, bits + at - LC_PAD) | vload16(0, bits + at) | vload16(0, bits + at + LC_PAD));
+      as_ulong2(vload16(0, bits + at - LC_PART_PAD) | vload16(0, bits + at) | vload16(0, bits + at + LC_PART_PAD));
   uchar16 set = 0;
   if (near.x | near.y) {
     for (int d = -radius; d <= radius; ++d) set |= vload16(0, bits + at + d);
@@ -68,8 +67,8 @@ static inline uchar16 decide_part(uchar16 reaching, uchar16 own) {
          select((uchar16)4, none, (set & (uchar16)0xf0) == none);
 }
 
-// Grows along columns and decides. One work-item per 16 pixels of LC_PART_ROWS rows, which share most of the rows that
-// reach them. Rows of `bits` and `grown`: radius more above the picture, radius + LC_PART_ROWS below. part_image:
+// Grows along columns and decides. One work-item per LC_PART_PIXELS of LC_PART_ROWS rows, which share most of the rows
+// that reach them. Rows of `bits` and `grown`: radius more above the picture, radius + LC_PART_ROWS below. part_image:
 // [w*h], 0 = none.
 kernel void part_grow_columns(int n_groups, int width, int height, int stride, int radius,
                               global const uchar* restrict bits, global const uchar* restrict grown,
@@ -77,7 +76,7 @@ kernel void part_grow_columns(int n_groups, int width, int height, int stride, i
   const int group = get_global_id(0);
   const int y0 = (int)get_global_id(1) * LC_PART_ROWS;
   if (group >= n_groups || y0 >= height) return;
-  const int at = (y0 + radius) * stride + LC_PAD + 16 * group;
+  const int at = (y0 + radius) * stride + LC_PART_PAD + LC_PART_PIXELS * group;
   // What reaches all rows, if the square is that large; then for each row what is above and below of that.
   const int first = LC_PART_ROWS - 1 - radius, last = radius;
   uchar16 all_rows = 0;
@@ -89,13 +88,13 @@ kernel void part_grow_columns(int n_groups, int width, int height, int stride, i
     const ulong2 any_part = as_ulong2(reaching);
     uchar16 part = 0;
     if (any_part.x | any_part.y) part = decide_part(reaching, vload16(0, bits + at + k * stride));
-    global uchar* to = part_image + (y0 + k) * width + 16 * group;
-    if (16 * group + 16 <= width) {
+    global uchar* to = part_image + (y0 + k) * width + LC_PART_PIXELS * group;
+    if (LC_PART_PIXELS * (group + 1) <= width) {
       store_uchar16(part, to);
     } else {
-      uchar lanes[16];
+      uchar lanes[LC_PART_PIXELS];
       vstore16(part, 0, lanes);
-      for (int j = 0; 16 * group + j < width; ++j) to[j] = lanes[j];
+      for (int j = 0; LC_PART_PIXELS * group + j < width; ++j) to[j] = lanes[j];
     }
   }
 }

@@ -5,9 +5,10 @@
 #include "shared/lanes.h"
 //
 #include "shared/all_arrived.h"
+#include "surface/layout.h"
 #include "surface/pcg_rows.h"
 
-#define GROUP 256
+#define GROUP LC_PCG_GROUP
 
 // The group's part of a sum.
 static void store_part(float value, global float* part, local float* scratch) {

@@ -3,12 +3,13 @@
 //
 // I_Gauss(u) = sum_k w(k - u) I(k) / sum_k w(k - u), separable, w(d) = exp(-d^2 / 2 sigma^2) t(|d| - r), where t falls
 // smoothly from 1 to 0 between r and r + 1. At integer u it is OpenCV's GaussianBlur of kernel size 2 r + 1; between
-// them it is continuously differentiable. 2 r + 2 <= 16 taps per axis. Image borders are clamped.
+// them it is continuously differentiable. 2 r + 2 <= MAX_TAPS taps per axis. Image borders are clamped.
 #include "surface/image.h"
+#include "surface/layout.h"
 #include "surface/system.h"
 #include "terms/photo.cl"
 
-#define MAX_TAPS 16
+#define MAX_TAPS LC_PHOTO_TAPS
 
 typedef struct {
   Vec3 value;  // [0,1]

@@ -1,12 +1,9 @@
 // Vertex snapping, first half (paper, "Vertex Snapping"): every contour vertex walks on the signed distance image along
 // the negative gradient until the zero crossing; the move is lifted to 3D at constant depth.
 #include "surface/image.h"
+#include "surface/rings.h"
 #include "terms/silhouette.cl"
 
-// ring of a vertex: 0 = snapped, k = k edges from a snapped vertex, RING_FREE = not reached, RING_HELD = may not
-// move.
-#define RING_FREE 1000.0f
-#define RING_HELD 2000.0f
 #define MAX_WALK_STEPS 12
 #define WALK_TOLERANCE_PX 0.02f  // stop
 #define SNAP_TOLERANCE_PX 0.25f  // accept

@@ -2,8 +2,8 @@
 // of a few edge rings around the snapped ones. The moves of the band solve the graph Laplace equation with the snapped
 // moves given and zero beyond the band: a first guess that falls off linearly, then Jacobi sweeps.
 #include "shared/lanes.h"
-
-#define RING_FREE 1000.0f
+//
+#include "surface/rings.h"
 
 // Vertices not reached yet that have a neighbour of ring - 1 become `ring`; their move is the mean of those neighbours'
 // times `fall`. All others are copied.

@@ -3,16 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "detect/layout.h"
 #include "livecap/error.h"
 #include "nn/tflite_import.h"
 
 namespace livecap::detect {
 namespace {
 
-constexpr int kHeatmapSize = 64;
-constexpr int kRefineReach = 3;  // half of the 7x7 window
-constexpr int kWindow = 2 * kRefineReach + 1;
+constexpr int kHeatmapSize = LC_HEATMAP;
+constexpr int kWindow = LC_WINDOW, kRefineReach = kWindow / 2;
 constexpr char kProgram[] = "detect/crop.cl";
+
+static_assert(BlazePose::kLandmarkCount == LC_LANDMARKS && BlazePose::kCropSize == LC_CROP);
 
 // Outputs in the file's order.
 enum Output { kLandmarks, kScore, kMask, kHeatmap, kWorld };

@@ -1,6 +1,7 @@
 #include "image/device_distance.h"
 
 #include "base/text.h"
+#include "image/layout.h"
 #include "image/silhouette.h"
 #include "livecap/error.h"
 
@@ -8,20 +9,18 @@ namespace livecap {
 namespace {
 
 constexpr char kDistanceFile[] = "image/distance_field.cl";
-constexpr int kDistanceLanes = 16;  // LC_LANES
-constexpr int32_t kBand = 64;       // rows of a work-item
-constexpr int32_t kStrip = 512;     // columns of a work-item
-constexpr int kBlock = 32;          // LC_BLOCK
+constexpr int32_t kBand = 64;    // rows of a work-item
+constexpr int32_t kStrip = 512;  // columns of a work-item
 constexpr int kMaxSize = 16000;
 constexpr size_t kTile = 16;
 
 // Words that a work-item of row_distances needs at most, for planes of this stride: LC_ROW_SCRATCH.
 size_t row_scratch(int stride) {
-  return size_t(stride) + kDistanceLanes + stride / kDistanceLanes + 2;
+  return size_t(stride) + LC_LANES + stride / LC_LANES + 2;
 }
 
 int blocks_of(int pixels) {
-  return (pixels + kBlock - 1) / kBlock;
+  return (pixels + LC_BLOCK - 1) / LC_BLOCK;
 }
 
 // DistanceArg of the kernels.
@@ -35,7 +34,7 @@ DeviceDistanceField::DeviceDistanceField(ocl::DeviceContext& device, int width, 
     : width_(width), height_(height), is_cpu_(device.is_cpu()) {
   if (width < 1 || height < 1 || width > kMaxSize || height > kMaxSize)
     throw ConfigError(format("distance field: picture of %dx%d, must be 1..%d", width, height, kMaxSize));
-  stride_ = (blocks_of(width) + 2) * kBlock;  // a beginning between two blocks costs one; a column before and behind
+  stride_ = (blocks_of(width) + 2) * LC_BLOCK;  // a beginning between two blocks costs one; a column before and behind
   const size_t n = size_t(stride_) * height;
   if (is_cpu_) {
     steps_ = ocl::Buffer<uint16_t>(device, n);
@@ -43,7 +42,7 @@ DeviceDistanceField::DeviceDistanceField(ocl::DeviceContext& device, int width, 
   } else {
     far_to_inside_ = ocl::Buffer<int32_t>(device, n);
     far_to_outside_ = ocl::Buffer<int32_t>(device, n);
-    bits_ = ocl::Buffer<uint32_t>(device, size_t(stride_) * ((height + kBlock - 1) / kBlock));
+    bits_ = ocl::Buffer<uint32_t>(device, size_t(stride_) * ((height + LC_BLOCK - 1) / LC_BLOCK));
     bits_kernel_ = ocl::Kernel(device, kDistanceFile, "column_bits");
   }
   columns_ = ocl::Kernel(device, kDistanceFile, is_cpu_ ? "column_steps" : "column_squares");
@@ -61,21 +60,22 @@ void DeviceDistanceField::compute(const ocl::Buffer<uint8_t>& mask, const PixelB
     return;
   }
   const PixelBox exact = grown(person, silhouette_margin_px(person.width(), person.height()), width_, height_);
-  DistanceArg arg{width_,   height_, exact.x0 / kBlock * kBlock, 0, exact.y0, exact.height(), exact.x0,
+  DistanceArg arg{width_,   height_, exact.x0 / LC_BLOCK * LC_BLOCK, 0, exact.y0, exact.height(), exact.x0,
                   exact.x1, stride_};
-  arg.n_columns = blocks_of(exact.x1 - arg.x0) * kBlock;
+  arg.n_columns = blocks_of(exact.x1 - arg.x0) * LC_BLOCK;
   const auto rows = static_cast<size_t>(arg.n_rows);
   const auto rounded = [](int items) { return (static_cast<size_t>(items) + kTile - 1) / kTile * kTile; };
   if (is_cpu_) {
     columns_.launch((arg.n_columns + kStrip - 1) / kStrip, 1, arg, kStrip, mask, steps_);
     rows_.launch((rows + kBand - 1) / kBand, 1, arg, kBand, steps_, row_scratch_, distance);
   } else {
-    bits_kernel_.launch(ocl::Range{rounded(arg.n_columns), (rows + kBlock - 1) / kBlock, kTile, 1}, arg, mask, bits_);
+    bits_kernel_.launch(ocl::Range{rounded(arg.n_columns), (rows + LC_BLOCK - 1) / LC_BLOCK, kTile, 1}, arg, mask,
+                        bits_);
     columns_.launch(ocl::Range{rounded(arg.n_columns + 2), rows, kTile, 1}, arg, bits_, far_to_inside_,
                     far_to_outside_);
     rows_.launch(ocl::Range{rounded(arg.n_columns), rows, kTile, 1}, arg, far_to_inside_, far_to_outside_, distance);
   }
-  const int n_groups = (width_ + kDistanceLanes - 1) / kDistanceLanes;
+  const int n_groups = (width_ + LC_LANES - 1) / LC_LANES;
   extend_.launch(ocl::Range{rounded(n_groups), static_cast<size_t>(height_), kTile, 1}, arg, n_groups, distance);
 }
 

@@ -6,19 +6,21 @@
 
 #include "base/text.h"
 #include "image/foreground_pieces.h"
+#include "image/layout.h"
 #include "livecap/error.h"
 
 namespace livecap {
 namespace {
 
 constexpr char kForegroundFile[] = "image/foreground.cl";
-constexpr int kForegroundLanes = 16;  // LC_LANES
 constexpr int kPad = 48;  // rows and columns around the padded planes: the longest reach of the smoothing and a group
 constexpr float kMaxSmoothPx = 10;
 constexpr size_t kGroup = 16;
 
+static_assert(kGateCell == LC_COARSE);
+
 int groups_of(int pixels) {
-  return (pixels + kForegroundLanes - 1) / kForegroundLanes;
+  return (pixels + LC_LANES - 1) / LC_LANES;
 }
 
 // Half of a normal distribution's bell in 1/256, from the middle on; as far as OpenCV's for 8-bit pictures.
@@ -75,7 +77,7 @@ ForegroundSegmenter::ForegroundSegmenter(ocl::DeviceContext& device, ocl::Device
     throw ConfigError(
         format("background plate is %dx%d, the video %dx%d", background.width(), background.height(), width, height));
   const size_t n_cells = size_t(coarse_width_) * coarse_height_;
-  stride_ = groups_of(width) * kForegroundLanes + 2 * kPad;
+  stride_ = groups_of(width) * LC_LANES + 2 * kPad;
   const size_t padded = size_t(stride_) * (height + 2 * kPad);
   const std::vector<uint16_t> weights =
       smoothing_weights(has_background_ ? options.smooth_px : std::max(0.5f, options.smooth_px));
@@ -192,7 +194,7 @@ void ForegroundSegmenter::decide(const ForegroundGate& gate, DeviceFrame& frame)
   KernelArg arg{};
   arg.width = width_;
   arg.height = height_;
-  arg.x0 = box.x0 / kForegroundLanes * kForegroundLanes;
+  arg.x0 = box.x0 / LC_LANES * LC_LANES;
   arg.n_groups = groups_of(box.x1 - arg.x0);
   arg.y0 = box.y0;
   arg.n_rows = box.height();

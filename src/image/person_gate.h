@@ -22,7 +22,7 @@ PixelBox grown(const PixelBox& box, int margin, int width, int height);
 // The smallest box around everything that is not 0.
 PixelBox bounding_box(const ImageGray& mask);
 
-constexpr int kGateCell = 4;  // px, side of a cell; LC_COARSE of kernels/image/foreground.cl
+constexpr int kGateCell = 4;  // px, side of a cell; LC_COARSE of kernels/image/layout.h
 
 struct PersonGate {
   ImageGray gate;   // cells; 255 = may be the person

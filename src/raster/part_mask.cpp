@@ -6,14 +6,12 @@
 
 #include "base/text.h"
 #include "livecap/error.h"
+#include "raster/layout.h"
 
 namespace livecap {
 namespace {
 
 constexpr char kFile[] = "raster/part_mask.cl";
-constexpr int kPad = 16;    // LC_PAD
-constexpr int kGroup = 16;  // pixels of a work-item
-constexpr int kRows = 8;    // LC_PART_ROWS
 constexpr size_t kLocalX = 16;
 
 bool has_any(const std::string& name, std::initializer_list<const char*> words) {
@@ -60,8 +58,8 @@ PartMask::PartMask(ocl::DeviceContext& device, const Mesh& mesh, const std::vect
     : width_(width), height_(height), dilation_px_(dilation_px) {
   if (width <= 0 || height <= 0)
     throw ConfigError(format("part mask: image size %dx%d is not positive", width, height));
-  if (dilation_px < 0 || dilation_px >= kPad)
-    throw ConfigError(format("part mask: dilation of %d px, must be 0..%d", dilation_px, kPad - 1));
+  if (dilation_px < 0 || dilation_px >= LC_PART_PAD)
+    throw ConfigError(format("part mask: dilation of %d px, must be 0..%d", dilation_px, LC_PART_PAD - 1));
   if (vertex_part.size() != static_cast<size_t>(mesh.n_vertices()))
     throw LogicError(format("part mask: %zu parts for %d vertices", vertex_part.size(), mesh.n_vertices()));
   for (int32_t part : vertex_part) {
@@ -75,11 +73,11 @@ PartMask::PartMask(ocl::DeviceContext& device, const Mesh& mesh, const std::vect
     const int c = vertex_part[mesh.triangles[3 * t + 2]];
     triangle_part[t] = b == c ? b : a;
   }
-  n_groups_ = (width + kGroup - 1) / kGroup;
-  stride_ = n_groups_ * kGroup + 2 * kPad;
+  n_groups_ = (width + LC_PART_PIXELS - 1) / LC_PART_PIXELS;
+  stride_ = n_groups_ * LC_PART_PIXELS + 2 * LC_PART_PAD;
   vertex_part_ = ocl::Buffer<int32_t>(device, vertex_part);
   triangle_part_ = ocl::Buffer<int32_t>(device, triangle_part);
-  const std::vector<uint8_t> zeros(size_t(stride_) * (height + 2 * dilation_px + kRows), 0);
+  const std::vector<uint8_t> zeros(size_t(stride_) * (height + 2 * dilation_px + LC_PART_ROWS), 0);
   bits_ = ocl::Buffer<uint8_t>(device, zeros);
   grown_ = ocl::Buffer<uint8_t>(device, zeros);
   part_image_ = ocl::Buffer<uint8_t>(device, size_t(width) * height);
@@ -99,8 +97,8 @@ void PartMask::update(const DepthRasterizer& raster) {
                       raster.drawn() ? *raster.drawn() : raster.triangle_ids(), raster.triangle_ids(), triangle_part_,
                       bits_);
   rows_kernel_.launch(range(n_groups_, height_), n_groups_, height_, stride_, dilation_px_, bits_, grown_);
-  columns_kernel_.launch(range(n_groups_, (height_ + kRows - 1) / kRows), n_groups_, width_, height_, stride_,
-                         dilation_px_, bits_, grown_, part_image_);
+  columns_kernel_.launch(range(n_groups_, (height_ + LC_PART_ROWS - 1) / LC_PART_ROWS), n_groups_, width_, height_,
+                         stride_, dilation_px_, bits_, grown_, part_image_);
 }
 
 }  // namespace livecap

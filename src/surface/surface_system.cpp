@@ -6,12 +6,13 @@
 
 #include "base/round_up.h"
 #include "livecap/error.h"
+#include "surface/layout.h"
 
 namespace livecap {
 namespace {
 
-constexpr size_t kPhasesLocal = 256;  // GROUP of pcg_phases.cl
-constexpr int kMaxGaussian = 15;      // 2 r + 2 taps must fit 16 lanes
+constexpr size_t kPhasesLocal = LC_PCG_GROUP;
+constexpr int kMaxGaussian = LC_PHOTO_TAPS - 1;
 
 void require_weight(float value, const char* name) {
   if (!(value >= 0.0f) || !std::isfinite(value)) {

@@ -68,47 +68,33 @@ ColmapRun::ColmapRun(const path& pictures, std::vector<std::string>& notes,
   if (static_cast<int>(files.size()) < kMinViews)
     throw ConfigError(format("%s: %zu pictures; at least %d from all around are needed, 40 to 80 are good",
                              pictures.string().c_str(), files.size(), kMinViews));
-  std::string name = (std::filesystem::temp_directory_path() / "livecap-colmap-XXXXXX").string();
-  if (!mkdtemp(name.data())) throw IoError(name + ": cannot be created: " + std::strerror(errno));
-  folder_ = name;
-  try {
-    const std::string database = (folder_ / "database.db").string(), images = pictures.string();
-    const path sparse = folder_ / "sparse", text = folder_ / "text";
-    std::filesystem::create_directories(sparse);
-    std::filesystem::create_directories(text);
-    // One camera when all pictures have one size; a model this program reads.
-    run({"feature_extractor", "--database_path", database, "--image_path", images, "--ImageReader.camera_model",
-         "SIMPLE_RADIAL", "--ImageReader.single_camera", all_of_one_size(files) ? "1" : "0", "--SiftExtraction.use_gpu",
-         "0"});
-    run({"exhaustive_matcher", "--database_path", database, "--SiftMatching.use_gpu", "0"});
-    run({"mapper", "--database_path", database, "--image_path", images, "--output_path", sparse.string()});
-    // The mapper may make several models: the one with most pictures.
-    size_t most = 0;
-    for (const auto& entry : std::filesystem::directory_iterator(sparse)) {
-      const path converted = text / entry.path().filename();
-      std::filesystem::create_directories(converted);
-      run({"model_converter", "--input_path", entry.path().string(), "--output_path", converted.string(),
-           "--output_type", "TXT"});
-      const size_t n = read_view_poses(converted).size();
-      if (n > most) most = n, model_ = converted;
-    }
-    if (2 * most < files.size() || model_.empty())
-      throw ConfigError(
-          format("%s: COLMAP places only %zu of %zu pictures; more of them, sharper, with more overlap and "
-                 "a room with texture are needed (or --video, turning before a static camera)",
-                 pictures.string().c_str(), most, files.size()));
-    if (most < files.size())
-      notes.push_back(format("COLMAP places %zu of %zu pictures; the others are left out", most, files.size()));
-  } catch (...) {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-    throw;
+  const std::string database = (folder_ / "database.db").string(), images = pictures.string();
+  const path sparse = folder_ / "sparse", text = folder_ / "text";
+  std::filesystem::create_directories(sparse);
+  std::filesystem::create_directories(text);
+  // One camera when all pictures have one size; a model this program reads.
+  run({"feature_extractor", "--database_path", database, "--image_path", images, "--ImageReader.camera_model",
+       "SIMPLE_RADIAL", "--ImageReader.single_camera", all_of_one_size(files) ? "1" : "0", "--SiftExtraction.use_gpu",
+       "0"});
+  run({"exhaustive_matcher", "--database_path", database, "--SiftMatching.use_gpu", "0"});
+  run({"mapper", "--database_path", database, "--image_path", images, "--output_path", sparse.string()});
+  // The mapper may make several models: the one with most pictures.
+  size_t most = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(sparse)) {
+    const path converted = text / entry.path().filename();
+    std::filesystem::create_directories(converted);
+    run({"model_converter", "--input_path", entry.path().string(), "--output_path", converted.string(), "--output_type",
+         "TXT"});
+    const size_t n = read_view_poses(converted).size();
+    if (n > most) most = n, model_ = converted;
   }
-}
-
-ColmapRun::~ColmapRun() {
-  std::error_code ignored;
-  std::filesystem::remove_all(folder_, ignored);
+  if (2 * most < files.size() || model_.empty())
+    throw ConfigError(
+        format("%s: COLMAP places only %zu of %zu pictures; more of them, sharper, with more overlap and "
+               "a room with texture are needed (or --video, turning before a static camera)",
+               pictures.string().c_str(), most, files.size()));
+  if (most < files.size())
+    notes.push_back(format("COLMAP places %zu of %zu pictures; the others are left out", most, files.size()));
 }
 
 void ColmapRun::run(const std::vector<std::string>& arguments) {

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "base/scratch_folder.h"
+
 namespace livecap {
 
 // A COLMAP text model in a folder of its own, which goes when this does.
@@ -16,9 +18,6 @@ class ColmapRun {
   // of the pictures; Error when stopped.
   ColmapRun(const std::filesystem::path& pictures, std::vector<std::string>& notes,
             const std::function<bool(int done, int total)>& progress = {});
-  ~ColmapRun();
-  ColmapRun(const ColmapRun&) = delete;
-  ColmapRun& operator=(const ColmapRun&) = delete;
 
   const std::filesystem::path& model() const { return model_; }  // cameras.txt and images.txt
 
@@ -27,7 +26,8 @@ class ColmapRun {
 
   std::function<bool(int, int)> progress_;
   int step_ = 0;
-  std::filesystem::path folder_, model_;
+  ScratchFolder folder_;
+  std::filesystem::path model_;
 };
 
 }  // namespace livecap

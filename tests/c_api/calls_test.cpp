@@ -126,7 +126,7 @@ TEST_F(Calls, TheLastErrorIsTheThreadsOwn) {
 }
 
 TEST_F(Calls, CamerasAreThoseOfCpp) {
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   Camera camera = camera_from_fov(640, 360, 75);
   const auto expect_same = [&](const livecap_camera& c) {
     EXPECT_EQ(c.width, camera.width);

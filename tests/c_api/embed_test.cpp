@@ -56,7 +56,7 @@ void expect_same(const embed_result& c, const LiveResult& cpp, const embed_run& 
 
 TEST(Embed, FromCTheSameResultsAsFromCpp) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   write_sequence(test::small_sequence(kFrames, kEmptyFrames), scratch / "sequence");
   const ImageRgb plate = read_image_rgb(scratch / "sequence/background.png");
   std::vector<Frame> frames;

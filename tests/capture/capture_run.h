@@ -2,7 +2,6 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -10,31 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "base/scratch_folder.h"
 #include "base/text.h"
 #include "livecap/capture.h"
 #include "support/test_device.h"
 #include "synth/synth.h"
 
 namespace livecap::test {
-
-// A folder of the running test that goes away with it.
-class ScratchFolder {
- public:
-  ScratchFolder()
-      : path_(std::filesystem::temp_directory_path() /
-              format("livecap_capture_test_%d_%s", static_cast<int>(::getpid()),
-                     ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    std::filesystem::create_directories(path_);
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
 
 // A quarter of the paper's pixels, so that a run takes seconds.
 inline SynthOptions small_sequence(int n_frames, int empty_frames) {

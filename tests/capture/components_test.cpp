@@ -13,7 +13,7 @@ namespace {
 
 TEST(Components, TheSurfaceStageIsNearerInShapeAndSilhouette) {
   LIVECAP_MODEL_OR_SKIP(model, "full");
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   SynthOptions synth;
   synth.n_frames = 50;
   write_sequence(synth, scratch / "sequence");
@@ -38,7 +38,7 @@ TEST(Components, TheSurfaceStageIsNearerInShapeAndSilhouette) {
 // An option that switches nothing off would make an ablation lie.
 TEST(Components, EachOneMakesADifference) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   SynthOptions synth = test::small_sequence(9, 2);
   synth.motions = {"squat"};
   write_sequence(synth, scratch / "sequence");
@@ -62,7 +62,7 @@ TEST(Components, EachOneMakesADifference) {
 
 TEST(Components, AFloorThatIsGivenCountsBeforeOneIsLearned) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   SynthOptions synth = test::small_sequence(8, 2);
   synth.motions = {"squat"};
   synth.floor = true;
@@ -86,7 +86,7 @@ TEST(Components, AFloorThatIsGivenCountsBeforeOneIsLearned) {
 
 TEST(Components, AFloorThatFeetNeverRestOnIsToldOnce) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   SynthOptions synth = test::small_sequence(60, 2);  // it takes 31 frames in which a foot rests elsewhere
   synth.motions = {"squat"};
   synth.floor = true;
@@ -110,7 +110,7 @@ TEST(Components, AFloorThatFeetNeverRestOnIsToldOnce) {
 
 TEST(Components, TheFloorMakesADifferenceOnceItIsKnown) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   SynthOptions synth = test::small_sequence(30, 2);
   synth.motions = {"squat"};
   write_sequence(synth, scratch / "sequence");

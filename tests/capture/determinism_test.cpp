@@ -11,7 +11,7 @@ namespace {
 
 TEST(Determinism, PipelinedAndSequentialRunsGiveTheSameBytes) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   constexpr int kFrames = 24;
   write_sequence(test::small_sequence(kFrames, 2), scratch / "sequence");
 
@@ -43,7 +43,7 @@ TEST(Determinism, PipelinedAndSequentialRunsGiveTheSameBytes) {
 // Whenever the frames are decoded. A webcam's cannot be beforehand.
 TEST(Determinism, FramesDecodedBeforehandGiveTheSameBytes) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   write_sequence(test::small_sequence(14, 2), scratch / "sequence");
   std::vector<std::string> vertices;
   for (const bool decoded : {false, true}) {

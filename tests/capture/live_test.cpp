@@ -27,7 +27,7 @@ namespace {
 // A short sequence on disk, its frames and its empty picture in memory.
 class Sequence {
  public:
-  Sequence(const test::ScratchFolder& scratch, int n_frames, int empty_frames) : folder(scratch / "sequence") {
+  Sequence(const ScratchFolder& scratch, int n_frames, int empty_frames) : folder(scratch / "sequence") {
     write_sequence(test::small_sequence(n_frames, empty_frames), folder);
     plate = read_image_rgb(folder / "background.png");
     VideoReader reader(folder / "video.mp4");
@@ -98,7 +98,7 @@ std::vector<std::map<std::string, double>> csv_rows(const std::filesystem::path&
 
 TEST(Live, PushedPicturesGiveWhatTheirFileGives) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   const Sequence sequence(scratch, 14, 3);
   run_capture(test::capture_of(sequence.folder, scratch / "file", model));
 
@@ -160,7 +160,7 @@ TEST(Live, PushedPicturesGiveWhatTheirFileGives) {
 
 TEST(Live, TheActorIsTheFilesOwn) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   const Sequence sequence(scratch, 3, 2);
   const LiveCapture live(sequence.options(model), [](const LiveResult&) { return true; });
   const LiveActor& actor = live.actor();
@@ -178,7 +178,7 @@ TEST(Live, TheActorIsTheFilesOwn) {
 // Faster than anybody can capture: each picture has one result, in order, and most are dropped.
 TEST(Live, WhatComesTooFastIsDroppedAndToldOf) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   const Sequence sequence(scratch, 6, 1);
   std::vector<FrameReport> reports;
   LiveCapture live(sequence.options(model), [&](const LiveResult& result) {
@@ -204,7 +204,7 @@ TEST(Live, WhatComesTooFastIsDroppedAndToldOf) {
 
 TEST(Live, TheCallbackCanEndIt) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   const Sequence sequence(scratch, 4, 1);
   for (const bool by_error : {false, true}) {
     LiveOptions options = sequence.options(model);
@@ -231,7 +231,7 @@ TEST(Live, TheCallbackCanEndIt) {
 // It would wait for itself.
 TEST(Live, TheCallbackCannotPushOrClose) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   const Sequence sequence(scratch, 4, 1);
   for (const bool closes : {false, true}) {
     LiveOptions options = sequence.options(model);
@@ -249,7 +249,7 @@ TEST(Live, TheCallbackCannotPushOrClose) {
 
 TEST(Live, WithoutCloseWhatIsUnderWayIsNotDelivered) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   const Sequence sequence(scratch, 5, 1);
   LiveOptions options = sequence.options(model);
   options.every_picture = true;
@@ -273,7 +273,7 @@ TEST(Live, WithoutCloseWhatIsUnderWayIsNotDelivered) {
 
 TEST(Live, PicturesThatCannotBeAreRefused) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   const Sequence sequence(scratch, 3, 1);
   const LiveCallback ignore = [](const LiveResult&) { return true; };
   EXPECT_THROW(LiveCapture(sequence.options(model), nullptr), ConfigError);

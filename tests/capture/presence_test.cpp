@@ -16,7 +16,7 @@ namespace {
 
 TEST(Presence, APersonComesAndLeaves) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   constexpr int kEmpty = 30, kPerson = 12, kAfter = 20;
   write_sequence(test::small_sequence(kEmpty + kPerson, kEmpty), scratch / "sequence");
   // The empty room once more at the end, as a folder of pictures.
@@ -47,7 +47,7 @@ TEST(Presence, APersonComesAndLeaves) {
 
 TEST(Presence, LiveInputThatComesTooFastIsDroppedAndMarked) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   SynthOptions synth = test::small_sequence(40, 0);
   synth.fps = 240;
   write_sequence(synth, scratch / "sequence");
@@ -69,7 +69,7 @@ TEST(Presence, LiveInputThatComesTooFastIsDroppedAndMarked) {
 
 TEST(Presence, AnInputThatBreaksOffIsReported) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
-  const test::ScratchFolder scratch;
+  const ScratchFolder scratch;
   write_sequence(test::small_sequence(12, 0), scratch / "sequence");
   const std::string whole = read_file(scratch / "sequence/video.mp4");
   write_file_atomically(scratch / "cut.mp4", whole.substr(0, whole.size() * 6 / 10));

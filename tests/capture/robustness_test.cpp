@@ -58,7 +58,7 @@ class Runs {
   }
 
  private:
-  test::ScratchFolder scratch_;
+  ScratchFolder scratch_;
   std::map<std::string, Captured> runs_;
 };
 

@@ -1,7 +1,5 @@
 #include "fuzz/fuzz.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -53,19 +51,9 @@ void require(bool holds, const char* promise) {
   if (!holds) stop(std::string("broken promise: ") + promise);
 }
 
-ScratchFolder::ScratchFolder()
-    : path_(std::filesystem::temp_directory_path() / format("livecap_fuzz_%d", static_cast<int>(::getpid()))) {
-  clear();
-}
-
-ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
 void ScratchFolder::clear() const {
-  std::filesystem::remove_all(path_);
-  std::filesystem::create_directories(path_);
+  std::filesystem::remove_all(path());
+  std::filesystem::create_directories(path());
 }
 
 void ScratchFolder::hold(const std::map<std::string, std::string>& files) const {
@@ -74,7 +62,7 @@ void ScratchFolder::hold(const std::map<std::string, std::string>& files) const 
 }
 
 std::filesystem::path ScratchFolder::write(const std::string& name, std::string_view bytes) const {
-  const std::filesystem::path file = path_ / name;
+  const std::filesystem::path file = path() / name;
   std::filesystem::create_directories(file.parent_path());
   std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   return file;

@@ -12,6 +12,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/scratch_folder.h"
+
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 
 namespace livecap::fuzz {
@@ -31,23 +33,13 @@ void count(bool is_accepted, int line = __builtin_LINE());
 // Ends the program when what a reader returned is not what its header promises.
 void require(bool holds, const char* promise);
 
-// A folder of this process, gone when it ends.
-class ScratchFolder {
+class ScratchFolder : public livecap::ScratchFolder {
  public:
-  ScratchFolder();
-  ~ScratchFolder();
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
   // Writes a file, with the folders above it.
   std::filesystem::path write(const std::string& name, std::string_view bytes) const;
   void clear() const;
   // These files, by their names, and no others.
   void hold(const std::map<std::string, std::string>& files) const;
-
- private:
-  std::filesystem::path path_;
 };
 
 // One input for several files: each is headed by a line "@NAME". What is before the first such line, or under a name

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "actor/actor.h"
+#include "base/scratch_folder.h"
 #include "base/text.h"
 #include "base/timer.h"
 #include "bench_capture.h"
@@ -30,7 +31,6 @@
 #include "method_options.h"
 #include "ocl/device.h"
 #include "progress.h"
-#include "scratch_folder.h"
 #include "value_checks.h"
 
 namespace livecap::tools {
@@ -128,8 +128,8 @@ int run(const BenchOptions& options) {
   catch_interrupt();
   Json json = machine_json();
   const ScratchFolder scratch;
-  const fs::path sequence = options.sequence.empty() ? scratch.path() / "sequence" : fs::path(options.sequence);
-  const CaptureOptions traced = traced_capture(options, sequence, scratch.path() / "trace");
+  const fs::path sequence = options.sequence.empty() ? scratch / "sequence" : fs::path(options.sequence);
+  const CaptureOptions traced = traced_capture(options, sequence, scratch / "trace");
   traced.validate();
   ocl::select_device_pair(options.cnn_device, options.solver_device);  // complain before a sequence is made
   if (options.sequence.empty()) {
@@ -139,8 +139,8 @@ int run(const BenchOptions& options) {
     make_bench_sequence(synth, sequence);
   }
   const BenchRun pipelined =
-      bench_capture(bench_capture_options(options, sequence, scratch.path() / "pipelined"), "pipelined");
-  CaptureOptions one_thread = bench_capture_options(options, sequence, scratch.path() / "sequential");
+      bench_capture(bench_capture_options(options, sequence, scratch / "pipelined"), "pipelined");
+  CaptureOptions one_thread = bench_capture_options(options, sequence, scratch / "sequential");
   one_thread.sequential = true;
   const BenchRun sequential = bench_capture(one_thread, "sequential");
   if (!options.trace.empty()) bench_capture(traced, "trace");

@@ -9,6 +9,7 @@
 
 #include "ablate.h"
 #include "base/require_writable.h"
+#include "base/scratch_folder.h"
 #include "base/text.h"
 #include "command.h"
 #include "eval/bars.h"
@@ -18,7 +19,6 @@
 #include "livecap/error.h"
 #include "method_options.h"
 #include "report/html_report.h"
-#include "scratch_folder.h"
 #include "value_checks.h"
 
 namespace livecap::tools {

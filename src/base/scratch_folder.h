@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-namespace livecap::tools {
+namespace livecap {
 
 class ScratchFolder {
  public:
@@ -12,10 +12,12 @@ class ScratchFolder {
   ~ScratchFolder();
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;
+
   const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path operator/(const std::filesystem::path& name) const { return path_ / name; }
 
  private:
   std::filesystem::path path_;
 };
 
-}  // namespace livecap::tools
+}  // namespace livecap

@@ -82,6 +82,7 @@ expect 2 '--height: between 0.5 and 3 metres, not 178' actor inspect builtin:ski
 expect 2 '--height: between 0.5 and 3 metres, not 17' synth --height 17 --out s
 expect 2 '--frames -4: between 0 and 100000' synth --frames -4 --out s
 expect 2 '--picture-height 7' synth --picture-height 7 --out s
+expect 2 '--seed: at least 0, not -1' synth --seed -1 --out s
 for option in capture detect live 'actor build' 'actor fit' 'eval --ablate'; do
   expect 2 '--fov: must be between 1 and 170 degrees, not -5' $option --video seq/video.mp4 --fov -5
 done

@@ -111,7 +111,7 @@ void add_actor_views_command(CLI::App& actor, Action& action) {
       ->capture_default_str();
   command->add_option("--blur", options->views.blur_px, "lens blur, px")->check(at_least(0))->capture_default_str();
   add_camera_unit_option(*command, options->unit);
-  command->add_option("--seed", options->views.seed)->capture_default_str();
+  command->add_option("--seed", options->views.seed)->check(at_least(0))->capture_default_str();
   command->callback([options, &action] { action = [options] { return write_views(*options); }; });
 }
 

@@ -5,26 +5,16 @@
 #include "pose/huber.h"
 #include "pose/layout.h"
 #include "pose/skinned_row.h"
+#include "shared/distance_sample.h"
 #include "terms/silhouette.cl"
 
-typedef struct {
-  REAL value;
-  Vec2 gradient;  // by u and v, exact
-} DistanceSample;
-
-// Bilinear. uv inside [0, width-1] x [0, height-1]; anything elsewhere.
-LC_FN DistanceSample sample_bilinear(global const float* restrict image, int width, int height, Vec2 uv) {
+// uv inside [0, width-1] x [0, height-1]; anything elsewhere.
+LC_FN DistanceSample sample_lanes(global const float* restrict distance, int width, int height, Vec2 uv) {
   const LaneInt x = clamp(LANE_INT(uv.x), (LaneInt)0, (LaneInt)(width - 2));
   const LaneInt y = clamp(LANE_INT(uv.y), (LaneInt)0, (LaneInt)(height - 2));
-  const REAL fx = uv.x - LANE_REAL(x);
-  const REAL fy = uv.y - LANE_REAL(y);
   const LaneInt at = y * width + x;
-  const REAL a = gather(image, at), b = gather(image, at + 1);
-  const REAL c = gather(image, at + width), d = gather(image, at + width + 1);
-  const REAL top = a + fx * (b - a);
-  const REAL bottom = c + fx * (d - c);
-  const DistanceSample sample = {top + fy * (bottom - top), {(b - a) + fy * ((d - c) - (b - a)), bottom - top}};
-  return sample;
+  return distance_sample(gather(distance, at), gather(distance, at + 1), gather(distance, at + width),
+                         gather(distance, at + width + 1), uv.x - LANE_REAL(x), uv.y - LANE_REAL(y));
 }
 
 // The lanes from contour vertex `first` on; records and residuals have them from `place` on. camera: fx, fy, cx, cy.
@@ -49,7 +39,7 @@ static inline void contour_records(int first, int place, PoseLayout layout, floa
   const LaneInt inside = (v_camera.z > LC_MIN_DEPTH_MM) & (uv.x >= 0.0f) & (uv.x <= (float)(contour.width - 1)) &
                          (uv.y >= 0.0f) & (uv.y <= (float)(contour.height - 1));
 
-  const DistanceSample sample = sample_bilinear(distance, contour.width, contour.height, uv);
+  const DistanceSample sample = sample_lanes(distance, contour.width, contour.height, uv);
   const Vec3 normal = dual_quat_rotate(skinned.blend, gather_vec3(rest_normals, vertex));
   const Vec2 normal_px = {projection.J[0][0] * normal.x + projection.J[0][2] * normal.z,
                           projection.J[1][1] * normal.y + projection.J[1][2] * normal.z};

@@ -2,6 +2,7 @@
 #ifndef LC_SURFACE_IMAGE_H
 #define LC_SURFACE_IMAGE_H
 #include "shared/camera.h"
+#include "shared/distance_sample.h"
 #include "shared/plain_math.h"
 
 // False for NaN.
@@ -9,24 +10,12 @@ static inline int inside_image(Vec2 uv, int width, int height) {
   return uv.x >= -0.5f && uv.y >= -0.5f && uv.x <= width - 0.5f && uv.y <= height - 0.5f;
 }
 
-typedef struct {
-  float value;    // px, positive outside the silhouette
-  Vec2 gradient;  // exact derivative of the bilinear interpolant
-} DistanceSample;
-
 // uv must be inside the image, which is at least 2x2.
 static inline DistanceSample sample_distance(global const float* restrict distance, int width, int height, Vec2 uv) {
   int x = clamp((int)LC_FLOOR(uv.x), 0, width - 2);
   int y = clamp((int)LC_FLOOR(uv.y), 0, height - 2);
-  float fx = uv.x - x;
-  float fy = uv.y - y;
   global const float* d = distance + (size_t)y * width + x;
-  float a = d[0], b = d[1], c = d[width], e = d[width + 1];
-  DistanceSample s;
-  s.value = (1.0f - fy) * (a + fx * (b - a)) + fy * (c + fx * (e - c));
-  s.gradient.x = (1.0f - fy) * (b - a) + fy * (e - c);
-  s.gradient.y = (1.0f - fx) * (c - a) + fx * (e - b);
-  return s;
+  return distance_sample(d[0], d[1], d[width], d[width + 1], uv.x - x, uv.y - y);
 }
 
 // True when uv lies on the region of another body part: 0 in the image is background, which belongs to nobody.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <sstream>
 
 namespace livecap {
 
@@ -19,14 +20,14 @@ namespace {
 
 struct Table {
   const char* name;
-  std::array<const char*, kRigJointCount> bones;  // normalised
-  std::array<const char*, 2> other_chests;        // where the trunk bends in rigs of fewer bones
+  // Normalised; several names of one joint, the first that the file has, stand between bars.
+  std::array<const char*, kRigJointCount> bones;
 };
 
 constexpr Table kTables[] = {
     {"Mixamo",
      {"hips",
-      "spine2",
+      "spine2|spine1|spine",
       "neck",
       "leftshoulder",
       "leftarm",
@@ -47,19 +48,49 @@ constexpr Table kTables[] = {
       "head",
       "lefthandmiddle1",
       "righthandmiddle1",
-      "headtopend"},
-     {"spine1", "spine"}},
-    {"UE/MakeHuman",
-     {"pelvis",    "spine03", "neck01", "claviclel", "upperarml", "lowerarml", "clavicler", "upperarmr",
-      "lowerarmr", "thighl",  "calfl",  "footl",     "thighr",    "calfr",     "footr",     "handl",
-      "handr",     "balll",   "ballr",  "head",      "middle01l", "middle01r", "headend"},
-     {"spine02", "spine01"}},
-    {"LiveCap",
-     {"root",          "chest",         "neck",       "leftclavicle", "leftshoulder", "leftelbow",
-      "rightclavicle", "rightshoulder", "rightelbow", "lefthip",      "leftknee",     "leftankle",
-      "righthip",      "rightknee",     "rightankle", "leftwrist",    "rightwrist",   "lefttoe",
-      "righttoe",      "head",          "lefthand",   "righthand",    "headtop"},
-     {}},
+      "headtopend"}},
+    {"UE/MakeHuman", {"pelvis",    "spine03|spine02|spine01",
+                      "neck01",    "claviclel",
+                      "upperarml", "lowerarml",
+                      "clavicler", "upperarmr",
+                      "lowerarmr", "thighl",
+                      "calfl",     "footl",
+                      "thighr",    "calfr",
+                      "footr",     "handl",
+                      "handr",     "balll",
+                      "ballr",     "head",
+                      "middle01l", "middle01r",
+                      "headend"}},
+    {"LiveCap", {"root",          "chest",         "neck",       "leftclavicle", "leftshoulder", "leftelbow",
+                 "rightclavicle", "rightshoulder", "rightelbow", "lefthip",      "leftknee",     "leftankle",
+                 "righthip",      "rightknee",     "rightankle", "leftwrist",    "rightwrist",   "lefttoe",
+                 "righttoe",      "head",          "lefthand",   "righthand",    "headtop"}},
+    // The skeletons of VNect, LiveCap and DeepCap (root in the middle of the trunk, spine_1 the pelvis, hands that turn
+    // at the wrist) and of MPI-INF-3DHP (pelvis, wrists).
+    {"Skeletool",
+     {"pelvis|spine1|root",
+      "spine4|spine3|spine2|chest",
+      "neck|neck1",
+      "leftclavicle",
+      "leftshoulder",
+      "leftelbow",
+      "rightclavicle",
+      "rightshoulder",
+      "rightelbow",
+      "lefthip",
+      "leftknee",
+      "leftankle",
+      "righthip",
+      "rightknee",
+      "rightankle",
+      "leftwrist|lefthand|leftlowarm",
+      "rightwrist|righthand|rightlowarm",
+      "lefttoes|leftfoot|lefttoe",
+      "righttoes|rightfoot|righttoe",
+      "head|neck2",
+      "",
+      "",
+      "headtop|headee"}},
 };
 
 // "mixamorig1:LeftUpLeg" -> "leftupleg", "upperarm_l" -> "upperarml".
@@ -78,6 +109,16 @@ std::string normalized(const std::string& name) {
   return text;
 }
 
+// The place of the first of the names between the bars; -1: there is none.
+int index_of_any(const std::vector<std::string>& plain, const char* names) {
+  std::istringstream list(names);
+  for (std::string name; std::getline(list, name, '|');) {
+    const auto found = std::find(plain.begin(), plain.end(), name);
+    if (found != plain.end()) return static_cast<int>(found - plain.begin());
+  }
+  return -1;
+}
+
 }  // namespace
 
 RigMatch match_rig(const std::vector<std::string>& names, const std::map<std::string, std::string>& overrides,
@@ -90,16 +131,8 @@ RigMatch match_rig(const std::vector<std::string>& names, const std::map<std::st
     RigMatch match;
     match.table = table.name;
     int score = 0;
-    const auto index_of = [&](const char* bone) {
-      const auto found = std::find(plain.begin(), plain.end(), bone);
-      return found == plain.end() ? -1 : static_cast<int>(found - plain.begin());
-    };
     for (int j = 0; j < kRigJointCount; ++j) {
-      match.index[j] = index_of(table.bones[j]);
-      if (j == kRigChest) {
-        for (const char* other : table.other_chests)
-          if (other && match.index[j] < 0) match.index[j] = index_of(other);
-      }
+      match.index[j] = index_of_any(plain, table.bones[j]);
       if (match.index[j] >= 0) score += rig_joint_required(j) ? 100 : 1;
     }
     if (score > best_score) {

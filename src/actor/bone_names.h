@@ -44,7 +44,7 @@ extern const std::array<std::string_view, kRigJointCount> kRigJointNames;
 bool rig_joint_required(int joint);
 
 struct RigMatch {
-  std::string table;                        // which naming matched: "Mixamo", "UE/MakeHuman", "LiveCap"
+  std::string table;                        // which naming matched: "Mixamo", "UE/MakeHuman", "LiveCap", "Skeletool"
   std::array<int, kRigJointCount> index{};  // into the given names, -1 when absent
 };
 

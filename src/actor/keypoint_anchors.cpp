@@ -106,7 +106,7 @@ std::array<KeypointAnchor, kKeypointCount> place_keypoints(const AnchorInput& in
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     int n = 0;
     const double chin_level =
-        input.joint_found[kRigHead] ? p[kRigHead].y() : p[kRigNeck].y() + 0.35 * (top - p[kRigNeck].y());
+        input.joint_found[kRigHead] ? p[kRigHead].y() : p[kRigNeck].y() + kChinHeight * (top - p[kRigNeck].y());
     low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
     high = -low;
     for (int v : head) {

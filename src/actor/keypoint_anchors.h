@@ -15,6 +15,9 @@
 
 namespace livecap {
 
+// Where the head begins of somebody without a head joint: so far from the neck joint to the top.
+inline constexpr double kChinHeight = 0.35;
+
 struct AnchorInput {
   RigPositions joints_mm;                             // rest frame
   std::array<bool, kRigJointCount> joint_found{};     // joints without a position get a guess from the mesh

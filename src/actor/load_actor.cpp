@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "actor/actor.h"
 #include "actor/actor_extras.h"
@@ -11,6 +12,7 @@
 #include "actor/keypoint_anchors.h"
 #include "actor/labels.h"
 #include "actor/livecap_skeleton.h"
+#include "actor/rest_axes.h"
 #include "actor/skinned_mesh.h"
 #include "base/text.h"
 #include "livecap/error.h"
@@ -79,20 +81,15 @@ class ActorBuilder {
 
   // Turns the subject to +X left, +Y up, +Z front when the file has it otherwise.
   void orient() {
-    auto at = [&](int joint) { return raw_.joint_world[node_of_joint_[joint]]; };
+    RigPositions at{};
     for (int j = 0; j < kRigJointCount; ++j) {
-      if (node_of_joint_[j] >= 0 && !at(j).allFinite())
-        file_.fail("bone \"" + model().nodes[node_of_joint_[j]].name + "\" has no bind pose");
+      if (node_of_joint_[j] < 0) continue;
+      at[j] = raw_.joint_world[node_of_joint_[j]];
+      if (!at[j].allFinite()) file_.fail("bone \"" + model().nodes[node_of_joint_[j]].name + "\" has no bind pose");
     }
-    const Eigen::Vector3d up = (at(kRigNeck) - (at(kRigLeftHip) + at(kRigRightHip)) / 2).normalized();
-    Eigen::Vector3d left =
-        (at(kRigLeftHip) - at(kRigRightHip)).normalized() + (at(kRigLeftShoulder) - at(kRigRightShoulder)).normalized();
-    left = (left - left.dot(up) * up).normalized();
-    if (!up.allFinite() || !left.allFinite())
-      file_.fail("hips, shoulders and neck coincide: the bind pose has no orientation");
-    Eigen::Matrix3d subject;
-    subject << left, up, left.cross(up);
-    const Eigen::Matrix3d turn = nearest_axis_rotation(subject).transpose();
+    const std::optional<Eigen::Matrix3d> axes = rest_from_file_axes(at);
+    if (!axes) file_.fail("hips, shoulders and neck coincide: the bind pose has no orientation");
+    const Eigen::Matrix3d& turn = *axes;
     if (!turn.isIdentity(1e-9)) {
       note("the subject does not stand upright facing +Z; turned by a multiple of 90 degrees");
       for (Eigen::Vector3d& x : raw_.positions) x = turn * x;

@@ -15,6 +15,7 @@ constexpr int kMaxJoints = 1024;
 struct Joint {
   std::string name, parent_name;
   bool revolute = false;
+  double scale = 1;  // of the offset
   int parent = -1;
   Eigen::Vector3d offset_mm = Eigen::Vector3d::Zero();
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();
@@ -33,10 +34,14 @@ std::vector<Joint> read_joints(SkeletoolLines& lines) {
     if (lines.word(1) != "revolute" && lines.word(1) != "prismatic")
       lines.fail("joint type \"" + lines.word(1) + "\" is not revolute or prismatic");
     joint.revolute = lines.word(1) == "revolute";
-    joint.offset_mm = lines.number(9) * Eigen::Vector3d(lines.number(3), lines.number(4), lines.number(5));
+    joint.offset_mm = {lines.number(3), lines.number(4), lines.number(5)};
+    joint.scale = lines.number(9);
+    joint.offset_mm *= joint.scale;
     joint.axis = {lines.number(6), lines.number(7), lines.number(8)};
     if (joint.axis.norm() < 1e-9) lines.fail("the axis of joint \"" + joint.name + "\" is zero");
     if (joint.revolute) joint.axis.normalize();
+    for (const Joint& other : joints)
+      if (other.name == joint.name) lines.fail("a second joint is called \"" + joint.name + "\"");
     joints.push_back(joint);
   }
   // The chain is walked in file order, as everywhere here: parents first.
@@ -62,8 +67,9 @@ std::string bone_name(const std::string& joint) {
   return joint;
 }
 
-// Joints at one place become one bone with several angles; a joint with an offset, or one that branches off, starts the
-// next bone.
+// Joints of one name at one place become one bone with several angles; a joint with an offset, or one that branches
+// off, starts the next bone. So does one with another name: skins bind to bones by name, and a forearm's twist does not
+// turn the elbow.
 void build_chain(const std::vector<Joint>& joints, SkeletoolSkeleton& out, std::vector<int>& dof_of_joint,
                  std::vector<int>& root_of_joint, const SkeletoolLines& lines) {
   const int n = static_cast<int>(joints.size());
@@ -94,7 +100,8 @@ void build_chain(const std::vector<Joint>& joints, SkeletoolSkeleton& out, std::
     if (!joint.revolute) lines.fail("joint \"" + joint.name + "\" is prismatic; only the root may slide");
     const int parent_bone = out.bone_of_joint[joint.parent];
     const bool same_place = joint.offset_mm.norm() == 0 && parent_bone > 0 && last_joint[parent_bone] == joint.parent &&
-                            n_children[joint.parent] == 1;
+                            n_children[joint.parent] == 1 &&
+                            bone_name(joint.name) == bone_name(joints[joint.parent].name);
     if (same_place) {
       out.bone_of_joint[i] = parent_bone;
       last_joint[parent_bone] = i;
@@ -118,13 +125,19 @@ SkeletoolSkeleton load_skeletool_skeleton(const std::filesystem::path& path) {
   const std::vector<Joint> joints = read_joints(lines);
   std::vector<int> dof_of_joint, root_of_joint;
   build_chain(joints, result, dof_of_joint, root_of_joint, lines);
+  for (const Joint& joint : joints)
+    if (result.scaled_joint.empty() && joint.scale != 1) result.scaled_joint = joint.name;
   if (result.skeleton.n_dofs() > kMaxDofs)
     lines.fail(format("%d joints below the root, at most %d", result.skeleton.n_dofs(), kMaxDofs));
+  // The joint of this name; as in Skeletool, a bone's name means its first one.
   auto joint_named = [&](const std::string& name) {
+    int first = -1;
     for (size_t i = 0; i < joints.size(); ++i) {
       if (joints[i].name == name) return static_cast<int>(i);
+      if (first < 0 && joints[i].name.starts_with(name)) first = static_cast<int>(i);
     }
-    lines.fail("there is no joint \"" + name + "\"");
+    if (first < 0) lines.fail("there is no joint \"" + name + "\"");
+    return first;
   };
   const PosedSkeleton rest = forward_kinematics(result.skeleton, rest_pose(result.skeleton));
 
@@ -211,7 +224,8 @@ Pose SkeletoolSkeleton::pose(const Eigen::VectorXd& parameters) const {
   return pose;
 }
 
-SkinWeights load_skeletool_skin(const std::filesystem::path& path, const SkeletoolSkeleton& skeleton) {
+SkinWeights load_skeletool_skin(const std::filesystem::path& path, const SkeletoolSkeleton& skeleton,
+                                std::vector<std::string>& notes) {
   SkeletoolLines lines(path, "Skeletool character skinning file V1.0");
   lines.require("\"bones:\"");
   if (lines.word(0) != "bones:") lines.fail("expected \"bones:\"");
@@ -229,6 +243,7 @@ SkinWeights load_skeletool_skin(const std::filesystem::path& path, const Skeleto
   if (lines.size() != 2 || lines.word(0) != "vertex" || lines.word(1) != "weights:")
     lines.fail("expected \"vertex weights:\"");
   SkinWeights skin;
+  double lost = 0;
   while (lines.next()) {
     const int vertex = static_cast<int>(skin.bones.size()) / kMaxInfluences;
     if (lines.integer(0) != vertex)
@@ -243,16 +258,22 @@ SkinWeights load_skeletool_skin(const std::filesystem::path& path, const Skeleto
     std::vector<std::pair<double, int>> sorted;
     for (const auto& [bone, weight] : total) sorted.push_back({-weight, bone});
     std::sort(sorted.begin(), sorted.end());
+    double all = 0, kept = 0;
+    for (const auto& [weight, bone] : sorted) all -= weight;
     sorted.resize(std::min<size_t>(sorted.size(), kMaxInfluences));
-    double kept = 0;
     for (const auto& [weight, bone] : sorted) kept -= weight;
     if (!(kept > 0)) lines.fail(format("vertex %d has no weight", vertex));
+    lost = std::max(lost, 1 - kept / all);
     for (size_t k = 0; k < kMaxInfluences; ++k) {
       const bool used = k < sorted.size() && sorted[k].first < 0;
       skin.bones.push_back(used ? sorted[k].second : 0);
       skin.weights.push_back(used ? static_cast<float>(-sorted[k].first / kept) : 0.f);
     }
   }
+  if (lost > 0.01)
+    notes.push_back(path.string() +
+                    format(": only the %d strongest bones of a vertex are kept; up to %.0f %% of its weight dropped",
+                           kMaxInfluences, 100 * lost));
   return skin;
 }
 
@@ -261,12 +282,18 @@ SkeletoolMotion load_skeletool_motion(const std::filesystem::path& path, int n_p
   SkeletoolMotion motion;
   while (lines.next()) {
     if (static_cast<int>(lines.size()) != 1 + n_parameters)
-      lines.fail(format("%zu values for %d degrees of freedom", lines.size() - 1, n_parameters));
-    motion.frames.push_back(lines.integer(0));
+      lines.fail(
+          format("%zu values for the skeleton's %d degrees of freedom, a frame number and one of each are needed",
+                 lines.size() - 1, n_parameters));
+    const int frame = lines.integer(0);
+    if (!motion.frames.empty() && frame <= motion.frames.back())
+      lines.fail(format("frame %d after frame %d; they must ascend", frame, motion.frames.back()));
+    motion.frames.push_back(frame);
     Eigen::VectorXd values(n_parameters);
     for (int i = 0; i < n_parameters; ++i) values[i] = lines.number(1 + i);
     motion.parameters.push_back(values);
   }
+  if (motion.frames.empty()) lines.fail("the file ends where a frame was expected");
   return motion;
 }
 
@@ -329,6 +356,7 @@ std::vector<SkeletoolCamera> load_skeletool_cameras(const std::filesystem::path&
     }
   }
   check_complete();
+  if (cameras.empty()) lines.fail("the file ends where \"name\" was expected");
   for (const SkeletoolCamera& camera : cameras) {
     try {
       camera.camera.validate();

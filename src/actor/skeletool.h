@@ -7,7 +7,7 @@
 //                 scaling joints: N  name M, then M lines with a joint name
 //                 dofs: N            name M; "limits min max" or "nolimits"; then M lines joint weight
 //   .skin         "Skeletool character skinning file V1.0"; bones: one line of names; vertex weights:
-//                 index (bone weight)*
+//                 index (bone weight)*. Binds the mesh at zero angles, all scales 1
 //   .motion       "Skeletool Motion File V1.0"; per line: frame, one value per degree of freedom
 //   .calibration  "Skeletool Camera Calibration File V1.0"; per camera: name, sensor, size, animated, intrinsic,
 //                 extrinsic (row-major 4x4), radial
@@ -49,6 +49,7 @@ struct SkeletoolSkeleton {
 
   std::vector<std::string> joint_names;  // every joint of the file, in its order
   std::vector<int> bone_of_joint;        // bone that moves with it
+  std::string scaled_joint;              // the first whose scale is not 1; empty: none
 
   int n_parameters() const { return static_cast<int>(parameter_names.size()); }
   // Pose in the file's world frame. Throws LogicError for a wrong number of parameters.
@@ -59,11 +60,12 @@ struct SkeletoolSkeleton {
 SkeletoolSkeleton load_skeletool_skeleton(const std::filesystem::path& path);
 
 // Weights by bone of `skeleton`, four strongest, normalised. A bone name of the file means the last joint whose name
-// begins with it.
-SkinWeights load_skeletool_skin(const std::filesystem::path& path, const SkeletoolSkeleton& skeleton);
+// begins with it. What the weaker ones had is appended to notes.
+SkinWeights load_skeletool_skin(const std::filesystem::path& path, const SkeletoolSkeleton& skeleton,
+                                std::vector<std::string>& notes);
 
 struct SkeletoolMotion {
-  std::vector<int> frames;                  // frame numbers of the file
+  std::vector<int> frames;                  // frame numbers of the file, ascending
   std::vector<Eigen::VectorXd> parameters;  // one per frame
 };
 SkeletoolMotion load_skeletool_motion(const std::filesystem::path& path, int n_parameters);
@@ -73,7 +75,7 @@ struct SkeletoolCamera {
   Camera camera;
   Eigen::Isometry3d camera_from_world = Eigen::Isometry3d::Identity();  // mm
 };
-// Static cameras without radial distortion.
+// At least one; static cameras without radial distortion.
 std::vector<SkeletoolCamera> load_skeletool_cameras(const std::filesystem::path& path);
 
 }  // namespace livecap

@@ -22,7 +22,7 @@ class SkeletoolLines {
     std::getline(in_, line);
     number_ = 1;
     line.erase(line.find_last_not_of(" \t\r") + 1);
-    if (line != header) throw IoError(name_ + ": does not begin with \"" + header + "\"");
+    if (line != header) fail("does not begin with \"" + header + "\"");
   }
 
   // Next line that is not empty; false at the end.
@@ -38,7 +38,7 @@ class SkeletoolLines {
     return false;
   }
   void require(const std::string& expected) {
-    if (!next()) throw IoError(name_ + ": ends where " + expected + " was expected");
+    if (!next()) fail("the file ends where " + expected + " was expected");
   }
   // "WORD: N" on the next line.
   int section(const std::string& title) {

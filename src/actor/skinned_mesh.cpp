@@ -8,6 +8,7 @@
 
 #include "actor/actor.h"
 #include "actor/labels.h"
+#include "actor/rest_axes.h"
 #include "base/text.h"
 
 namespace livecap {
@@ -258,25 +259,6 @@ std::vector<SkinBinding> read_skins(const GltfReader& file) {
 SkinnedMesh read_skinned_mesh(const GltfReader& file, const std::vector<SkinBinding>& skins, int root_node,
                               std::vector<std::string>& notes) {
   return SkinnedMeshReader(file, skins, root_node, notes).read();
-}
-
-Eigen::Matrix3d nearest_axis_rotation(const Eigen::Matrix3d& m) {
-  Eigen::Matrix3d best = Eigen::Matrix3d::Identity();
-  double best_score = -1e300;
-  for (int x = 0; x < 6; ++x) {
-    for (int y = 0; y < 6; ++y) {
-      if (x % 3 == y % 3) continue;
-      Eigen::Matrix3d r;
-      r.col(0) = Eigen::Vector3d::Unit(x % 3) * (x < 3 ? 1 : -1);
-      r.col(1) = Eigen::Vector3d::Unit(y % 3) * (y < 3 ? 1 : -1);
-      r.col(2) = r.col(0).cross(r.col(1));
-      if (const double score = (r.transpose() * m).trace(); score > best_score + 1e-12) {
-        best_score = score;
-        best = r;
-      }
-    }
-  }
-  return best;
 }
 
 }  // namespace livecap

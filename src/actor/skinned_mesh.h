@@ -44,7 +44,4 @@ struct SkinnedMesh {
 SkinnedMesh read_skinned_mesh(const GltfReader& file, const std::vector<SkinBinding>& skins, int root_node,
                               std::vector<std::string>& notes);
 
-// The rotation among the 24 that map axes to axes which is nearest to m.
-Eigen::Matrix3d nearest_axis_rotation(const Eigen::Matrix3d& m);
-
 }  // namespace livecap

@@ -215,8 +215,7 @@ std::vector<ViewPose> read_skeletool(const path& file, const path& pictures) {
       views.push_back({names[i], cameras[i].camera, cameras[i].camera_from_world});
   if (views.empty())
     fail(file, format("its %zu cameras (\"%s\", ...) have no picture of their name in %s, which has %zu pictures",
-                      cameras.size(), cameras.empty() ? "" : cameras[0].name.c_str(), pictures.string().c_str(),
-                      names.size()));
+                      cameras.size(), cameras[0].name.c_str(), pictures.string().c_str(), names.size()));
   return views;
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/SVD>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <numbers>
 #include <random>
 
@@ -171,7 +172,7 @@ TEST(LoadActor, ATrunkOfOneBoneDoesNotBend) {
   EXPECT_EQ(load_actor_bytes(make_fixture(options).bytes, "fixture").skeleton.n_dofs(), 30);
 }
 
-TEST(BoneNames, TheHighestBoneOfTheSpineIsTheChest) {
+TEST(LoadActor, TheHighestBoneOfTheSpineIsTheChest) {
   std::vector<std::string> notes;
   const auto chest = [&](const std::vector<std::string>& names) {
     const int found = match_rig(names, {}, notes).index[kRigChest];
@@ -184,6 +185,44 @@ TEST(BoneNames, TheHighestBoneOfTheSpineIsTheChest) {
   EXPECT_EQ(chest({"pelvis", "spine_01", "neck_01"}), "spine_01");
   EXPECT_EQ(chest({"root", "chest", "neck"}), "chest");
   EXPECT_EQ(chest({"Hips", "Neck"}), "");
+}
+
+TEST(LoadActor, SkeletonsOfSkeletool) {
+  std::vector<std::string> notes;
+  const auto expect = [&](std::vector<std::string> names, std::map<int, std::string> joints) {
+    for (const char* side : {"left_", "right_"})
+      for (const char* bone : {"clavicle", "shoulder", "elbow", "hip", "knee", "ankle"})
+        names.push_back(std::string(side) + bone);
+    const RigMatch match = match_rig(names, {}, notes);
+    EXPECT_EQ(match.table, "Skeletool");
+    for (int joint = 0; joint < kRigJointCount; ++joint) {
+      const bool required = rig_joint_required(joint) || joint == kRigLeftClavicle || joint == kRigRightClavicle;
+      const std::string expected = joints.count(joint) ? joints[joint]
+                                   : required          ? std::string(kRigJointNames[joint])
+                                                       : "";
+      EXPECT_EQ(match.index[joint] < 0 ? "" : names[match.index[joint]], expected) << kRigJointNames[joint];
+    }
+  };
+  // DeepCap's.
+  expect({"root", "spine_3", "spine_4", "neck_1", "head_ee", "left_lowarm", "left_hand", "left_ee", "right_lowarm",
+          "right_hand", "right_ee", "spine_2", "spine_1", "left_toes", "left_foot", "right_toes", "right_foot"},
+         {{kRigRoot, "spine_1"},
+          {kRigChest, "spine_4"},
+          {kRigNeck, "neck_1"},
+          {kRigHeadTop, "head_ee"},
+          {kRigLeftWrist, "left_hand"},
+          {kRigRightWrist, "right_hand"},
+          {kRigLeftToe, "left_toes"},
+          {kRigRightToe, "right_toes"}});
+  // MPI-INF-3DHP's.
+  expect({"spine3", "spine4", "spine2", "spine", "pelvis", "neck", "head", "head_top", "left_wrist", "left_hand",
+          "right_wrist", "right_hand", "left_foot", "left_toe", "right_foot", "right_toe"},
+         {{kRigRoot, "pelvis"},
+          {kRigChest, "spine4"},
+          {kRigHead, "head"},
+          {kRigHeadTop, "head_top"},
+          {kRigLeftToe, "left_foot"},
+          {kRigRightToe, "right_foot"}});
 }
 
 TEST(LoadActor, ReadsUnrealNamesAndFillsAbsentClavicles) {

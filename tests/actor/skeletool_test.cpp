@@ -31,7 +31,7 @@ joints: 11
   foot_rx   revolute  leg_rx    0 -400 0 1 0 0 1
 markers: 2
   hand  arm_rz  point 250 0 0
-  toe   foot_rx point 0 -50 120 10 1 0 0
+  toe   foot    point 0 -50 120 10 1 0 0
 scaling joints: 1
   legs 1
     leg_rx
@@ -91,13 +91,32 @@ TEST(Skeletool, SkeletonBecomesTheSameChain) {
             test::kDoubleExact);
   EXPECT_LT((posed.camera_from_bone[s.skeleton.bone_index("foot")].matrix() - foot.matrix()).norm(),
             test::kDoubleExact);
+  EXPECT_EQ(s.skeleton.bones[s.markers[1].bone].name, "foot");
   const SkeletoolMarker& hand = s.markers[0];
   EXPECT_LT((posed.camera_from_rest[hand.bone] * hand.rest_position_mm - arm_frame * Vector3d(250, 0, 0)).norm(),
             test::kDoubleExact);
 }
 
+// A forearm's twist at the elbow's place turns what is bound to it, and not what is bound to the elbow.
+TEST(Skeletool, JointsOfOtherNamesAreOtherBones) {
+  std::string text = kSkeleton;
+  text.replace(text.find("spine_ry  revolute"), 8, "twist_ry");
+  for (size_t at; (at = text.find("spine_ry")) != std::string::npos;) text.replace(at, 8, "twist_ry");
+  const SkeletoolSkeleton s = load_skeletool_skeleton(write("t.skeleton", text));
+  ASSERT_EQ(s.skeleton.n_bones(), 7);
+  Eigen::VectorXd p = Eigen::VectorXd::Zero(8);
+  p[4] = 0.5;  // the twist
+  const PosedSkeleton posed = forward_kinematics(s.skeleton, s.pose(p));
+  EXPECT_LT((posed.camera_from_bone[s.skeleton.bone_index("spine")].linear() - Eigen::Matrix3d::Identity()).norm(),
+            test::kDoubleExact);
+  const Eigen::Matrix3d turned = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  EXPECT_LT((posed.camera_from_bone[s.skeleton.bone_index("twist")].linear() - turned).norm(), test::kDoubleExact);
+  EXPECT_EQ(s.scaled_joint, "arm_rz");
+}
+
 TEST(Skeletool, SkinWeightsMeanTheLastJointOfABone) {
   const SkeletoolSkeleton s = load_skeletool_skeleton(write("b.skeleton", kSkeleton));
+  std::vector<std::string> notes;
   const SkinWeights skin = load_skeletool_skin(write("b.skin", R"(Skeletool character skinning file V1.0
 bones:
   root spine chest arm leg foot
@@ -106,7 +125,9 @@ vertex weights:
     1   0 0.1 1 0.1 2 0.3 3 0.4 5 0.1
     2   4 2.0
 )"),
-                                               s);
+                                               s, notes);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("up to 10 %"), std::string::npos);
   ASSERT_EQ(skin.bones.size(), 12u);
   EXPECT_EQ(skin.bones[0], s.skeleton.bone_index("arm"));
   EXPECT_FLOAT_EQ(skin.weights[0], 0.75f);
@@ -177,7 +198,11 @@ TEST(Skeletool, BrokenFilesNameTheLine) {
   EXPECT_NE(edited("0 200 0 1 0 0  1", "0 nan 0 1 0 0  1").find("must be a number"), std::string::npos);
   const std::string whole = kSkeleton;
   for (size_t size = 0; size + 20 < whole.size(); size += 13) EXPECT_NE(message(whole.substr(0, size)), "") << size;
-  EXPECT_THROW(load_skeletool_motion(write("e.motion", "Skeletool Motion File V1.0\n0 1 2\n"), 3), IoError);
+  EXPECT_NE(edited("chest_rx  revolute  spine_ry", "spine_ry  revolute  spine_ry").find(":10: a second joint"),
+            std::string::npos);
+  for (const char* frames : {"0 1 2\n", "", "1 1 2 3\n1 1 2 3\n", "0 1 2 inf\n"})
+    EXPECT_THROW(load_skeletool_motion(write("e.motion", std::string("Skeletool Motion File V1.0\n") + frames), 3),
+                 IoError);
   EXPECT_THROW(
       load_skeletool_cameras(write("e.calibration", "Skeletool Camera Calibration File V1.0\nname 0\n size 10 10\n")),
       IoError);

@@ -67,7 +67,8 @@ void read_files(const std::filesystem::path& folder, const std::map<std::string,
     require(marker.bone < skeleton.skeleton.n_bones() && marker.rest_position_mm.allFinite(), "markers of its bones");
   if (files.count("s.motion")) load_skeletool_motion(folder / "s.motion", skeleton.n_parameters());
   if (!files.count("s.skin")) return;
-  for (float weight : load_skeletool_skin(folder / "s.skin", skeleton).weights)
+  std::vector<std::string> notes;
+  for (float weight : load_skeletool_skin(folder / "s.skin", skeleton, notes).weights)
     require(std::isfinite(weight), "finite weights");
 }
 

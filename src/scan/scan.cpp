@@ -50,6 +50,7 @@ void weld(Scan& scan) {
   scan.surface = std::move(surface);
   scan.colors = std::move(colors);
   scan.uvs = std::move(uvs);
+  scan.vertex_of_file = std::move(id);
 }
 
 // Texts may say "nan", and bytes hold anything.
@@ -101,13 +102,16 @@ void turn_outwards(Scan& scan, const std::filesystem::path& path, std::vector<st
 
 }  // namespace
 
-Scan read_scan(const std::filesystem::path& path, std::vector<std::string>& notes) {
+Scan read_scan(const std::filesystem::path& path, std::vector<std::string>& notes,
+               const std::filesystem::path& texture) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
+  if (!texture.empty() && extension != ".obj")
+    throw IoError(path.string() + ": a texture of its own can only be given to an .obj");
   Scan scan;
   if (extension == ".obj")
-    scan = read_obj(path, notes);
+    scan = read_obj(path, notes, texture);
   else if (extension == ".ply")
     scan = read_ply(path, notes);
   else if (extension == ".glb")

@@ -5,7 +5,8 @@
 
 namespace livecap {
 
-Scan read_obj(const std::filesystem::path& path, std::vector<std::string>& notes);
+// texture: as read_scan's.
+Scan read_obj(const std::filesystem::path& path, std::vector<std::string>& notes, const std::filesystem::path& texture);
 Scan read_ply(const std::filesystem::path& path, std::vector<std::string>& notes);
 Scan read_glb_scan(const std::filesystem::path& path, std::vector<std::string>& notes);
 

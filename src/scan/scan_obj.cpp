@@ -34,7 +34,8 @@ int resolve(long index, size_t n) {
 
 }  // namespace
 
-Scan read_obj(const std::filesystem::path& path, std::vector<std::string>& notes) {
+Scan read_obj(const std::filesystem::path& path, std::vector<std::string>& notes,
+              const std::filesystem::path& texture) {
   const std::string text = read_file(path);
   Scan scan;
   std::vector<Eigen::Vector2d> uvs;
@@ -100,7 +101,13 @@ Scan read_obj(const std::filesystem::path& path, std::vector<std::string>& notes
     }
   }
   if (scan.colors.size() != scan.surface.vertices.size()) scan.colors.clear();
-  if (every_corner_has_uv && !scan.uvs.empty() && !material.empty()) {
+  const bool has_uvs = every_corner_has_uv && !scan.uvs.empty();
+  if (!texture.empty()) {
+    if (!has_uvs)
+      throw IoError(path.string() + ": a texture needs vt of every corner of every face, and " + texture.string() +
+                    " was given");
+    scan.texture = read_image_rgb(texture);
+  } else if (has_uvs && !material.empty()) {
     try {
       if (const auto picture = texture_of(material); !picture.empty()) {
         require_no_pipe(picture);

@@ -11,6 +11,7 @@ inline void check_scan(const Scan& scan) {
   for (const Eigen::Vector3d& p : scan.surface.vertices) require(p.allFinite(), "finite vertices");
   for (const Eigen::Vector3i& t : scan.surface.triangles)
     require(t.minCoeff() >= 0 && t.maxCoeff() < n, "triangles of the scan's vertices");
+  for (int vertex : scan.vertex_of_file) require(vertex >= 0 && vertex < n, "vertices of the file that are the scan's");
   for (int t = 0; t < static_cast<int>(scan.surface.triangles.size()); ++t)
     for (int corner = 0; corner < 3; ++corner) {
       meshing::SurfacePoint point;

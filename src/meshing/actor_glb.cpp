@@ -6,6 +6,7 @@
 #include <limits>
 #include <sstream>
 
+#include "base/srgb.h"
 #include "image/image_io.h"
 #include "livecap/error.h"
 #include "meshing/surface_parts.h"
@@ -88,6 +89,7 @@ void add_bones(const ActorFile& actor, Builder& builder) {
   builder.model.skins.push_back(skin);
 }
 
+// Of an actor with a texture.
 int add_material(const ActorFile& actor, Builder& builder) {
   const auto png = encode_png(actor.texture);
   tinygltf::Image image;
@@ -113,7 +115,7 @@ int add_material(const ActorFile& actor, Builder& builder) {
 }
 
 tinygltf::Primitive add_geometry(const ActorFile& actor, Builder& builder) {
-  std::vector<float> positions, normals, uvs, weights, labels;
+  std::vector<float> positions, normals, uvs, weights, labels, colors;
   std::vector<uint16_t> joints;
   std::vector<uint32_t> indices;
   const auto vertex_normals = meshing::vertex_normals(actor.surface);
@@ -132,6 +134,8 @@ tinygltf::Primitive add_geometry(const ActorFile& actor, Builder& builder) {
       weights.push_back(static_cast<float>(weight));
     }
     labels.push_back(actor.labels[vertex]);
+    if (actor.colors.empty()) continue;
+    for (int k = 0; k < 3; ++k) colors.push_back(static_cast<float>(linear_from_srgb(actor.colors[vertex][k])));
   }
   for (const auto& t : actor.atlas.triangles)
     for (int k = 0; k < 3; ++k) indices.push_back(static_cast<uint32_t>(t[k]));
@@ -148,6 +152,8 @@ tinygltf::Primitive add_geometry(const ActorFile& actor, Builder& builder) {
       builder.add_accessor(joints, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TYPE_VEC4, 4);
   primitive.attributes["WEIGHTS_0"] = builder.add_accessor(weights, kFloat, TINYGLTF_TYPE_VEC4, 4);
   primitive.attributes["_LABEL"] = builder.add_accessor(labels, kFloat, TINYGLTF_TYPE_SCALAR, 1);
+  if (actor.texture.empty() && !colors.empty())
+    primitive.attributes["COLOR_0"] = builder.add_accessor(colors, kFloat, TINYGLTF_TYPE_VEC3, 3);
   primitive.indices = builder.add_accessor(indices, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, 1,
                                            TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
   return primitive;
@@ -164,11 +170,13 @@ std::string actor_glb(const ActorFile& actor) {
   tinygltf::Mesh mesh;
   mesh.name = "actor";
   mesh.primitives.push_back(add_geometry(actor, builder));
-  mesh.primitives.back().material = add_material(actor, builder);
-  tinygltf::Value::Object markers;
+  if (!actor.texture.empty()) mesh.primitives.back().material = add_material(actor, builder);
+  tinygltf::Value::Object markers, bones;
   for (const auto& [keypoint, vertex] : actor.markers) markers[keypoint] = tinygltf::Value(vertex);
+  for (const auto& [joint, bone] : actor.rig) bones[joint] = tinygltf::Value(bone);
   tinygltf::Value::Object livecap;
   if (!markers.empty()) livecap["markers"] = tinygltf::Value(markers);
+  if (!bones.empty()) livecap["bones"] = tinygltf::Value(bones);
   if (actor.guessed_weights) livecap["weights"] = tinygltf::Value(std::string("guessed"));
   if (!livecap.empty()) {
     mesh.extras = tinygltf::Value(tinygltf::Value::Object{{"livecap", tinygltf::Value(livecap)}});

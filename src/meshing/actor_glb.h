@@ -33,9 +33,11 @@ struct ActorFile {
   std::vector<Influences> weights;  // [n_vertices]
   std::vector<uint8_t> labels;      // [n_vertices] LIP ids
   Atlas atlas;
-  ImageRgb texture;
-  std::vector<std::pair<std::string, int>> markers;  // face keypoint, welded vertex
-  bool guessed_weights = false;                      // nobody painted them
+  ImageRgb texture;                                           // empty: the colours, if there are some
+  std::vector<std::pair<std::string, int>> markers;           // face keypoint, welded vertex
+  std::vector<Eigen::Vector3d> colors = {};                   // [n_vertices] sRGB in [0,1], or empty
+  std::vector<std::pair<std::string, std::string>> rig = {};  // LiveCap's joint, bone; empty: told by the names
+  bool guessed_weights = false;                               // nobody painted them
 };
 
 // The bytes of the file. Throws LogicError when they cannot be made.

@@ -63,8 +63,8 @@ std::vector<Vector3d> vertex_colors(const meshing::Surface& surface, const meshi
                                     const ImageRgb& texture) {
   std::vector<Vector3d> colors(surface.vertices.size(), Vector3d::Constant(0.5));
   for (size_t i = 0; i < atlas.vertex.size(); ++i) {
-    const int x = std::clamp(static_cast<int>(atlas.uvs[i].x() * texture.width), 0, texture.width - 1),
-              y = std::clamp(static_cast<int>(atlas.uvs[i].y() * texture.height), 0, texture.height - 1);
+    const auto x = static_cast<int>(std::clamp(atlas.uvs[i].x() * texture.width, 0.0, texture.width - 1.0)),
+               y = static_cast<int>(std::clamp(atlas.uvs[i].y() * texture.height, 0.0, texture.height - 1.0));
     const uint8_t* p = &texture.pixels[3 * (static_cast<size_t>(y) * texture.width + x)];
     colors[atlas.vertex[i]] = Vector3d(p[0], p[1], p[2]) / 255;
   }

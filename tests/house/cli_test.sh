@@ -449,6 +449,114 @@ rm a.html
 expect 2 '--legs 9 0.6 1.6' synth --legs 9 --out s
 expect 2 '--crouch 60' synth --crouch 60 --out s
 
+# actor import: a figure as Skeletool files have it, a mesh of 20 rings around 13 bones.
+mkdir -p sk
+awk 'BEGIN {
+  n = split("root neck_1 left_shoulder left_elbow left_hand right_shoulder right_elbow right_hand left_hip left_knee " \
+            "left_ankle right_hip right_knee right_ankle", name, " ")
+  split("none root root left_shoulder left_elbow root right_shoulder right_elbow root left_hip left_knee root right_hip " \
+        "right_knee", parent, " ")
+  split("0,1000,0 0,500,0 180,450,0 270,0,0 250,0,0 -180,450,0 -270,0,0 -250,0,0 100,-50,0 0,-420,0 0,-420,0 -100,-50,0 " \
+        "0,-420,0 0,-420,0", place, " ")
+  out = "sk/p.skeleton"; print "Skeletool Skeleton Definition V1.0\njoints: " n >out
+  for (i = 1; i <= n; ++i) {
+    gsub(",", " ", place[i])
+    print " ", name[i] "_rx revolute", parent[i] (i > 1 ? "_rx" : ""), place[i], "1 0 0 1" >out
+  }
+  print "markers: 0\nscaling joints: 0\ndofs: " n >out
+  for (i = 1; i <= n; ++i) print "  dof" i " 1\n    nolimits\n    " name[i] "_rx 1" >out
+  out = "sk/p.skin"; print "Skeletool character skinning file V1.0\nbones:" >out
+  for (i = 1; i <= n; ++i) printf " %s", name[i] >out
+  print "\nvertex weights:" >out
+  for (i = 0; i < 400; ++i) print " ", i, i % n, "0.75", (i + 1) % n, "0.25" >out
+  out = "sk/p.obj"; pi = 3.14159265
+  for (i = 0; i < 400; ++i) {
+    a = pi * (int(i / 20) + 1) / 21; b = 2 * pi * (i % 20) / 20
+    print "v", 800 * sin(a) * cos(b), 900 - 900 * cos(a), -200 * sin(a) * sin(b) >out
+    print 5 >"sk/p.labels"
+  }
+  for (i = 0; i < 380; ++i) {
+    j = i - i % 20 + (i + 1) % 20
+    print "f", i + 1, j + 1, j + 21, i + 21 >out
+  }
+  out = "sk/p.motion"; print "Skeletool Motion File V1.0" >out
+  for (f = 4; f < 7; ++f) { printf "%d", f >out; for (i = 1; i <= n; ++i) printf " 0.1" >out; print "" >out }
+  out = "sk/p.calibration"; print "Skeletool Camera Calibration File V1.0" >out
+  for (c = 0; c < 2; ++c)
+    print "name view" c "\n size 540 960\n animated 0\n intrinsic 900 0 270 0 0 900 480 0 0 0 1 0 0 0 0 1\n" \
+          " extrinsic 1 0 0 0 0 -1 0 1000 0 0 -1 4000 0 0 0 1\n radial 0" >out
+}'
+refused() {  # PATTERN [OPTION VALUE]...: the import is refused with these options; an empty value leaves one out
+  local pattern=$1 name args=()
+  local -A option=([--skeleton]=sk/p.skeleton [--skin]=sk/p.skin [--mesh]=sk/p.obj [--motion]=sk/p.motion
+    [--cameras]=sk/p.calibration [--camera]=view1 [--truth]=sk/truth [--labels]=sk/p.labels [--out]=sk/p.glb)
+  shift
+  for (( ; $#; )); do option[$1]=$2; shift 2; done
+  for name in "${!option[@]}"; do [[ -z ${option[$name]} ]] || args+=("$name" "${option[$name]}"); done
+  expect 2 "$pattern" actor import "${args[@]}"
+}
+replaced() {  # PATTERN FILE COMMAND: so it is with sk/FILE as COMMAND makes it of its lines
+  local pattern=$1 file=sk/$2
+  shift 2
+  cp "$file" sk/whole
+  "$@" <sk/whole >"$file"
+  refused "$pattern"
+  mv sk/whole "$file"
+}
+cases=$((cases + 1))
+if ! "$livecap" -q actor import --skeleton sk/p.skeleton --skin sk/p.skin --mesh sk/p.obj --out sk/p.glb \
+  --motion sk/p.motion --cameras sk/p.calibration --camera view1 --truth sk/truth >out.txt 2>err.txt ||
+  ! grep -q "the motion's 4 to 6" out.txt || ! [[ -s sk/truth/joints.json && -s sk/truth/vertices.pc2 ]] ||
+  ! grep -q '"fx": 900' sk/truth/camera.json || ! "$livecap" actor inspect sk/p.glb >out.txt 2>>err.txt ||
+  ! grep -q 'bones named as in Skeletool' out.txt; then
+  echo "FAILED: actor import"
+  sed 's/^/  | /' err.txt out.txt | head -20
+  failures=$((failures + 1))
+fi
+rm -rf sk/p.glb sk/p.html sk/truth
+for file in skeleton skin motion calibration; do
+  replaced "sk/p.$file:1: begin" "p.$file" echo garbage
+  replaced "sk/p.$file:1: ends" "p.$file" head -n 1
+done
+replaced 'sk/p.skeleton:9: ends joint' p.skeleton head -n 9
+replaced 'sk/p.skeleton:4: joint' p.skeleton sed '4s/ 1$//'
+replaced 'sk/p.skeleton left_wrist --bones left_paw' p.skeleton sed 's/left_hand/left_paw/g'
+replaced 'sk/p.skeleton neck_1_rx scaled' p.skeleton sed '/neck_1_rx rev/s/1$/1.2/'
+replaced 'sk/p.skin:3: left_paw' p.skin sed 's/left_hand/left_paw/'
+replaced 'sk/p.skin 399 sk/p.obj 400' p.skin head -n 403
+replaced 'sk/p.skin:9: pairs' p.skin sed '9s/0.25$//'
+replaced 'sk/p.obj triangles' p.obj echo garbage
+replaced 'sk/p.obj: line 7: three' p.obj sed '7s/.*/v 1 2/'
+replaced 'sk/p.skin 400 sk/p.obj 401' p.obj sed '1iv 0 0 0'
+replaced 'sk/p.obj: reaches zero mm' p.obj awk '/^v/ { $2 /= 1000; $3 /= 1000; $4 /= 1000 } { print }'
+replaced 'sk/p.motion:3: 13 14' p.motion sed '3s/ 0.1$//'
+replaced 'sk/p.motion:3: ascend' p.motion sed '3s/^5/4/'
+replaced 'sk/p.calibration: view0 intrinsic' p.calibration sed '8,$d;/size/!{/^[^nS]/d}'
+for option in --skeleton --skin --mesh --texture --labels --bones --motion --cameras; do refused 'none.obj' "$option" none.obj; done
+for option in --skeleton --skin --mesh --out; do refused "$option required" "$option" ''; done
+printf '5\n5\n' >sk/labels.txt
+refused 'sk/labels.txt 2 labels sk/p.obj 400' --labels sk/labels.txt
+refused 'sk/p.obj texture vt seq/background.png' --texture seq/background.png
+echo '{"left_wrist": "paw"}' >sk/bones.json
+refused 'sk/bones.json left_wrist paw' --bones sk/bones.json
+refused '--camera view9 sk/p.calibration view0, view1' --camera view9
+refused '--camera sk/p.calibration view0, view1' --camera ''
+refused '--camera requires --cameras' --cameras ''
+refused '--first 7: sk/p.motion 4 to 6' --first 7
+refused '--motion --truth' --truth ''
+refused '--out a.html: .glb' --out a.html
+refused 'nowhere/a.glb: nowhere' --out nowhere/a.glb
+[[ ! -e sk/truth ]] || { echo "FAILED: a refused actor import made a folder"; failures=$((failures + 1)); }
+refused 'sk/labels.txt' --truth sk/labels.txt
+cp sk/bones.json sk/p.html
+refused '--bones sk/p.html overwritten' --bones sk/p.html
+rm sk/p.html
+mkdir sk/truth
+cp sk/p.motion sk/truth/joints.json
+refused '--motion sk/truth/joints.json overwritten' --motion sk/truth/joints.json
+cmp -s sk/p.motion sk/truth/joints.json || { echo "FAILED: actor import overwrote its motion"; failures=$((failures + 1)); }
+[[ ! -e sk/p.glb ]] || { echo "FAILED: actor import left a file"; failures=$((failures + 1)); }
+
 # calibrate.
 expect 2 '--images --video' calibrate --board 9x6 --out c.json
 expect 2 '--board --charuco' calibrate --images seq/truth/masks --out c.json

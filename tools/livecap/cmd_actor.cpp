@@ -109,6 +109,7 @@ void add_actor_command(CLI::App& app, Action& action) {
   compare_command->callback([options, &action] { action = [options] { return compare(*options); }; });
   add_actor_build_command(*command, action);
   add_actor_views_command(*command, action);
+  add_actor_import_command(*command, action);
   add_actor_fit_command(*command, action);
 }
 

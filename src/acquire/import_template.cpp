@@ -19,8 +19,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kGridMm = 7;          // of the volume that labels are guessed with; as build_actor's
-constexpr double kOutsideShare = 0.1;  // of the mesh's extent that a joint may lie beside it
+constexpr double kGridMm = 7;                         // of the volume that labels are guessed with; as build_actor's
+constexpr double kLowestMm = 500, kTallestMm = 3000;  // as --height elsewhere
+constexpr double kOutsideShare = 0.1;                 // of the mesh's extent that a joint may lie beside it
 
 class Importer {
  public:
@@ -145,8 +146,14 @@ class Importer {
   void stand_up() {
     const auto axes = rest_from_file_axes(joints_);
     if (!axes) throw IoError(files_.skeleton.string() + ": hips, shoulders and neck coincide");
-    double bottom = std::numeric_limits<double>::max();
-    for (const Vector3d& p : surface().vertices) bottom = std::min(bottom, (*axes * p).y());
+    double bottom = std::numeric_limits<double>::max(), top = std::numeric_limits<double>::lowest();
+    for (const Vector3d& p : surface().vertices) {
+      bottom = std::min(bottom, (*axes * p).y());
+      top = std::max(top, (*axes * p).y());
+    }
+    if (top - bottom < kLowestMm || top - bottom > kTallestMm)
+      throw IoError(files_.mesh.string() + format(": is %.4g tall; it and ", top - bottom) + files_.skeleton.string() +
+                    " must be in mm");
     result_.rest_from_world.linear() = *axes;
     const Vector3d pelvis = *axes * joints_[kRigRoot];
     result_.rest_from_world.translation() = Vector3d(-pelvis.x(), -bottom, -pelvis.z());

@@ -202,6 +202,14 @@ TEST_F(ImportTemplate, Refusals) {
     metres += (vertex ? format("v %.6f %.6f %.6f", x / 1000, y / 1000, z / 1000) : line) + "\n";
   }
   refused([&](auto& f) { f.mesh = write("m.obj", metres); }, {"m.obj: reaches from", "zero angles, in mm"});
+  refused(
+      [&](auto& f) {
+        test::SkeletoolTemplate small = source();
+        for (test::SkeletoolJoint& joint : small.joints) joint.offset /= 1000;
+        f.skeleton = write("m.skeleton", small.skeleton());
+        f.mesh = write("m.obj", metres);
+      },
+      {"m.obj: is 1.7", "m.skeleton must be in mm"});
   refused([&](auto& f) { f.skeleton = write("s.skeleton", edited(source().skeleton(), "1.0\n", "1.5\n")); },
           {"s.skeleton:1: ", "does not begin"});
   refused(

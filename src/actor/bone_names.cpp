@@ -65,8 +65,8 @@ constexpr Table kTables[] = {
                  "rightclavicle", "rightshoulder", "rightelbow", "lefthip",      "leftknee",     "leftankle",
                  "righthip",      "rightknee",     "rightankle", "leftwrist",    "rightwrist",   "lefttoe",
                  "righttoe",      "head",          "lefthand",   "righthand",    "headtop"}},
-    // The skeletons of VNect, LiveCap and DeepCap (root in the middle of the trunk, spine_1 the pelvis, hands that turn
-    // at the wrist) and of MPI-INF-3DHP (pelvis, wrists).
+    // The skeletons of VNect and DeepCap (root in the middle of the trunk, spine_1 the pelvis, hands that turn at the
+    // wrist), and the joints of MPI-INF-3DHP (pelvis, wrists).
     {"Skeletool",
      {"pelvis|spine1|root",
       "spine4|spine3|spine2|chest",

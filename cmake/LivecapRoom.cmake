@@ -3,6 +3,8 @@ function(livecap_warnings target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wno-unknown-pragmas
     # GCC 12 sees an overlapping copy in every "text" + std::string (its bug 105651, gone in 13).
     $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>
+    # Files compiled together count as headers, whose types of unnamed namespaces it warns about.
+    $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wno-subobject-linkage>
     $<$<BOOL:${LIVECAP_WERROR}>:-Werror>)
 endfunction()
 

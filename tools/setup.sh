@@ -8,6 +8,8 @@
 #
 #   LIVECAP_BUILD_DIR   where to build (default: build)
 #   LIVECAP_BUILD_TYPE  Release (default), Debug, RelWithDebInfo
+#   LIVECAP_UNITY       ON (default): the files of a room are compiled some at a time, in half of the time. OFF, for who
+#                       changes them: each on its own
 #   LIVECAP_SKIP_APT=1  never call apt-get; the packages of third_party/packages.txt are then yours to provide
 set -euo pipefail
 
@@ -99,7 +101,8 @@ configure() {
   [[ ! -f $build/CMakeCache.txt ]] || home=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$build/CMakeCache.txt")
   [[ $home == "$root" ]] || rm -rf "$build/CMakeCache.txt" "$build/CMakeFiles"  # nothing yet, or of another folder
   # Always, because it takes no time and notices rooms that came or went.
-  cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE="${LIVECAP_BUILD_TYPE:-Release}" >/dev/null
+  cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE="${LIVECAP_BUILD_TYPE:-Release}" \
+    -DCMAKE_UNITY_BUILD="${LIVECAP_UNITY:-ON}" >/dev/null
 }
 
 ensure_packages

@@ -26,7 +26,7 @@ constexpr size_t kMostTriangles = 500000;  // thinned one edge at a time, which 
 }  // namespace
 
 BodyShape carve_body(ocl::DeviceContext& device, const std::vector<View>& views, const SpaceKeypoints& keypoints,
-                     double grid_mm, bool rough_masks, std::vector<std::string>& notes) {
+                     double grid_mm, int n_ignored, std::vector<std::string>& notes) {
   Vector3d low = Vector3d::Constant(1e9), high = -low;
   for (const SpacePoint& point : keypoints) {
     if (!point.found) continue;
@@ -36,7 +36,7 @@ BodyShape carve_body(ocl::DeviceContext& device, const std::vector<View>& views,
   low -= Vector3d(250, 200, 420);
   high += Vector3d(250, 400, 420);
   HullOptions hull;
-  hull.n_ignored = rough_masks ? 2 : 0;
+  hull.n_ignored = n_ignored;
   // Coarsely first: where the body is. A node farther than half a cell's diagonal from the hull has none of it in its
   // cell.
   BodyShape shape;

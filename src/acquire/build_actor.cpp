@@ -207,8 +207,9 @@ class Builder {
   }
 
   void carve() {
-    shape_ = carve_body(device_, views_, keypoints_, options_.grid_mm, n_network_masks_ > 0 || !turned_rad_.empty(),
-                        result_.notes);
+    // A network's masks are off by some mm; of those by the background one may have a hole.
+    const int n_ignored = n_network_masks_ > 0 ? 2 : turned_rad_.empty() ? 0 : 1;
+    shape_ = carve_body(device_, views_, keypoints_, options_.grid_mm, n_ignored, result_.notes);
   }
 
   void take_scan() {

@@ -11,11 +11,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kBelowHips = 0.2;  // of the leg's length: trousers meet higher
-constexpr double kAboveHem = 60;    // mm: where hems that are not level are closed all around
-constexpr double kHemMm = 20;       // of cloth stay at the walls: an edge of the mesh to be
-constexpr double kDeepestMm = 80;   // above the lid; deeper would be vertices that nobody sees
-constexpr double kLegMm = 150;      // what reaches farther down than that below the slice is a leg
+constexpr double kBelowHips = 0.2;     // of the leg's length: trousers meet higher
+constexpr double kAboveHem = 60;       // mm: where hems that are not level are closed all around
+constexpr double kHemMm = 20;          // of cloth stay at the walls: an edge of the mesh to be
+constexpr double kDeepestRoofMm = 80;  // above the lid; deeper would be vertices that nobody sees
+constexpr double kLegMm = 150;         // what reaches farther down than that below the slice is a leg
 
 LegLine leg_of(const SpaceKeypoints& seen, int hip, int knee, int ankle) {
   return {seen[hip].position, seen[knee].position, seen[ankle].position};
@@ -141,7 +141,7 @@ bool open_skirt(const SpaceKeypoints& keypoints, Volume& volume) {
       for (int dz = -kSmooth; dz <= kSmooth; ++dz)
         for (int dx = -kSmooth; dx <= kSmooth; ++dx)
           if (at(x + dx, z + dz) >= 0) lid += at(x + dx, z + dz), ++n_near;
-      const double roof = lid / n_near + std::min(nearest - kHemMm / volume.step, kDeepestMm / volume.step);
+      const double roof = lid / n_near + std::min(nearest - kHemMm / volume.step, kDeepestRoofMm / volume.step);
       for (int y = at(x, z); y < volume.ny && y < roof; ++y) taken[volume.index(x, y, z)] = 1;
     }
   return take_out(taken, volume);

@@ -9,8 +9,6 @@
 namespace livecap {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 double ratio(double a, double b) {
   return b > 0 ? a / b : kNaN;
 }

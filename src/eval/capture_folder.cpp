@@ -16,7 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kAssumedFps = 30;
 
 // Field `name` of a JSON object; `fallback` when it is missing, null or of another type.

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "actor/keypoint_offsets.h"
+#include "base/append.h"
 #include "detect/detections_io.h"
 #include "eval/network_baseline.h"
 #include "image/undistort.h"
@@ -14,10 +15,6 @@ namespace livecap {
 namespace {
 
 constexpr double kMissed = std::numeric_limits<double>::infinity();
-
-void append(std::vector<double>& all, const std::vector<double>& more) {
-  all.insert(all.end(), more.begin(), more.end());
-}
 
 std::vector<float> pick(const std::vector<float>& points, const std::vector<JointPair>& pairs, int JointPair::*side) {
   std::vector<float> picked;

@@ -33,7 +33,7 @@ std::string without_prefix(const std::string& name) {
   return name.substr(name.find_last_of(":|") + 1);
 }
 
-int index_of(const std::vector<std::string>& names, const std::string& wanted) {
+int index_of_joint(const std::vector<std::string>& names, const std::string& wanted) {
   const auto found =
       std::find_if(names.begin(), names.end(), [&](const std::string& name) { return without_prefix(name) == wanted; });
   return found == names.end() ? -1 : static_cast<int>(found - names.begin());
@@ -43,10 +43,10 @@ int index_of(const std::vector<std::string>& names, const std::string& wanted) {
 std::vector<JointPair> all_joints(const std::vector<std::string>& captured, const std::vector<std::string>& truth) {
   std::vector<JointPair> pairs;
   for (const Names& joint : kJoints) {
-    JointPair pair{joint.captured, index_of(captured, joint.captured), index_of(truth, joint.captured)};
-    if (pair.captured < 0 && pair.name == "root") pair.captured = index_of(captured, "pelvis");
-    if (pair.truth < 0) pair.truth = index_of(truth, joint.mixamo);
-    if (pair.truth < 0) pair.truth = index_of(truth, joint.ue);
+    JointPair pair{joint.captured, index_of_joint(captured, joint.captured), index_of_joint(truth, joint.captured)};
+    if (pair.captured < 0 && pair.name == "root") pair.captured = index_of_joint(captured, "pelvis");
+    if (pair.truth < 0) pair.truth = index_of_joint(truth, joint.mixamo);
+    if (pair.truth < 0) pair.truth = index_of_joint(truth, joint.ue);
     pairs.push_back(pair);
   }
   return pairs;

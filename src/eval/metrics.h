@@ -3,10 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
 namespace livecap {
+
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  // not measured
 
 // Distance of each point of `estimate` to the same point of `truth`. Both [3*n], any unit -> [n]. Throws LogicError
 // when sizes differ or are no multiple of 3.

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kCellMm = 40;
+constexpr double kTrueCellMm = 40;
 
 // The rigid motion that lays `points` onto the surface: nearest points and least squares, in turns.
 Eigen::Isometry3d align(const std::vector<Vector3d>& points, const meshing::NearestSurface& surface) {
@@ -47,7 +47,7 @@ bool same_mesh(const Actor& a, const Actor& b) {
 
 RestOverlay overlay_rest(const Actor& actor, const Actor& truth) {
   const meshing::Surface surface = meshing::surface_of(actor.mesh), true_surface = meshing::surface_of(truth.mesh);
-  const meshing::NearestSurface near_truth(true_surface, kCellMm);
+  const meshing::NearestSurface near_truth(true_surface, kTrueCellMm);
   RestOverlay overlay{align(surface.vertices, near_truth), {}};
   for (const Vector3d& p : surface.vertices) overlay.nearest.push_back(near_truth.find(overlay.truth_from_actor * p));
   return overlay;
@@ -56,7 +56,7 @@ RestOverlay overlay_rest(const Actor& actor, const Actor& truth) {
 std::vector<meshing::SurfacePoint> true_vertices_on(const Actor& actor, const Actor& truth,
                                                     const RestOverlay& overlay) {
   const meshing::Surface surface = meshing::surface_of(actor.mesh);
-  const meshing::NearestSurface near(surface, kCellMm);
+  const meshing::NearestSurface near(surface, kTrueCellMm);
   const Eigen::Isometry3d actor_from_truth = overlay.truth_from_actor.inverse();
   std::vector<meshing::SurfacePoint> points;
   for (int i = 0; i < truth.n_vertices(); ++i)
@@ -82,7 +82,7 @@ std::vector<double> surface_distances(std::span<const float> vertices, std::span
   for (size_t i = 0; i < truth.size() / 3; ++i) surface.vertices.push_back(point(truth, i));
   for (size_t t = 0; t + 2 < truth_triangles.size(); t += 3)
     surface.triangles.emplace_back(truth_triangles[t], truth_triangles[t + 1], truth_triangles[t + 2]);
-  const meshing::NearestSurface near(surface, kCellMm);
+  const meshing::NearestSurface near(surface, kTrueCellMm);
   std::vector<Vector3d> points;
   Vector3d shift = Vector3d::Zero();
   for (size_t i = 0; i < vertices.size() / 3; ++i)

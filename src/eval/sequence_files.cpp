@@ -13,8 +13,6 @@
 namespace livecap {
 namespace {
 
-using Json = nlohmann::json;
-
 struct Table {
   std::vector<std::string> columns;
   std::vector<std::vector<std::string>> rows;
@@ -90,16 +88,16 @@ float number(const Table& table, size_t row, const char* name, const std::filesy
   return has_column(table, name) ? number(table, row, column(table, name, path), path) : std::nanf("");
 }
 
-std::vector<float> read_joint_frame(const Json& frame, size_t n_joints, const std::string& where) {
+std::vector<float> read_joint_frame(const nlohmann::json& frame, size_t n_joints, const std::string& where) {
   if (frame.is_null()) return {};
   if (!frame.is_array() || frame.size() != n_joints) {
     throw IoError(where + format(": expected null or %zu positions", n_joints));
   }
   std::vector<float> positions;
-  for (const Json& point : frame) {
+  for (const nlohmann::json& point : frame) {
     if (point.is_null()) return {};
     if (!point.is_array() || point.size() != 3) throw IoError(where + ": expected [x,y,z] per joint");
-    for (const Json& value : point) {
+    for (const nlohmann::json& value : point) {
       if (!value.is_number()) return {};
       positions.push_back(value.get<float>());
     }
@@ -115,14 +113,14 @@ int index_of(const std::vector<std::string>& names, const std::string& name) {
 }
 
 JointTrack read_joints_json(const std::filesystem::path& path) {
-  const Json json = Json::parse(read_file(path), nullptr, false);
+  const nlohmann::json json = nlohmann::json::parse(read_file(path), nullptr, false);
   if (!json.is_object()) throw IoError(path.string() + ": is not a JSON object");
   const auto names = json.find("names");
   const auto frames = json.find("frames");
   if (names == json.end() || !names->is_array()) throw IoError(path.string() + ": field \"names\" is not a list");
   if (frames == json.end() || !frames->is_array()) throw IoError(path.string() + ": field \"frames\" is not a list");
   JointTrack track;
-  for (const Json& name : *names) {
+  for (const nlohmann::json& name : *names) {
     if (!name.is_string()) throw IoError(path.string() + ": field \"names\" holds something that is not a text");
     track.names.push_back(name.get<std::string>());
   }

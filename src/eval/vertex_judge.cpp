@@ -2,18 +2,11 @@
 
 #include <utility>
 
+#include "base/append.h"
 #include "eval/metrics.h"
 #include "eval/other_mesh.h"
 
 namespace livecap {
-namespace {
-
-void append(std::vector<double>& all, const std::vector<double>& more) {
-  all.insert(all.end(), more.begin(), more.end());
-}
-
-}  // namespace
-
 VertexJudge::VertexJudge(const Actor& captured, const TrueMesh& true_mesh, double fps)
     : captured_(captured), true_mesh_(true_mesh), jitter_(fps), jitter_centred_(fps, true) {
   if (true_mesh.is_other()) true_on_captured_ = true_vertices_on(captured, *true_mesh.actor(), true_mesh.overlay());

@@ -13,11 +13,11 @@ namespace livecap::meshing {
 
 namespace {
 
-struct Traits : OpenMesh::DefaultTraits {
+struct DecimateTraits : OpenMesh::DefaultTraits {
   using Point = OpenMesh::Vec3d;
   using Normal = OpenMesh::Vec3d;
 };
-using TriMesh = OpenMesh::TriMesh_ArrayKernelT<Traits>;
+using TriMesh = OpenMesh::TriMesh_ArrayKernelT<DecimateTraits>;
 using Point = TriMesh::Point;
 
 // Twice the area over the square of the longest edge: 0.87 for an equilateral triangle, 0 for a sliver.

@@ -29,7 +29,7 @@ constexpr double kDeepestCut = 0.15;  // of the usual length: what sticks out fa
 constexpr double kLeastCellMm = 4;    // of the grid that finds the nearest triangle
 constexpr double kCrease = 0.15;      // share of the normals' second moment across which nothing slides
 
-struct Traits : OpenMesh::DefaultTraits {
+struct RemeshTraits : OpenMesh::DefaultTraits {
   using Point = OpenMesh::Vec3d;
   using Normal = OpenMesh::Vec3d;
   VertexAttributes(OpenMesh::Attributes::Status);
@@ -39,12 +39,12 @@ struct Traits : OpenMesh::DefaultTraits {
     double size = 1;  // wanted length of its edges, of the usual one
   };
 };
-using TriMesh = OpenMesh::TriMesh_ArrayKernelT<Traits>;
-using Vertex = TriMesh::VertexHandle;
-using Edge = TriMesh::EdgeHandle;
-using Halfedge = TriMesh::HalfedgeHandle;
+using FineMesh = OpenMesh::TriMesh_ArrayKernelT<RemeshTraits>;
+using Vertex = FineMesh::VertexHandle;
+using Edge = FineMesh::EdgeHandle;
+using Halfedge = FineMesh::HalfedgeHandle;
 
-Vector3d eigen(const TriMesh::Point& p) {
+Vector3d eigen(const FineMesh::Point& p) {
   return {p[0], p[1], p[2]};
 }
 
@@ -148,7 +148,7 @@ class Remesher {
   Vector3d at(Vertex v) const { return eigen(mesh_.point(v)); }
   double size(Vertex v) const { return mesh_.data(v).size; }
 
-  std::array<Vertex, 3> corners_of(TriMesh::FaceHandle f) const {
+  std::array<Vertex, 3> corners_of(FineMesh::FaceHandle f) const {
     const Halfedge h = mesh_.halfedge_handle(f);
     const Halfedge next = mesh_.next_halfedge_handle(h);
     return {mesh_.from_vertex_handle(h), mesh_.to_vertex_handle(h), mesh_.to_vertex_handle(next)};
@@ -336,7 +336,7 @@ class Remesher {
   int target_;
   std::vector<double> sizes_;  // of the fine surface's vertices
   NearestSurface nearest_;
-  TriMesh mesh_;
+  FineMesh mesh_;
   int n_vertices_ = 0;
   double usual_ = 0, length_ = 0;  // mm, of a size of 1: in the end, and in this round
 };

@@ -11,7 +11,7 @@
 namespace livecap {
 namespace {
 
-constexpr char kFile[] = "raster/part_mask.cl";
+constexpr char kPartFile[] = "raster/part_mask.cl";
 constexpr size_t kLocalX = 16;
 
 bool has_any(const std::string& name, std::initializer_list<const char*> words) {
@@ -81,9 +81,9 @@ PartMask::PartMask(ocl::DeviceContext& device, const Mesh& mesh, const std::vect
   bits_ = ocl::Buffer<uint8_t>(device, zeros);
   grown_ = ocl::Buffer<uint8_t>(device, zeros);
   part_image_ = ocl::Buffer<uint8_t>(device, size_t(width) * height);
-  bits_kernel_ = ocl::Kernel(device, kFile, "part_bits");
-  rows_kernel_ = ocl::Kernel(device, kFile, "part_grow_rows");
-  columns_kernel_ = ocl::Kernel(device, kFile, "part_grow_columns");
+  bits_kernel_ = ocl::Kernel(device, kPartFile, "part_bits");
+  rows_kernel_ = ocl::Kernel(device, kPartFile, "part_grow_rows");
+  columns_kernel_ = ocl::Kernel(device, kPartFile, "part_grow_columns");
 }
 
 void PartMask::update(const DepthRasterizer& raster) {

@@ -12,8 +12,8 @@
 namespace livecap {
 namespace {
 
-constexpr char kFile[] = "raster/visibility.cl";
-constexpr size_t kLocal = 64;  // on a GPU
+constexpr char kVisibilityFile[] = "raster/visibility.cl";
+constexpr size_t kVisibilityGroup = 64;  // on a GPU
 
 // Vertices of edges that belong to one triangle only.
 std::vector<int32_t> open_edge_vertices(const Mesh& mesh) {
@@ -57,9 +57,9 @@ SurfaceVisibility::SurfaceVisibility(ocl::DeviceContext& device, const Mesh& mes
   visible_ = ocl::Buffer<int32_t>(device, n_vertices_);
   contour_ = ocl::Buffer<int32_t>(device, n_vertices_);
   contour_read_.assign(n_vertices_, 0);
-  visible_kernel_ = ocl::Kernel(device, kFile, "visible_vertices");
-  contour_kernel_ = ocl::Kernel(device, kFile, "contour_vertices");
-  if (!is_cpu_) both_kernel_ = ocl::Kernel(device, kFile, "visible_and_contour");
+  visible_kernel_ = ocl::Kernel(device, kVisibilityFile, "visible_vertices");
+  contour_kernel_ = ocl::Kernel(device, kVisibilityFile, "contour_vertices");
+  if (!is_cpu_) both_kernel_ = ocl::Kernel(device, kVisibilityFile, "visible_and_contour");
 }
 
 void SurfaceVisibility::require(const DepthRasterizer& raster) const {
@@ -120,7 +120,7 @@ void SurfaceVisibility::find_visible_and_contour(const ocl::Buffer<float>& posit
 
 ocl::Range SurfaceVisibility::over_vertices() const {
   const size_t items = ocl::lane_items(n_vertices_, lanes_);
-  const size_t local = is_cpu_ ? 1 : kLocal;
+  const size_t local = is_cpu_ ? 1 : kVisibilityGroup;
   return {round_up(items, local), 1, local, 1};
 }
 

@@ -17,7 +17,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr int kWidth = 300, kHeight = 380;
+constexpr int kStripWidth = 300, kStripHeight = 380;
 
 Vector3f bone_color(int bone) {
   const Rgb color = hue_color(0.381966 * bone, bone % 2 ? 1.0 : 0.75);
@@ -25,7 +25,7 @@ Vector3f bone_color(int bone) {
 }
 
 struct Stage {
-  Camera camera = camera_from_fov(kWidth, kHeight, 36);
+  Camera camera = camera_from_fov(kStripWidth, kStripHeight, 36);
   Eigen::Isometry3d camera_from_rest;
 };
 
@@ -52,7 +52,7 @@ ImageRgb draw(const Actor& actor, const std::vector<float>& positions, const Sta
     const Vector3d p = stage.camera_from_rest * Vector3d(positions[i], positions[i + 1], positions[i + 2]);
     for (int k = 0; k < 3; ++k) moved[i + k] = static_cast<float>(p[k]);
   }
-  ImageRgb empty{kWidth, kHeight, std::vector<uint8_t>(size_t(3) * kWidth * kHeight, 245)};
+  ImageRgb empty{kStripWidth, kStripHeight, std::vector<uint8_t>(size_t(3) * kStripWidth * kStripHeight, 245)};
   OverlayOptions options;
   options.alpha = 1;
   options.texture = texture;

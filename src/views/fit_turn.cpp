@@ -181,15 +181,12 @@ TurnFit fit_turn(std::vector<View>& views, std::vector<Detections>& detections, 
         fit.turn.camera_from_body(seen.view).inverse() * (ray * (fit.turn.center_mm.z() - 80));
   }
   observations.insert(observations.end(), keypoints.begin(), keypoints.end());
-  // Tracks tell how far the body turns from picture to picture, but their small common drift would tilt the axis, and
-  // keypoints are biased: the silhouettes tell it.
   TurnBundleOptions options;
-  options.keep_axis = true;
-  solve_turn(camera, observations, options, fit.turn);
-  tilt_axis_by_silhouettes(views, fit.turn);
+  options.keep_axis = true;  // the tracks' small common drift would tilt it
   solve_turn(camera, observations, options, fit.turn);
   options.deviate = true;
   solve_turn(camera, observations, options, fit.turn);
+  align_turn_by_silhouettes(views, fit.turn);
 
   std::vector<double> track_px;
   for (const TurnObservation& seen : observations)

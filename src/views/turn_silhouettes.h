@@ -1,6 +1,7 @@
-// The axis of a turn from its silhouettes. Keypoints are biased, which tilts it by half a degree; but the outlines of a
-// body that turns all touch one body, and only about the right axis (silhouette coherence: Hernandez, Schmitt and
-// Cipolla, "Silhouette coherence for camera calibration under circular motion", 2007).
+// The poses of a turn from its silhouettes. Tracks of the clothes tell how far the body turns from one picture to the
+// next, but their drift adds up to a degree and tilts the axis, and keypoints are biased. The outlines of a rigid body
+// all touch one body, and only where the poses are right (silhouette coherence: Hernandez, Schmitt and Cipolla,
+// "Silhouette coherence for camera calibration under circular motion", 2007).
 #pragma once
 
 #include <vector>
@@ -10,8 +11,9 @@
 
 namespace livecap {
 
-// Tilts turn.axis about turn.center_mm to where the outlines miss the body that all masks allow by least, in the mean.
-// views: those of the turn, with masks. The axis stays where that gains nothing.
-void tilt_axis_by_silhouettes(const std::vector<View>& views, Turn& turn);
+// Moves the deviations of turn, smoothly from view to view, to where the outlines miss the body that all masks allow by
+// least. views: those of the turn, in its order, with masks. Nothing moves where that gains nothing. Returns the mean
+// of what the outlines miss by, in pixels of pictures of at most 640.
+double align_turn_by_silhouettes(const std::vector<View>& views, Turn& turn);
 
 }  // namespace livecap

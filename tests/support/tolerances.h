@@ -262,8 +262,8 @@ inline constexpr double kFacingRad = 1e-6;
 inline constexpr double kExactTurnRad = 1e-3;
 inline constexpr double kExactTurnMm = 1;
 inline constexpr double kNoisyTurnRad = 0.06;
-// The axis of a turn from masks 320 px high, whose pixels are 7 mm: 0.1 degrees.
-inline constexpr double kSilhouetteAxisRad = 2e-3;
+// Points of a body by the poses of its turn, from masks 480 px high, whose pixels are 5 mm.
+inline constexpr double kSilhouettePosesMm = 3;
 // 8-bit steps: noise of 2, and what nobody saw within 6 px of a wall that changes by 4 a pixel.
 inline constexpr double kFilledPlate = 34;
 // A point followed by Lucas-Kanade in a smooth pattern of 8-bit grey.

@@ -1,4 +1,4 @@
-// The axis of a turn of spheres, drawn here ray by ray.
+// The poses of a turn of spheres, drawn here ray by ray.
 #include "views/turn_silhouettes.h"
 
 #include <gtest/gtest.h>
@@ -46,46 +46,77 @@ std::vector<View> pictures_of(const Turn& turn) {
   std::vector<View> views;
   for (size_t i = 0; i < turn.angle_rad.size(); ++i) {
     View view;
-    view.camera = camera_from_fov(240, 320, 46);
-    view.mask = {240, 320, std::vector<uint8_t>(240 * 320, 0)};
+    view.camera = camera_from_fov(360, 480, 46);
+    view.mask = {360, 480, std::vector<uint8_t>(360 * 480, 0)};
     std::vector<Vector3d> centers;
     for (const Ball& ball : kBody) centers.push_back(turn.camera_from_body(static_cast<int>(i)) * ball.center);
-    for (int y = 0; y < 320; ++y)
-      for (int x = 0; x < 240; ++x) {
+    for (int y = 0; y < 480; ++y)
+      for (int x = 0; x < 360; ++x) {
         const Vector3d ray =
             Vector3d((x - view.camera.cx) / view.camera.fx, (y - view.camera.cy) / view.camera.fy, 1).normalized();
         for (size_t k = 0; k < kBody.size(); ++k)
-          if (centers[k].cross(ray).norm() < kBody[k].radius) view.mask.pixels[size_t(y) * 240 + x] = 255;
+          if (centers[k].cross(ray).norm() < kBody[k].radius) view.mask.pixels[size_t(y) * 360 + x] = 255;
       }
     views.push_back(view);
   }
   return views;
 }
 
-double apart_rad(const Turn& a, const Turn& b) {
-  return (a.axis * Vector3d::UnitY()).cross(b.axis * Vector3d::UnitY()).norm();
+// How far the poses of a turn contradict the true ones about where points of the body are, rms, mm. Where the body's
+// own axes are does not matter.
+double contradiction_mm(const Turn& turn, const Turn& truth) {
+  double sum = 0;
+  const int n = static_cast<int>(truth.angle_rad.size());
+  for (const Ball& ball : kBody) {
+    std::vector<Vector3d> places;
+    Vector3d mean = Vector3d::Zero();
+    for (int i = 0; i < n; ++i) {
+      places.push_back(turn.camera_from_body(i).inverse() * (truth.camera_from_body(i) * ball.center));
+      mean += places.back() / n;
+    }
+    for (const Vector3d& place : places) sum += (place - mean).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(n * kBody.size()));
 }
 
-TEST(TurnSilhouettes, TiltTheAxisBack) {
+// The axis tilted, and a drift over the turn: yaw and shift.
+Turn disturbed(Turn turn, double about_x, double about_z, double drift_deg, double drift_mm) {
+  turn.axis = turned(about_x, Vector3d::UnitX()) * turned(about_z, Vector3d::UnitZ()) * turn.axis;
+  for (size_t i = 0; i < turn.angle_rad.size(); ++i) {
+    const double s = std::sin(turn.angle_rad[i] + 0.4);
+    turn.angle_rad[i] += drift_deg * kTiltDegree * s;
+    turn.deviation[i].shift_mm = drift_mm * Vector3d(s, 0.3 * s, -s);
+  }
+  return turn;
+}
+
+TEST(TurnSilhouettes, AlignThePoses) {
   const Turn truth = true_turn();
   std::vector<View> views = pictures_of(truth);
   views[3].mask = {};  // a view in which the network saw nobody
-  for (const auto& [about_x, about_z] : {std::pair{0.8, -0.5}, {-0.7, 0.4}, {0.0, 0.0}}) {
-    Turn turn = truth;
-    turn.axis = turned(about_x, Vector3d::UnitX()) * turned(about_z, Vector3d::UnitZ()) * turn.axis;
-    tilt_axis_by_silhouettes(views, turn);
-    EXPECT_LT(apart_rad(turn, truth), test::kSilhouetteAxisRad) << about_x << " " << about_z;
-    EXPECT_EQ(turn.center_mm, truth.center_mm);
+  for (const auto& start : {disturbed(truth, 1.2, -0.8, 0, 0), disturbed(truth, -1, 0.6, 0, 0),
+                            disturbed(truth, 0, 0, 1.5, 0), disturbed(truth, 0.4, 0.2, -1, 6)}) {
+    Turn turn = start;
+    align_turn_by_silhouettes(views, turn);
+    EXPECT_LT(contradiction_mm(turn, truth), test::kSilhouettePosesMm);
+    EXPECT_LT(contradiction_mm(turn, truth), contradiction_mm(start, truth) / 2);
   }
 }
 
-TEST(TurnSilhouettes, MasksThatSayNothingLeaveTheAxis) {
+TEST(TurnSilhouettes, RightPosesStay) {
+  const Turn truth = true_turn();
+  Turn turn = truth;
+  align_turn_by_silhouettes(pictures_of(truth), turn);
+  EXPECT_LT(contradiction_mm(turn, truth), test::kSilhouettePosesMm);
+}
+
+TEST(TurnSilhouettes, MasksThatSayNothingLeaveThePoses) {
   const Turn truth = true_turn();
   std::vector<View> views = pictures_of(truth);
   for (View& view : views) std::fill(view.mask.pixels.begin(), view.mask.pixels.end(), uint8_t{255});
   Turn turn = truth;
-  tilt_axis_by_silhouettes(views, turn);
-  EXPECT_EQ(apart_rad(turn, truth), 0);
+  align_turn_by_silhouettes(views, turn);
+  EXPECT_EQ(contradiction_mm(turn, truth), contradiction_mm(truth, truth));
 }
 
 }  // namespace

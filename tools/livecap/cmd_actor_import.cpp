@@ -5,7 +5,6 @@
 #include <string>
 
 #include "acquire/import_template.h"
-#include "acquire/report.h"
 #include "acquire/template_truth.h"
 #include "base/log.h"
 #include "base/require_writable.h"
@@ -13,6 +12,7 @@
 #include "cmd_actor.h"
 #include "livecap/error.h"
 #include "progress.h"
+#include "report/actor_report.h"
 #include "value_checks.h"
 
 namespace livecap::tools {
@@ -88,7 +88,7 @@ int import_actor(const ImportCommand& command) {
   const std::string facts = format("%d vertices, %zu of %d bones are joints of the rig", actor.n_vertices(),
                                    imported.actor.rig.size(), imported.skeleton.skeleton.n_bones());
   const fs::path report = fs::path(command.out).replace_extension(".html");
-  write_file_atomically(report, acquire::actor_report_html(actor, {imported.actor.name, {facts}, imported.notes}));
+  write_file_atomically(report, actor_report_html(actor, {imported.actor.name, {facts}, imported.notes}));
   std::printf("%s: %s; see %s\n", command.out.c_str(), facts.c_str(), report.c_str());
   if (!command.truth.empty()) write_truth(command, imported, actor, motion);
   return kExitOk;

@@ -186,7 +186,6 @@ TurnFit fit_turn(std::vector<View>& views, std::vector<Detections>& detections, 
   solve_turn(camera, observations, options, fit.turn);
   options.deviate = true;
   solve_turn(camera, observations, options, fit.turn);
-  align_turn_by_silhouettes(views, fit.turn);
 
   std::vector<double> track_px;
   for (const TurnObservation& seen : observations)
@@ -201,6 +200,7 @@ TurnFit fit_turn(std::vector<View>& views, std::vector<Detections>& detections, 
         format("only %d points of the clothes could be followed around: the turn comes from the network's "
                "keypoints, and the shape is coarser",
                fit.n_tracks));
+  align_turn_by_silhouettes(views, fit.turn);
   for (size_t i = 0; i < views.size(); ++i) views[i].camera_from_world = fit.turn.camera_from_body(static_cast<int>(i));
   return fit;
 }

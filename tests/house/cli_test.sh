@@ -373,7 +373,7 @@ expect 2 'none.mp4' eval --ablate --truth seq/truth --video none.mp4 --camera se
 # What it does with good input: every row of the ablation, one self-contained page.
 cases=$((cases + 1))
 if ! "$livecap" eval --ablate --truth seq/truth --video seq/video.mp4 --camera seq/camera.json \
-  --actor builtin:trousers --height 1.7 --smooth \
+  --actor seq/actor.glb --height 1.7 --smooth \
   --background seq/background.png --model lite --view view.json seq/truth/masks --out table --html table.html \
   >out.txt 2>err.txt || [[ $(grep -cE ' [0-9.]+ +[0-9.]+ +[0-9.]+ +[-+][0-9.]+ %' out.txt) -ne 21 ]] ||
   ! grep -q '"height_mm": 1700' table/full/report.json || ! grep -q '"smooth": true' table/full/report.json ||

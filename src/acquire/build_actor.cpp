@@ -18,6 +18,7 @@
 #include "base/text.h"
 #include "base/timer.h"
 #include "livecap/error.h"
+#include "meshing/nearest_vertex.h"
 #include "scan/scan.h"
 #include "texture/surface_views.h"
 #include "views/fit_turn.h"
@@ -246,13 +247,8 @@ class Builder {
     result_.joints = place_joints(keypoints_, height_mm_, shape_.volume, result_.notes);
     make_symmetric(result_.joints);
     if (!options_.joints.empty()) override_joints(given_joints_, frame_, result_.joints);
-    for (const auto& [name, position] : face_markers(keypoints_, given_joints_, frame_)) {
-      int best = 0;
-      for (size_t i = 1; i < surface().vertices.size(); ++i)
-        if ((surface().vertices[i] - position).squaredNorm() < (surface().vertices[best] - position).squaredNorm())
-          best = static_cast<int>(i);
-      result_.actor.markers.emplace_back(name, best);
-    }
+    for (const auto& [name, position] : face_markers(keypoints_, given_joints_, frame_))
+      result_.actor.markers.emplace_back(name, meshing::nearest_vertex(surface(), position));
   }
 
   void find_visible() {
@@ -310,17 +306,11 @@ class Builder {
   }
 
   void guess() {
-    result_.actor.labels =
-        guess_labels({surface(), result_.actor.weights, result_.joints, shape_.volume,
-                      vertex_colors(surface(), result_.actor.atlas, result_.actor.texture), nose_vertex()});
+    result_.actor.labels = guess_labels({surface(), result_.actor.weights, result_.joints, shape_.volume,
+                                         vertex_colors(surface(), result_.actor.atlas, result_.actor.texture),
+                                         result_.actor.marker_vertex("nose")});
     note(has_label_images() ? "the materials are guessed from body parts and colours instead"
                             : "no label images: materials are guessed from body parts and colours");
-  }
-
-  int nose_vertex() const {
-    for (const auto& [name, vertex] : result_.actor.markers)
-      if (name == "nose") return vertex;
-    return -1;
   }
 
   void finish() {

@@ -4,12 +4,15 @@
 #include <cctype>
 #include <limits>
 
+#include "acquire/build_actor.h"
 #include "acquire/material_labels.h"
 #include "acquire/surface_color.h"
 #include "acquire/vertex_labels.h"
+#include "actor/height_range.h"
 #include "actor/rest_axes.h"
 #include "base/text.h"
 #include "livecap/error.h"
+#include "meshing/nearest_vertex.h"
 #include "scan/mesh_volume.h"
 #include "scan/scan.h"
 
@@ -19,9 +22,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kGridMm = 7;                         // of the volume that labels are guessed with; as build_actor's
-constexpr double kLowestMm = 500, kTallestMm = 3000;  // as --height elsewhere
-constexpr double kOutsideShare = 0.1;                 // of the mesh's extent that a joint may lie beside it
+constexpr double kOutsideShare = 0.1;  // of the mesh's extent that a joint may lie beside it
 
 class Importer {
  public:
@@ -151,7 +152,7 @@ class Importer {
       bottom = std::min(bottom, (*axes * p).y());
       top = std::max(top, (*axes * p).y());
     }
-    if (top - bottom < kLowestMm || top - bottom > kTallestMm)
+    if (!kActorHeightMm.contains(top - bottom))
       throw IoError(files_.mesh.string() + format(": is %.4g tall; it and ", top - bottom) + files_.skeleton.string() +
                     " must be in mm");
     result_.rest_from_world.linear() = *axes;
@@ -185,17 +186,10 @@ class Importer {
             plain += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
         auto& markers = result_.actor.markers;
         if (plain != called || std::any_of(markers.begin(), markers.end(), of_keypoint)) continue;
-        markers.emplace_back(keypoint, nearest_vertex(result_.rest_from_world * marker.rest_position_mm));
+        markers.emplace_back(keypoint,
+                             meshing::nearest_vertex(surface(), result_.rest_from_world * marker.rest_position_mm));
       }
     }
-  }
-
-  int nearest_vertex(const Vector3d& p) {
-    const auto& v = surface().vertices;
-    const auto nearer = [&](const Vector3d& a, const Vector3d& b) {
-      return (a - p).squaredNorm() < (b - p).squaredNorm();
-    };
-    return static_cast<int>(std::min_element(v.begin(), v.end(), nearer) - v.begin());
   }
 
   void guess() {
@@ -208,11 +202,9 @@ class Importer {
     std::vector<Vector3d> colors = result_.actor.colors;
     if (!result_.actor.texture.empty()) colors = vertex_colors(surface(), result_.actor.atlas, result_.actor.texture);
     if (colors.empty()) colors.assign(surface().vertices.size(), Vector3d::Constant(0.5));
-    int nose = -1;
-    for (const auto& [name, vertex] : result_.actor.markers)
-      if (name == "nose") nose = vertex;
-    result_.actor.labels = guess_labels(
-        {surface(), weights, body_joints(joints_, result_.rig, top), volume_of(surface(), kGridMm), colors, nose});
+    result_.actor.labels =
+        guess_labels({surface(), weights, body_joints(joints_, result_.rig, top),
+                      volume_of(surface(), BuildOptions().grid_mm), colors, result_.actor.marker_vertex("nose")});
     note("no --labels: materials are guessed from body parts and colours");
   }
 

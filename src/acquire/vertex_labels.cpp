@@ -1,8 +1,10 @@
 #include "acquire/vertex_labels.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <sstream>
 #include <string_view>
 
@@ -26,6 +28,15 @@ std::vector<double> numbers(std::string_view bytes) {
   }
   return values;
 }
+
+struct NpyType {
+  std::string_view name;  // as in the header
+  std::vector<double> (*read)(std::string_view bytes);
+};
+constexpr NpyType kTypes[] = {{"'|u1'", numbers<uint8_t>},  {"'|i1'", numbers<int8_t>},   {"'<u2'", numbers<uint16_t>},
+                              {"'<i2'", numbers<int16_t>},  {"'<u4'", numbers<uint32_t>}, {"'<i4'", numbers<int32_t>},
+                              {"'<u8'", numbers<uint64_t>}, {"'<i8'", numbers<int64_t>},  {"'<f4'", numbers<float>},
+                              {"'<f8'", numbers<double>}};
 
 // The text behind "'key':" in the header of an .npy, up to the next of `ends`.
 std::string header_value(const std::string& header, const std::string& key, const char* ends) {
@@ -55,29 +66,9 @@ std::vector<double> read_npy(const std::string& bytes, const std::filesystem::pa
 
   const std::string type = header_value(header, "descr", ",");
   const std::string_view data = std::string_view(bytes).substr(start + length);
-  std::vector<double> values;
-  if (type == "'|u1'")
-    values = numbers<uint8_t>(data);
-  else if (type == "'|i1'")
-    values = numbers<int8_t>(data);
-  else if (type == "'<u2'")
-    values = numbers<uint16_t>(data);
-  else if (type == "'<i2'")
-    values = numbers<int16_t>(data);
-  else if (type == "'<u4'")
-    values = numbers<uint32_t>(data);
-  else if (type == "'<i4'")
-    values = numbers<int32_t>(data);
-  else if (type == "'<u8'")
-    values = numbers<uint64_t>(data);
-  else if (type == "'<i8'")
-    values = numbers<int64_t>(data);
-  else if (type == "'<f4'")
-    values = numbers<float>(data);
-  else if (type == "'<f8'")
-    values = numbers<double>(data);
-  else
-    throw fail("its type " + type + " is not known");
+  const auto known = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const auto& t) { return t.name == type; });
+  if (known == std::end(kTypes)) throw fail("its type " + type + " is not known");
+  std::vector<double> values = known->read(data);
   if (values.size() != count) throw fail(format("it has %zu values where its header says %zu", values.size(), count));
   return values;
 }

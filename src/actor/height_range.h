@@ -1,10 +1,11 @@
-// How tall people are whom an actor is made of.
+// How tall actors may be, and people whom one is made of.
 #pragma once
 
 #include "base/value_range.h"
 
 namespace livecap {
 
+inline constexpr ValueRange kActorHeightMm{500, 3000};
 inline constexpr ValueRange kPersonHeightMm{800, 2500};
 
 // height_mm: 0 is not given. Throws ConfigError.

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "actor/height_range.h"
 #include "base/text.h"
 #include "capture/components.h"
 #include "image/video.h"
@@ -35,7 +36,7 @@ const char* stage_name(CaptureStage stage) {
 
 void MethodOptions::validate() const {
   if (actor.empty()) throw ConfigError("--actor is missing: an actor.glb or builtin:skirt, builtin:trousers");
-  if (height_mm != 0 && !(height_mm >= 500 && height_mm <= 3000))
+  if (height_mm != 0 && !kActorHeightMm.contains(height_mm))
     throw ConfigError(format("--height %g m: must be between 0.5 and 3 metres", height_mm / 1000));
   if (rigidity != 0 && !(rigidity > 0 && rigidity <= 1e6))
     throw ConfigError(format("--rigidity %g: must be between 0 and 1e6; the labels' are 1 to 200", rigidity));

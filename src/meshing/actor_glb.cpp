@@ -161,6 +161,12 @@ tinygltf::Primitive add_geometry(const ActorFile& actor, Builder& builder) {
 
 }  // namespace
 
+int ActorFile::marker_vertex(const std::string& name) const {
+  for (const auto& [marker, vertex] : markers)
+    if (marker == name) return vertex;
+  return -1;
+}
+
 std::string actor_glb(const ActorFile& actor) {
   Builder builder;
   tinygltf::Model& model = builder.model;

@@ -1,7 +1,9 @@
 #include "synth/actor_model.h"
 
+#include "actor/height_range.h"
 #include "base/text.h"
 #include "livecap/error.h"
+#include "meshing/nearest_vertex.h"
 #include "synth/paint.h"
 #include "synth/synth.h"
 
@@ -27,19 +29,11 @@ constexpr double kGridStep = 15;  // mm
 constexpr int kGroupOfPart[kPartCount] = {0, 0, 0, 1, 2, 2, 3, 4, 5};
 const std::vector<double> kGroupDensity = {2.4, 1.0, 1.0, 1.0, 0.8, 1.0};
 
-int nearest_vertex(const Surface& surface, const Vec3& p) {
-  int best = 0;
-  for (size_t i = 1; i < surface.vertices.size(); ++i)
-    if ((surface.vertices[i] - p).squaredNorm() < (surface.vertices[best] - p).squaredNorm())
-      best = static_cast<int>(i);
-  return best;
-}
-
 }  // namespace
 
 ActorModel build_actor(const std::string& name, double height_mm, int target_vertices) {
   const BodyShape shape(outfit_from_name(name));
-  if (!(height_mm >= 500 && height_mm <= 3000))
+  if (!(kActorHeightMm.contains(height_mm)))
     throw ConfigError(format("--height %g m: must be between 0.5 and 3 metres", height_mm / 1000));
   if (target_vertices < 1000 || target_vertices > 60000)
     throw ConfigError(format("target_vertices is %d; it must be within 1000..60000", target_vertices));
@@ -68,10 +62,10 @@ ActorModel build_actor(const std::string& name, double height_mm, int target_ver
       [&](const meshing::SurfacePoint& point) { return paint(shape, shape.part(point.position), point.position); });
 
   const FaceFeatures features = face_features(shape);
-  actor.left_eye = nearest_vertex(actor.surface, features.left_eye);
-  actor.right_eye = nearest_vertex(actor.surface, features.right_eye);
-  actor.nose = nearest_vertex(actor.surface, features.nose);
-  actor.chin = nearest_vertex(actor.surface, features.chin);
+  actor.left_eye = meshing::nearest_vertex(actor.surface, features.left_eye);
+  actor.right_eye = meshing::nearest_vertex(actor.surface, features.right_eye);
+  actor.nose = meshing::nearest_vertex(actor.surface, features.nose);
+  actor.chin = meshing::nearest_vertex(actor.surface, features.chin);
 
   double top = 0, bottom = 0;
   for (const Vec3& p : vertices) top = std::max(top, p.y()), bottom = std::min(bottom, p.y());

@@ -7,6 +7,7 @@
 #include <optional>
 #include <system_error>
 
+#include "actor/height_range.h"
 #include "base/text.h"
 #include "base/timer.h"
 #include "image/image_io.h"
@@ -269,7 +270,7 @@ void require_within(const char* name, double value, double least, double most, c
 void SynthOptions::validate() const {
   outfit_from_name(actor);
   physique.validate();
-  require_within("--height", height_mm / 1000, 0.5, 3, " metres");
+  require_within("--height", height_mm / 1000, kActorHeightMm.least / 1000, kActorHeightMm.most / 1000, " metres");
   if (motions.empty()) throw ConfigError("synth: --motion: name at least one");
   make_motion(motions, 1);
   require_within("--crouch", crouch_deg, 0, 40, " degrees");

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/rotation_vector.h"
+
 namespace livecap {
 
 namespace {
@@ -28,11 +30,6 @@ Matrix3d cross(const Vector3d& v) {
   Matrix3d m;
   m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
   return m;
-}
-
-Eigen::Quaterniond rotation_of(const Vector3d& w) {
-  const double angle = w.norm();
-  return angle > 1e-12 ? Eigen::Quaterniond(Eigen::AngleAxisd(angle, w / angle)) : Eigen::Quaterniond::Identity();
 }
 
 Vector3d vector_of(const Eigen::Quaterniond& q) {
@@ -79,10 +76,7 @@ class Bundle {
       const Vector3d turned = poses[seen.view].linear() * turn.points_mm[seen.point];
       const Vector3d p = turned + poses[seen.view].translation();
       const Eigen::Vector2d r = residual(p, seen);
-      Matrix23 project;
-      project << camera_.fx / p.z(), 0, -camera_.fx * p.x() / (p.z() * p.z()), 0, camera_.fy / p.z(),
-          -camera_.fy * p.y() / (p.z() * p.z());
-      project /= seen.sigma_px;
+      const Matrix23 project = pixel_by_point(camera_.fx, camera_.fy, p) / seen.sigma_px;
       Eigen::Matrix<double, 2, 6> by_pose;
       by_pose << project * -cross(turned), project;
       const Matrix23 by_point = project * poses[seen.view].linear();

@@ -10,6 +10,13 @@
 
 namespace livecap {
 
+// How the pixel of a point in front of a camera (its frame, mm) moves with the point, px/mm.
+inline Eigen::Matrix<double, 2, 3> pixel_by_point(double fx, double fy, const Eigen::Vector3d& p) {
+  Eigen::Matrix<double, 2, 3> m;
+  m << fx / p.z(), 0, -fx * p.x() / (p.z() * p.z()), 0, fy / p.z(), -fy * p.y() / (p.z() * p.z());
+  return m;
+}
+
 struct TurnObservation {
   int view = 0;
   int point = 0;

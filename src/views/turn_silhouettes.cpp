@@ -9,6 +9,8 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "geometry/rotation_vector.h"
+
 namespace livecap {
 
 namespace {
@@ -17,7 +19,6 @@ using Eigen::Isometry3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-using Matrix23 = Eigen::Matrix<double, 2, 3>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;  // of a view's pose: rotation about the turn's centre, shift; camera axes
 
 constexpr int kMaxSidePx = 640;
@@ -196,9 +197,7 @@ class Silhouettes {
     const Vector3d right(p.z() / (2 * fx_), 0, 0), down(0, p.z() / (2 * fy_), 0);
     const Eigen::Vector2d by_pixel(distance_px(outline, p + right) - distance_px(outline, p - right),
                                    distance_px(outline, p + down) - distance_px(outline, p - down));
-    Matrix23 project;
-    project << fx_ / p.z(), 0, -fx_ * p.x() / (p.z() * p.z()), 0, fy_ / p.z(), -fy_ * p.y() / (p.z() * p.z());
-    return project.transpose() * by_pixel;
+    return pixel_by_point(fx_, fy_, p).transpose() * by_pixel;
   }
 
   int stride_ = 1;  // from one view to the next that is looked at: soon all sides are
@@ -228,10 +227,7 @@ void add_priors(const Turn& turn, const VectorXd& moved, MatrixXd& a, VectorXd& 
 
 void move(const VectorXd& step, Turn& turn) {
   for (size_t i = 0; i < turn.deviation.size(); ++i) {
-    const Vector3d rotation = step.segment<3>(6 * i);
-    const double angle = rotation.norm();
-    const Eigen::Quaterniond turned =
-        angle > 0 ? Eigen::Quaterniond(Eigen::AngleAxisd(angle, rotation / angle)) : Eigen::Quaterniond::Identity();
+    const Eigen::Quaterniond turned = rotation_of(step.segment<3>(6 * i));
     TurnDeviation& deviation = turn.deviation[i];
     deviation.rotation = (turned * deviation.rotation).normalized();
     deviation.shift_mm = turned * deviation.shift_mm + step.segment<3>(6 * i + 3);
@@ -240,7 +236,7 @@ void move(const VectorXd& step, Turn& turn) {
 
 }  // namespace
 
-double align_turn_by_silhouettes(const std::vector<View>& views, Turn& turn) {
+void align_turn_by_silhouettes(const std::vector<View>& views, Turn& turn) {
   const Silhouettes silhouettes(views);
   const int n = 6 * silhouettes.n_views();
   Turn next = turn;
@@ -258,7 +254,6 @@ double align_turn_by_silhouettes(const std::vector<View>& views, Turn& turn) {
     move(step, next);
     moved += step;
   }
-  return best;
 }
 
 }  // namespace livecap

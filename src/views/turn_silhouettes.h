@@ -12,8 +12,7 @@
 namespace livecap {
 
 // Moves the deviations of turn, smoothly from view to view, to where the outlines miss the body that all masks allow by
-// least. views: those of the turn, in its order, with masks. Nothing moves where that gains nothing. Returns the mean
-// of what the outlines miss by, in pixels of pictures of at most 640.
-double align_turn_by_silhouettes(const std::vector<View>& views, Turn& turn);
+// least. views: those of the turn, in its order, with masks. Nothing moves where that gains nothing.
+void align_turn_by_silhouettes(const std::vector<View>& views, Turn& turn);
 
 }  // namespace livecap

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "actor/height_range.h"
 #include "base/value_range.h"
 #include "livecap/method.h"
 
@@ -13,7 +14,7 @@ namespace livecap::tools {
 
 // --height, in metres.
 CLI::Option* add_height_option(CLI::App& command, double& height_mm, const std::string& what,
-                               const ValueRange& range_mm = {500, 3000});
+                               const ValueRange& range_mm = kActorHeightMm);
 // --fov.
 CLI::Option* add_fov_option(CLI::App& command, double& fov_deg,
                             const std::string& what = "instead of --camera: field of view of the longer side, degrees");

@@ -1,5 +1,4 @@
 // decimate_surface of isosurface.h.
-#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModBaseT.hh>
 #include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
@@ -7,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "meshing/closed_mesh.h"
 #include "meshing/isosurface.h"
 
 namespace livecap::meshing {
@@ -17,7 +17,7 @@ struct DecimateTraits : OpenMesh::DefaultTraits {
   using Point = OpenMesh::Vec3d;
   using Normal = OpenMesh::Vec3d;
 };
-using TriMesh = OpenMesh::TriMesh_ArrayKernelT<DecimateTraits>;
+using TriMesh = ClosedMesh<DecimateTraits>;
 using Point = TriMesh::Point;
 
 // Twice the area over the square of the longest edge: 0.87 for an equilateral triangle, 0 for a sliver.

@@ -1,7 +1,6 @@
 #include "meshing/remesh.h"
 
 #include <Eigen/Eigenvalues>
-#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "livecap/error.h"
+#include "meshing/closed_mesh.h"
 #include "meshing/nearest_surface.h"
 #include "meshing/surface_parts.h"
 
@@ -39,7 +39,7 @@ struct RemeshTraits : OpenMesh::DefaultTraits {
     double size = 1;  // wanted length of its edges, of the usual one
   };
 };
-using FineMesh = OpenMesh::TriMesh_ArrayKernelT<RemeshTraits>;
+using FineMesh = ClosedMesh<RemeshTraits>;
 using Vertex = FineMesh::VertexHandle;
 using Edge = FineMesh::EdgeHandle;
 using Halfedge = FineMesh::HalfedgeHandle;

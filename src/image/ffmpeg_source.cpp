@@ -3,9 +3,6 @@
 extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>
-#ifdef LIVECAP_HAS_AVDEVICE
-#include <libavdevice/avdevice.h>
-#endif
 }
 
 #include <algorithm>
@@ -19,6 +16,7 @@ extern "C" {
 
 #include "base/log.h"
 #include "base/text.h"
+#include "image/av_devices.h"
 #include "image/picture_converter.h"
 #include "livecap/error.h"
 
@@ -312,17 +310,13 @@ std::unique_ptr<FrameSource> open_video_file(const std::string& path) {
 }
 
 std::unique_ptr<FrameSource> open_webcam(int index) {
-#ifdef LIVECAP_HAS_AVDEVICE
-  avdevice_register_all();
+  register_av_devices(format("webcam:%d", index));
   const AVInputFormat* v4l2 = av_find_input_format("v4l2");
   if (!v4l2) throw ConfigError(format("webcam:%d: this FFmpeg has no video4linux2 input", index));
   const std::string device = format("/dev/video%d", index);
   if (!std::filesystem::exists(device))
     throw IoError(format("webcam:%d: there is no %s; connect a camera or give another number", index, device.c_str()));
   return std::make_unique<FfmpegSource>(format("webcam:%d (%s)", index, device.c_str()), device, v4l2);
-#else
-  throw ConfigError(format("webcam:%d: this build has no libavdevice; install libavdevice-dev and build again", index));
-#endif
 }
 
 }  // namespace livecap

@@ -11,7 +11,7 @@ namespace livecap {
 // Throws IoError naming the file when it holds no decodable video.
 std::unique_ptr<FrameSource> open_video_file(const std::string& path);
 
-// /dev/video<index>. Throws ConfigError when this build has no libavdevice, IoError when the device cannot be opened.
+// /dev/video<index>. Throws ConfigError when libavdevice is not installed, IoError when the device cannot be opened.
 std::unique_ptr<FrameSource> open_webcam(int index);
 
 }  // namespace livecap

@@ -3,20 +3,25 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include "base/image_rgb.h"
 
 namespace livecap {
 
-// 8-bit; alpha is dropped, grey files become three equal channels. Throws IoError naming the file.
+// 8-bit, turned as the EXIF data says; alpha is dropped, grey files become three equal channels. Throws IoError naming
+// the file.
 ImageRgb read_image_rgb(const std::filesystem::path& path);
 
-// 8-bit; colour files are converted to luma. Throws IoError naming the file.
+// The same as luma.
 ImageGray read_image_gray(const std::filesystem::path& path);
 
 // A mask as cutting tools leave it: the alpha of a picture that has one, unless it is the same everywhere; else as
 // read_image_gray.
 ImageGray read_image_mask(const std::filesystem::path& path);
+
+// Width and height, not turned. Throws IoError naming the file.
+std::pair<int, int> stored_picture_size(const std::filesystem::path& path);
 
 // Through a temporary file and a rename. Throws IoError; LogicError when the pixels do not match the size.
 void write_png(const ImageRgb& image, const std::filesystem::path& path);

@@ -38,7 +38,7 @@ class VideoReader {
  public:
   // source: a video file, a folder of .png/.jpg pictures (in the order of their names), or "webcam:N" (/dev/videoN).
   // Throws IoError naming the file and what is wrong with it (missing, empty, not a video, no decodable frame), and
-  // ConfigError for a webcam when this build has no libavdevice.
+  // ConfigError for a webcam when libavdevice is not installed.
   explicit VideoReader(const std::string& source);
   ~VideoReader();
   VideoReader(VideoReader&&) noexcept;

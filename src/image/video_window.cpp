@@ -2,9 +2,6 @@
 
 extern "C" {
 #include <libavformat/avformat.h>
-#ifdef LIVECAP_HAS_AVDEVICE
-#include <libavdevice/avdevice.h>
-#endif
 }
 
 #include <algorithm>
@@ -15,6 +12,7 @@ extern "C" {
 
 #include "base/log.h"
 #include "base/text.h"
+#include "image/av_devices.h"
 #include "livecap/error.h"
 
 namespace livecap {
@@ -52,11 +50,9 @@ void choose_window_driver() {
 #endif
 }
 
-#ifdef LIVECAP_HAS_AVDEVICE
-
 VideoWindow::VideoWindow(const std::string& title, int width, int height) : device_(std::make_unique<Device>()) {
   av_log_set_level(AV_LOG_QUIET);
-  avdevice_register_all();
+  register_av_devices("no window");
   device_->width = width;
   device_->height = height;
   if (avformat_alloc_output_context2(&device_->muxer, nullptr, "sdl2", title.c_str()) < 0 &&
@@ -91,18 +87,6 @@ bool VideoWindow::show(const ImageRgb& image) {
   device_->close();
   return false;
 }
-
-#else
-
-VideoWindow::VideoWindow(const std::string&, int, int) {
-  throw ConfigError("no window: this build has no libavdevice; install libavdevice-dev and build again");
-}
-
-bool VideoWindow::show(const ImageRgb&) {
-  return false;
-}
-
-#endif
 
 VideoWindow::~VideoWindow() = default;
 

@@ -15,7 +15,7 @@ void choose_window_driver();
 // Open, show and close it in one thread: it answers the desktop while it shows a picture.
 class VideoWindow {
  public:
-  // Throws ConfigError where there is no desktop to open it on, or when this build has no libavdevice or an FFmpeg
+  // Throws ConfigError where there is no desktop to open it on, or when libavdevice is not installed or is of an FFmpeg
   // without SDL.
   VideoWindow(const std::string& title, int width, int height);
   ~VideoWindow();

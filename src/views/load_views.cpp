@@ -7,6 +7,7 @@
 
 #include "base/median.h"
 #include "base/text.h"
+#include "image/exif_orientation.h"
 #include "image/image_io.h"
 #include "image/undistort.h"
 #include "livecap/error.h"
@@ -176,7 +177,7 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
       notes.push_back(std::string(error.what()) + "; left out");
       continue;
     }
-    const int turns = as_stored ? quarter_turns(file) : 0;
+    const int turns = as_stored ? quarter_turns(exif_orientation(read_file(file))) : 0;
     if (turns > 0) pose = turned(given, turns), ++n_turned;
     const Camera& camera = pose.camera;
     if (image.width != camera.width || image.height != camera.height)

@@ -10,13 +10,13 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
-#include <opencv2/imgcodecs.hpp>
 #include <set>
 #include <sstream>
 #include <system_error>
 #include <thread>
 
 #include "base/text.h"
+#include "image/image_io.h"
 #include "livecap/error.h"
 #include "views/camera_files.h"
 #include "views/load_views.h"
@@ -45,8 +45,10 @@ std::vector<path> pictures_in(const path& folder) {
 bool all_of_one_size(const std::vector<path>& pictures) {
   std::set<std::pair<int, int>> sizes;
   for (const path& picture : pictures) {
-    const cv::Mat small = cv::imread(picture.string(), cv::IMREAD_REDUCED_GRAYSCALE_8 | cv::IMREAD_IGNORE_ORIENTATION);
-    if (!small.empty()) sizes.emplace(small.cols, small.rows);
+    try {
+      sizes.insert(stored_picture_size(picture));
+    } catch (const IoError&) {  // COLMAP leaves it out
+    }
   }
   return sizes.size() <= 1;
 }

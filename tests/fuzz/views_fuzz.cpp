@@ -1,7 +1,8 @@
 // Where the cameras of a set of pictures stood, in the formats of other tools; how a JPEG is turned.
+#include "base/text.h"
 #include "fuzz/fuzz.h"
+#include "image/exif_orientation.h"
 #include "views/camera_files.h"
-#include "views/picture_orientation.h"
 
 namespace livecap::fuzz {
 namespace {
@@ -78,7 +79,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   }
   if (files.count("pictures/0.jpg")) {
     fuzz::accepts(folder.path().string(), [&] {
-      const int turns = quarter_turns(folder.path() / "pictures/0.jpg");
+      const int turns = quarter_turns(exif_orientation(read_file(folder.path() / "pictures/0.jpg")));
       fuzz::require(turns >= 0 && turns <= 3, "0 to 3 quarter turns");
     });
   }

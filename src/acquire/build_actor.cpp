@@ -6,6 +6,7 @@
 
 #include "acquire/body_shape.h"
 #include "acquire/facet_offsets.h"
+#include "acquire/fair_surface.h"
 #include "acquire/fit_outlines.h"
 #include "acquire/keypoints.h"
 #include "acquire/material_labels.h"
@@ -69,8 +70,11 @@ class Builder {
     if (options_.refine && options_.mesh.empty()) stage("refining", [&] { refine(); });
     if (!shape_.as_is) move_along_normals(facet_offsets_mm_, surface());
     // Not of a network's masks, whose outlines are off by more.
-    if (options_.mesh.empty() && n_network_masks_ == 0)
+    if (options_.mesh.empty() && n_network_masks_ == 0) {
       stage("outlines", [&] { fit_outlines(device_, views_, ankles_mm(), surface()); });
+      stage("fairing", [&] { fair_surface(views_, shape_.volume, ankles_mm(), surface()); });
+      stage("outlines again", [&] { fit_outlines(device_, views_, ankles_mm(), surface()); });
+    }
     stage("joints", [&] { place(); });
     stage("skin weights", [&] { result_.actor.weights = heat_weights(surface(), result_.joints, shape_.volume); });
     if (options_.has_pictures()) stage("visibility", [&] { find_visible(); });

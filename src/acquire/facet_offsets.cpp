@@ -46,6 +46,11 @@ std::vector<double> facet_offsets(const meshing::Surface& surface, const Volume&
   return mean_offsets(surface, kRounds, most, [&](const Vector3d& p, const Vector3d&) { return volume.at(p); });
 }
 
+double ramp_above(double lowest_mm, const Vector3d& p) {
+  constexpr double kRampMm = 20;
+  return std::clamp((p.y() - lowest_mm) / kRampMm, 0.0, 1.0);
+}
+
 void move_along_normals(const std::vector<double>& offsets_mm, meshing::Surface& surface) {
   const std::vector<Vector3d> normals = meshing::vertex_normals(surface);
   for (size_t i = 0; i < offsets_mm.size(); ++i) surface.vertices[i] += offsets_mm[i] * normals[i];

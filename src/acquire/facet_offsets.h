@@ -23,6 +23,9 @@ std::vector<double> mean_offsets(const meshing::Surface& surface, int rounds, do
 // volume's surface as inside. [n_vertices], at most a quarter of the mean edge.
 std::vector<double> facet_offsets(const meshing::Surface& surface, const Volume& volume);
 
+// The share of a move that what stays below lowest_mm (Y) makes at p: 0 there, 1 from 20 mm above it.
+double ramp_above(double lowest_mm, const Eigen::Vector3d& p);
+
 // Moves them.
 void move_along_normals(const std::vector<double>& offsets_mm, meshing::Surface& surface);
 

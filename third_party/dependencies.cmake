@@ -5,9 +5,9 @@
 # PoCL            pocl-opencl-icd (run time only)        3.1      MIT            OpenCL on any CPU
 # Eigen           libeigen3-dev                          3.4      MPL-2.0        small dense algebra, QR, reference solvers
 # OpenCV          libopencv-dev                          4.6      Apache-2.0     background model, distance transform, calibration boards
-# FFmpeg          libav{codec,device,format,util}-dev, libswscale-dev  5.1  LGPL/GPL  video and webcams in, video out, every damaged frame reported; libavdevice at run time only
+# FFmpeg          libav{codec,device,format,util}-dev, libswscale-dev  5.1  LGPL/GPL  video and webcams in, video out, every damaged frame reported; of libavdevice only the library, at run time
 # libspng         libspng-dev                            0.7.3    BSD-2-Clause   PNG files
-# libjpeg-turbo   libturbojpeg0-dev                      2.1.5    IJG/BSD        JPEG files (OpenCV reads both, but its imgcodecs loads 130 libraries)
+# libjpeg-turbo   libjpeg-dev                            2.1.5    IJG/BSD        JPEG files (OpenCV reads both, but its imgcodecs loads 130 libraries)
 # CLBlast         libclblast-dev                         1.5.3    Apache-2.0     optional: what bench_pointwise compares convolutions with
 # OpenMesh        libopenmesh-dev                        9.0      BSD-3-Clause   meshes whose edges are collapsed, split and flipped
 # TinyGLTF        libtinygltf-dev                        2.7      MIT            GLB parsing and writing
@@ -26,7 +26,7 @@ find_package(nlohmann_json 3 REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(FFMPEG REQUIRED IMPORTED_TARGET libavformat libavcodec libavutil libswscale)
 pkg_check_modules(SPNG REQUIRED IMPORTED_TARGET spng)
-pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)
+find_package(JPEG REQUIRED)
 find_path(OPENMESH_INCLUDE_DIR OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh REQUIRED)
 find_library(OPENMESH_CORE_LIBRARY OpenMeshCore REQUIRED)
 find_library(OPENMESH_TOOLS_LIBRARY OpenMeshTools REQUIRED)

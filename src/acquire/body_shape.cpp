@@ -78,7 +78,7 @@ BodyShape shape_of_scan(const meshing::Surface& scan, std::vector<std::string>& 
 }
 
 meshing::Surface thin_shape(BodyShape& shape, int target_vertices, std::vector<double>& facet_offsets_mm) {
-  const Volume& solid = shape.wears_skirt() ? shape.open : shape.volume;
+  const Volume& solid = shape.solid();
   if (!shape.as_is) shape.fine = surface_of(solid);
   const meshing::Surface surface = meshing::remesh(shape.fine, target_vertices);
   shape.fine = {};

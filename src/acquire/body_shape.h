@@ -20,6 +20,7 @@ struct BodyShape {
   bool as_is = false;     // `fine` is closed and clean, and thinned without a grid
 
   bool wears_skirt() const { return open.size() > 0; }
+  const Volume& solid() const { return wears_skirt() ? open : volume; }  // what the surface is of
 };
 
 // The hull of the views' masks (in the rest frame, mm) around the keypoints, on a grid of grid_mm. n_ignored: how many

@@ -72,7 +72,7 @@ class Builder {
     // Not of a network's masks, whose outlines are off by more.
     if (options_.mesh.empty() && n_network_masks_ == 0) {
       stage("outlines", [&] { fit_outlines(device_, views_, ankles_mm(), surface()); });
-      stage("fairing", [&] { fair_surface(views_, shape_.volume, ankles_mm(), surface()); });
+      stage("fairing", [&] { fair_surface(views_, shape_.volume, shape_.solid(), ankles_mm(), surface()); });
       stage("outlines again", [&] { fit_outlines(device_, views_, ankles_mm(), surface()); });
     }
     stage("joints", [&] { place(); });
@@ -232,6 +232,7 @@ class Builder {
     keypoints_ = move_keypoints(down, keypoints_);
     for (double& offset : facet_offsets_mm_) offset *= down.scale_mm;
     move_volume(down, shape_.volume);
+    if (shape_.wears_skirt()) move_volume(down, shape_.open);
     for (Vector3d& p : scan_.surface.vertices) p = down.to_rest(p);
     frame_ = composed(down, frame_);
   }

@@ -23,7 +23,7 @@ std::vector<double> mean_offsets(const meshing::Surface& surface, int rounds, do
 // volume's surface as inside. [n_vertices], at most a quarter of the mean edge.
 std::vector<double> facet_offsets(const meshing::Surface& surface, const Volume& volume);
 
-// The share of a move that what stays below lowest_mm (Y) makes at p: 0 there, 1 from 20 mm above it.
+// How much of a move is made at p when what lies below lowest_mm (Y) stays: 0 there, 1 from 20 mm above it.
 double ramp_above(double lowest_mm, const Eigen::Vector3d& p);
 
 // Moves them.

@@ -38,9 +38,9 @@ double length_along(const Volume& hull, const Vector3d& p, const Vector3d& line)
   return length;
 }
 
-double thickness(const Volume& hull, const Vector3d& p, const Vector3d& normal) {
+double thickness(const Volume& solid, const Vector3d& p, const Vector3d& normal) {
   double depth = kStepMm;
-  while (depth < kThickestMm && hull.at(p - depth * normal) < 0) depth += kStepMm;
+  while (depth < kThickestMm && solid.at(p - depth * normal) < 0) depth += kStepMm;
   return depth;
 }
 
@@ -74,7 +74,8 @@ Sparse umbrella_laplacian(const std::vector<std::vector<int>>& neighbors) {
 
 }  // namespace
 
-void fair_surface(const std::vector<View>& views, const Volume& hull, double lowest_mm, meshing::Surface& surface) {
+void fair_surface(const std::vector<View>& views, const Volume& hull, const Volume& solid, double lowest_mm,
+                  meshing::Surface& surface) {
   const auto neighbors = meshing::neighbors_of(surface);
   const std::vector<Vector3d> normals = meshing::smooth_normals(surface, neighbors, 1);
   const Eigen::VectorXd held = holds(seen_outlines(views), hull, surface, normals);
@@ -95,7 +96,7 @@ void fair_surface(const std::vector<View>& views, const Volume& hull, double low
     const Vector3d& p = surface.vertices[i];
     const Vector3d move = smooth.row(i).transpose() - p;
     if (move.dot(normals[i]) >= 0) continue;  // outside of the hull there is nothing
-    const double most = std::min(kMostMm, kMostOfThickness * thickness(hull, p, normals[i]));
+    const double most = std::min(kMostMm, kMostOfThickness * thickness(solid, p, normals[i]));
     moves[i] = move * std::min(1.0, most / move.norm()) * ramp_above(lowest_mm, p);
   }
   for (int i = 0; i < n; ++i) surface.vertices[i] += moves[i];

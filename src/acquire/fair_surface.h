@@ -1,7 +1,7 @@
 // The surface between its outlines. A carved hull is all that no silhouette cuts away: webs in the armpits, square
-// undersides of arms, a filled crotch where the cameras stand at one height. But only where lines of sight graze the
-// hull for a short way do they say where the body is; what lies between is the smoothest surface that these places
-// hold.
+// undersides of arms, a filled crotch where the cameras stand at one height. A line of sight that grazes the hull for a
+// short way says where the body is, one that runs along it for long does not: there the surface becomes the smoothest
+// one that the other places hold.
 #pragma once
 
 #include "meshing/isosurface.h"
@@ -10,11 +10,12 @@
 
 namespace livecap::acquire {
 
-// Moves vertices inwards to where sum |L x|^2 + sum w |x - x0|^2 has them: L is the umbrella
-// Laplacian, w how surely outlines hold a vertex (sum over the views on whose outline it lies, less where a line of
-// sight runs along the hull for longer). No farther than a part of the body's thickness. Vertices below lowest_mm (Y)
-// stay; 20 mm above it they move wholly. Without outlines nothing moves. views, hull (negative inside): in the
-// surface's frame, mm.
-void fair_surface(const std::vector<View>& views, const Volume& hull, double lowest_mm, meshing::Surface& surface);
+// Moves vertices to where sum |L x|^2 + sum w |x - x0|^2 has them, if that is inwards: L is the umbrella Laplacian, w
+// how surely outlines hold a vertex: of three views at most on whose outline it lies, less where the line of sight runs
+// along the hull for longer. At most 40 mm and three tenths of the thickness. Vertices below lowest_mm (Y) stay; 20 mm
+// above it they move wholly. Without outlines nothing moves. hull: what was carved; solid: what the surface is of, open
+// below a skirt (both negative inside). All in the surface's frame, mm.
+void fair_surface(const std::vector<View>& views, const Volume& hull, const Volume& solid, double lowest_mm,
+                  meshing::Surface& surface);
 
 }  // namespace livecap::acquire

@@ -24,7 +24,7 @@ constexpr char kLibrary[] = "libavdevice.so." AV_STRINGIFY(LIBAVFORMAT_VERSION_M
 void register_av_devices(const std::string& who) {
   static void* const library = dlopen(kLibrary, RTLD_NOW);  // never closed: FFmpeg keeps pointers into it
   void* const call = library ? dlsym(library, "avdevice_register_all") : nullptr;
-  if (!call) throw ConfigError(who + ": " + kLibrary + " is missing; install libavdevice");
+  if (!call) throw ConfigError(who + ": " + kLibrary + " is missing or cannot be loaded; install libavdevice");
   reinterpret_cast<void (*)()>(call)();
 }
 

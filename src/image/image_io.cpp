@@ -120,8 +120,12 @@ void write_png(const ImageGray& image, const std::filesystem::path& path) {
 
 void write_png(const ImageRgb& image, const ImageGray& alpha, const std::filesystem::path& path) {
   require_size(image.pixels.size(), 3, image.width, image.height, "write_png");
-  require_size(alpha.pixels.size(), 1, image.width, image.height, "write_png, alpha");
+  require_size(alpha.pixels.size(), 1, alpha.width, alpha.height, "write_png, alpha");
+  if (alpha.width != image.width || alpha.height != image.height)
+    throw LogicError(
+        format("write_png: alpha of %dx%d for %dx%d RGB", alpha.width, alpha.height, image.width, image.height));
   std::vector<uint8_t> rgba;
+  rgba.reserve(4 * alpha.pixels.size());
   for (size_t i = 0; i < alpha.pixels.size(); ++i) {
     rgba.insert(rgba.end(), &image.pixels[3 * i], &image.pixels[3 * i] + 3);
     rgba.push_back(alpha.pixels[i]);

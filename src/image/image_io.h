@@ -9,8 +9,8 @@
 
 namespace livecap {
 
-// 8-bit, turned as the EXIF data says; alpha is dropped, grey files become three equal channels. Throws IoError naming
-// the file.
+// 8-bit; a JPEG is turned as its EXIF data says; alpha is dropped, grey files become three equal channels. Throws
+// IoError naming the file.
 ImageRgb read_image_rgb(const std::filesystem::path& path);
 
 // The same as luma.

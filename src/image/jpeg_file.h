@@ -14,7 +14,8 @@ bool is_jpeg(std::string_view bytes);
 // Width and height as stored. Throws IoError.
 std::pair<int, int> jpeg_size(std::string_view bytes);
 
-// channels: 1 for the luma, 3 for RGB. As stored: not turned as the EXIF data says. Throws IoError: damaged, cut off.
+// channels: 1 for the luma, 3 for RGB. As stored: not turned as the EXIF data says. Throws IoError: damaged, cut off,
+// too large.
 PackedPicture decode_jpeg(std::string_view bytes, int channels);
 
 // rgb: [3*width*height]; quality: 1..100. Throws IoError.

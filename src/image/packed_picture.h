@@ -13,4 +13,8 @@ struct PackedPicture {
   std::vector<uint8_t> pixels;  // [channels*width*height] row major
 };
 
+// Throws IoError when a file says that it has more pixels than kMaxPicturePixels, which few bytes can say.
+inline constexpr int64_t kMaxPicturePixels = int64_t{1} << 28;
+void require_decodable(int64_t width, int64_t height);
+
 }  // namespace livecap

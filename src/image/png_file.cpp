@@ -46,9 +46,7 @@ std::pair<int, int> png_size(std::string_view bytes) {
 PackedPicture decode_png(std::string_view bytes) {
   const Context context = make_context(0);
   const spng_ihdr header = read_header(context, bytes);
-  if (int64_t{header.width} * header.height > kMaxPngPixels)
-    throw IoError(
-        format("%u x %u, more than %lld pixels", header.width, header.height, static_cast<long long>(kMaxPngPixels)));
+  require_decodable(header.width, header.height);
   spng_trns transparent;
   const bool alpha = header.color_type == SPNG_COLOR_TYPE_GRAYSCALE_ALPHA ||
                      header.color_type == SPNG_COLOR_TYPE_TRUECOLOR_ALPHA ||

@@ -9,15 +9,13 @@
 
 namespace livecap {
 
-inline constexpr int64_t kMaxPngPixels = int64_t{1} << 28;
-
 bool is_png(std::string_view bytes);
 
 // Width and height. Throws IoError.
 std::pair<int, int> png_size(std::string_view bytes);
 
 // 8-bit whatever the file has; a palette becomes RGB, transparency RGBA. Gamma is not applied: labels and masks are
-// numbers. Throws IoError: damaged, cut off, or of more than kMaxPngPixels.
+// numbers. Throws IoError: damaged, cut off, or too large.
 PackedPicture decode_png(std::string_view bytes);
 
 // pixels: [channels*width*height]; channels as in PackedPicture. Throws IoError.

@@ -4,10 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
 
 #include "acquire/hull.h"
 #include "acquire/limb.h"
 #include "support/test_device.h"
+#include "support/tolerances.h"
 
 namespace livecap::acquire {
 namespace {
@@ -52,15 +56,16 @@ TEST(FairSurface, WhatNoOutlineHoldsFollowsWhatTheyHold) {
     Hull hull(device);
     const std::vector<Vector3d> before = hull.surface.vertices;
     const auto [right, large] = errors(hull.surface, before);
-    fair_surface(hull.views, hull.volume, kBelowAll, hull.surface);
+    fair_surface(hull.views, hull.volume, hull.volume, kBelowAll, hull.surface);
     const auto [right_then, large_then] = errors(hull.surface, before);
     std::printf("too large by %.2f mm, then %.2f; elsewhere off by %.2f, then %.2f\n", large, large_then, right,
                 right_then);
     EXPECT_GT(large, 4);
-    EXPECT_LT(large_then, 0.85 * large);
-    EXPECT_LT(right_then, right + 0.5);
+    EXPECT_LT(large_then, test::kFairedShare * large);
+    EXPECT_LT(right_then, right + test::kFairedMm);
     for (size_t i = 0; i < before.size(); ++i)
-      EXPECT_LT(hull.volume.at(hull.surface.vertices[i]), hull.volume.at(before[i]) + 1.5) << "left the hull";
+      EXPECT_LT(hull.volume.at(hull.surface.vertices[i]), hull.volume.at(before[i]) + test::kBeyondHullMm)
+          << "left the hull";
   });
 }
 
@@ -68,7 +73,7 @@ TEST(FairSurface, WhatIsLowerStays) {
   test::on_every_device([&](ocl::DeviceContext& device) {
     Hull hull(device);
     const std::vector<Vector3d> before = hull.surface.vertices;
-    fair_surface(hull.views, hull.volume, 50, hull.surface);
+    fair_surface(hull.views, hull.volume, hull.volume, 50, hull.surface);
     int n_moved = 0;
     for (size_t i = 0; i < before.size(); ++i) {
       if (before[i].y() <= 50) EXPECT_EQ(hull.surface.vertices[i], before[i]);
@@ -83,10 +88,10 @@ TEST(FairSurface, WithoutOutlinesNothingMoves) {
     Hull hull(device);
     const std::vector<Vector3d> before = hull.surface.vertices;
     for (View& view : hull.views) std::fill(view.mask.pixels.begin(), view.mask.pixels.end(), 0);
-    fair_surface(hull.views, hull.volume, kBelowAll, hull.surface);
+    fair_surface(hull.views, hull.volume, hull.volume, kBelowAll, hull.surface);
     EXPECT_EQ(hull.surface.vertices, before);
     for (View& view : hull.views) view.mask = {};
-    fair_surface(hull.views, hull.volume, kBelowAll, hull.surface);
+    fair_surface(hull.views, hull.volume, hull.volume, kBelowAll, hull.surface);
     EXPECT_EQ(hull.surface.vertices, before);
   });
 }

@@ -213,7 +213,7 @@ TEST_F(Video, BadFilesAreRefusedInOneLineThatNamesThem) {
   EXPECT_NE(refusal(path("folder")).find("no .png"), std::string::npos);
   EXPECT_THROW(VideoReader(""), ConfigError);
   EXPECT_THROW(VideoReader("webcam:x"), ConfigError);
-  // No camera has this number. The message tells it, whether or not webcams are compiled in.
+  // No camera has this number. The message tells it, whether or not libavdevice is installed.
   EXPECT_NE(refusal("webcam:987654").find("webcam:987654"), std::string::npos);
 }
 

@@ -25,7 +25,7 @@ std::string unsupported() {
     VideoWindow window("test", kWindowWidth, kWindowHeight);
   } catch (const ConfigError& error) {
     const std::string why = error.what();
-    for (const char* missing : {"is missing; install libavdevice", "this FFmpeg has no SDL"})
+    for (const char* missing : {"is missing or cannot be loaded; install libavdevice", "this FFmpeg has no SDL"})
       if (why.find(missing) != std::string::npos) return why;
   }
   return {};

@@ -225,6 +225,18 @@ inline constexpr double kFacetOffsetMm = 0.6;
 inline constexpr double kOutlineMeanMm = 0.5;
 inline constexpr double kOutlineMm = 2;
 
+// The hull of two limbs 14 mm apart by 24 pictures from one height, triangles' edges 16 mm, faired: what is left of the
+// web between them (77 % seen), what right places lose to smoothness before outlines are fitted again (0.35 mm seen),
+// and how far a vertex may be beyond the hull, across whose edges it moves.
+inline constexpr double kFairedShare = 0.85;
+inline constexpr double kFairedMm = 0.5;
+inline constexpr double kBeyondHullMm = 1.5;
+
+// Quaternions of double precision; near opposite directions they are what 1 + cosine leaves of the digits.
+inline constexpr double kTurn = 1e-12;
+inline constexpr double kTurnRad = 1e-7;
+inline constexpr double kNearOpposite = 1e-5;
+
 // Pose files with eight digits.
 inline constexpr double kPoseDigits = 1e-7;
 // Exact rays or keypoints in double, mm; and 40 rays that are 14 mm off each (least squares on the right ones alone

@@ -25,6 +25,11 @@ namespace {
 // Seen from a camera that looks down by 0.1 rad and is rolled by 0.02.
 const Eigen::Vector3d kUp = Eigen::Vector3d(0.02, -1, -0.1).normalized();
 
+// Of unit vectors, whose product may be beyond 1 by a rounding.
+double angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::acos(std::min(1.0, a.dot(b)));
+}
+
 std::vector<Eigen::Vector3d> soles_of(const Actor& actor, const Pose& pose) {
   const PosedSkeleton posed = forward_kinematics(actor.skeleton, pose);
   std::vector<Eigen::Vector3d> points;
@@ -77,7 +82,7 @@ TEST(Floor, IsLearnedFromWhoWalksOnIt) {
     }
   }
   ASSERT_NE(finder.floor(), nullptr);
-  EXPECT_LT(std::acos(finder.floor()->up.dot(kUp)), test::kLearnedFloorRad);
+  EXPECT_LT(angle(finder.floor()->up, kUp), test::kLearnedFloorRad);
   for (const Eigen::Vector3d& p : soles_of(actor, on_floor(actor, 0, 3000, truth)))
     EXPECT_NEAR(finder.floor()->height_mm(p), truth.height_mm(p), test::kLearnedFloorMm);
 }
@@ -92,7 +97,7 @@ TEST(Floor, OfOnePlaceIsUprightToTheBody) {
   EXPECT_EQ(finder.floor(), nullptr) << "known too early";
   for (int frame = 0; frame < 6; ++frame) finder.learn(stands, stands, seen(actor, stands));
   ASSERT_NE(finder.floor(), nullptr);
-  EXPECT_LT(std::acos(finder.floor()->up.dot(kUp)), test::kLearnedFloorRad);
+  EXPECT_LT(angle(finder.floor()->up, kUp), test::kLearnedFloorRad);
   finder.forget();
   EXPECT_EQ(finder.floor(), nullptr);
 }
@@ -124,7 +129,7 @@ TEST(Floor, WhoLiesTellsNothing) {
   EXPECT_EQ(finder.floor(), nullptr);
   for (int frame = 0; frame < 20; ++frame) finder.learn(stands, stands, seen(actor, stands));
   ASSERT_NE(finder.floor(), nullptr);
-  EXPECT_LT(std::acos(finder.floor()->up.dot(kUp)), test::kLearnedFloorRad);
+  EXPECT_LT(angle(finder.floor()->up, kUp), test::kLearnedFloorRad);
 }
 
 TEST(Floor, WhoStandsOnAnotherOneForLongTellsOfThat) {

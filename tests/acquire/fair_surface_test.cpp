@@ -25,8 +25,14 @@ double outside_mm(const Vector3d& p) {
   return std::min(limb_distance(p - x, kLimbRadius), limb_distance(p + x, kLimbRadius));
 }
 
+// Drawn once.
+const std::vector<View>& level_views() {
+  static const std::vector<View> views = limb_views({-kBeside, kBeside}, 0);
+  return views;
+}
+
 struct Hull {
-  std::vector<View> views = limb_views({-kBeside, kBeside}, 0);
+  std::vector<View> views = level_views();
   Volume volume = make_volume({-150, -280, -120}, {150, 280, 120}, 7);
   meshing::Surface surface;
   explicit Hull(ocl::DeviceContext& device) {

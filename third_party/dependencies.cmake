@@ -7,7 +7,7 @@
 # OpenCV          libopencv-dev                          4.6      Apache-2.0     background model, distance transform, calibration boards
 # FFmpeg          libav{codec,device,format,util}-dev, libswscale-dev  5.1  LGPL/GPL  video and webcams in, video out, every damaged frame reported; of libavdevice only the library, at run time
 # libspng         libspng-dev                            0.7.3    BSD-2-Clause   PNG files
-# libjpeg-turbo   libjpeg-dev                            2.1.5    IJG/BSD        JPEG files (OpenCV reads both, but its imgcodecs loads 130 libraries)
+# libjpeg-turbo   libjpeg-dev                            2.1.5    IJG/BSD        JPEG files (OpenCV reads both, but its imgcodecs loads 118 libraries)
 # CLBlast         libclblast-dev                         1.5.3    Apache-2.0     optional: what bench_pointwise compares convolutions with
 # OpenMesh        libopenmesh-dev                        9.0      BSD-3-Clause   meshes whose edges are collapsed, split and flipped
 # TinyGLTF        libtinygltf-dev                        2.7      MIT            GLB parsing and writing

@@ -71,9 +71,13 @@ class Builder {
     if (!shape_.as_is) move_along_normals(facet_offsets_mm_, surface());
     // Not of a network's masks, whose outlines are off by more.
     if (options_.mesh.empty() && n_network_masks_ == 0) {
-      stage("outlines", [&] { fit_outlines(device_, views_, ankles_mm(), surface()); });
-      stage("fairing", [&] { fair_surface(views_, shape_.volume, shape_.solid(), ankles_mm(), surface()); });
-      stage("outlines again", [&] { fit_outlines(device_, views_, ankles_mm(), surface()); });
+      std::vector<SeenOutline> seen;
+      stage("outlines", [&] {
+        seen = seen_outlines(views_);
+        fit_outlines(device_, views_, seen, ankles_mm(), surface());
+      });
+      stage("fairing", [&] { fair_surface(seen, shape_.volume, shape_.solid(), ankles_mm(), surface()); });
+      stage("outlines again", [&] { fit_outlines(device_, views_, seen, ankles_mm(), surface()); });
     }
     stage("joints", [&] { place(); });
     stage("skin weights", [&] { result_.actor.weights = heat_weights(surface(), result_.joints, shape_.volume); });

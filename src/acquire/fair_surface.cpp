@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "acquire/facet_offsets.h"
-#include "acquire/seen_outlines.h"
 #include "livecap/error.h"
 #include "meshing/surface_parts.h"
 
@@ -74,11 +73,11 @@ Sparse umbrella_laplacian(const std::vector<std::vector<int>>& neighbors) {
 
 }  // namespace
 
-void fair_surface(const std::vector<View>& views, const Volume& hull, const Volume& solid, double lowest_mm,
+void fair_surface(const std::vector<SeenOutline>& seen, const Volume& hull, const Volume& solid, double lowest_mm,
                   meshing::Surface& surface) {
   const auto neighbors = meshing::neighbors_of(surface);
   const std::vector<Vector3d> normals = meshing::smooth_normals(surface, neighbors, 1);
-  const Eigen::VectorXd held = holds(seen_outlines(views), hull, surface, normals);
+  const Eigen::VectorXd held = holds(seen, hull, surface, normals);
   const int n = static_cast<int>(held.size());
   if (n == 0 || held.maxCoeff() <= kLeastHold) return;  // by no outline
   Eigen::MatrixX3d at(n, 3);

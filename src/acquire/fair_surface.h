@@ -4,9 +4,9 @@
 // one that the other places hold.
 #pragma once
 
+#include "acquire/seen_outlines.h"
 #include "meshing/isosurface.h"
 #include "scan/volume.h"
-#include "views/view.h"
 
 namespace livecap::acquire {
 
@@ -15,7 +15,7 @@ namespace livecap::acquire {
 // along the hull for longer. At most 40 mm and three tenths of the thickness. Vertices below lowest_mm (Y) stay; 20 mm
 // above it they move wholly. Without outlines nothing moves. hull: what was carved; solid: what the surface is of, open
 // below a skirt (both negative inside). All in the surface's frame, mm.
-void fair_surface(const std::vector<View>& views, const Volume& hull, const Volume& solid, double lowest_mm,
+void fair_surface(const std::vector<SeenOutline>& seen, const Volume& hull, const Volume& solid, double lowest_mm,
                   meshing::Surface& surface);
 
 }  // namespace livecap::acquire

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "acquire/facet_offsets.h"
-#include "acquire/seen_outlines.h"
 #include "texture/surface_views.h"
 
 namespace livecap::acquire {
@@ -26,9 +25,8 @@ double beyond_mm(const SeenOutline& seen, const Outline& drawn, const Vector3d& 
 
 }  // namespace
 
-void fit_outlines(ocl::DeviceContext& device, const std::vector<View>& views, double lowest_mm,
-                  meshing::Surface& surface) {
-  const std::vector<SeenOutline> seen = seen_outlines(views);
+void fit_outlines(ocl::DeviceContext& device, const std::vector<View>& views, const std::vector<SeenOutline>& seen,
+                  double lowest_mm, meshing::Surface& surface) {
   for (int round = 0; round < kRounds; ++round) {
     const std::vector<ImageGray> masks = draw_masks(device, mesh_of(surface), views);
     std::vector<Outline> drawn;

@@ -62,7 +62,7 @@ TEST(FairSurface, WhatNoOutlineHoldsFollowsWhatTheyHold) {
     Hull hull(device);
     const std::vector<Vector3d> before = hull.surface.vertices;
     const auto [right, large] = errors(hull.surface, before);
-    fair_surface(hull.views, hull.volume, hull.volume, kBelowAll, hull.surface);
+    fair_surface(seen_outlines(hull.views), hull.volume, hull.volume, kBelowAll, hull.surface);
     const auto [right_then, large_then] = errors(hull.surface, before);
     std::printf("too large by %.2f mm, then %.2f; elsewhere off by %.2f, then %.2f\n", large, large_then, right,
                 right_then);
@@ -79,7 +79,7 @@ TEST(FairSurface, WhatIsLowerStays) {
   test::on_every_device([&](ocl::DeviceContext& device) {
     Hull hull(device);
     const std::vector<Vector3d> before = hull.surface.vertices;
-    fair_surface(hull.views, hull.volume, hull.volume, 50, hull.surface);
+    fair_surface(seen_outlines(hull.views), hull.volume, hull.volume, 50, hull.surface);
     int n_moved = 0;
     for (size_t i = 0; i < before.size(); ++i) {
       if (before[i].y() <= 50) EXPECT_EQ(hull.surface.vertices[i], before[i]);
@@ -94,10 +94,10 @@ TEST(FairSurface, WithoutOutlinesNothingMoves) {
     Hull hull(device);
     const std::vector<Vector3d> before = hull.surface.vertices;
     for (View& view : hull.views) std::fill(view.mask.pixels.begin(), view.mask.pixels.end(), 0);
-    fair_surface(hull.views, hull.volume, hull.volume, kBelowAll, hull.surface);
+    fair_surface(seen_outlines(hull.views), hull.volume, hull.volume, kBelowAll, hull.surface);
     EXPECT_EQ(hull.surface.vertices, before);
     for (View& view : hull.views) view.mask = {};
-    fair_surface(hull.views, hull.volume, hull.volume, kBelowAll, hull.surface);
+    fair_surface(seen_outlines(hull.views), hull.volume, hull.volume, kBelowAll, hull.surface);
     EXPECT_EQ(hull.surface.vertices, before);
   });
 }

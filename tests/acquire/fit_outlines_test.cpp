@@ -20,7 +20,7 @@ TEST(FitOutlines, ALimbEndsWhereItsOutlinesEnd) {
   test::on_every_device([&](ocl::DeviceContext& device) {
     for (const double off : {-3.0, 2.0}) {
       meshing::Surface surface = limb_surface(kLimbRadius + off);
-      fit_outlines(device, views, kBelowAll, surface);
+      fit_outlines(device, views, seen_outlines(views), kBelowAll, surface);
       double sum = 0, worst = 0;
       for (const Vector3d& p : surface.vertices) {
         const double outside = limb_distance(p, kLimbRadius);
@@ -40,7 +40,7 @@ TEST(FitOutlines, WhatIsLowerStays) {
   test::on_every_device([&](ocl::DeviceContext& device) {
     meshing::Surface surface = limb_surface(kLimbRadius - 3);
     const std::vector<Vector3d> before = surface.vertices;
-    fit_outlines(device, views, 0, surface);
+    fit_outlines(device, views, seen_outlines(views), 0, surface);
     int n_moved = 0;
     for (size_t i = 0; i < before.size(); ++i) {
       if (before[i].y() <= 0) EXPECT_EQ(surface.vertices[i], before[i]);
@@ -62,7 +62,7 @@ TEST(FitOutlines, WithoutOutlinesNothingMoves) {
   test::on_every_device([&](ocl::DeviceContext& device) {
     meshing::Surface surface = limb_surface(kLimbRadius);
     const std::vector<Vector3d> before = surface.vertices;
-    fit_outlines(device, views, kBelowAll, surface);
+    fit_outlines(device, views, seen_outlines(views), kBelowAll, surface);
     EXPECT_EQ(surface.vertices, before);
   });
 }

@@ -325,6 +325,7 @@ class Builder {
   void finish() {
     result_.actor.name = options_.name;
     result_.actor.guessed_weights = true;
+    result_.actor.rough_shape = options_.mesh.empty() && !turned_rad_.empty();
     for (int bone = 0; bone < kBodyBoneCount; ++bone)
       result_.actor.bones.push_back({kBodyBones[bone].name, kBodyBones[bone].parent, result_.joints[bone]});
   }

@@ -45,6 +45,7 @@ struct Actor {
   Skeleton skeleton;
   SkinWeights skin;
   bool guessed_weights = false;  // of `skin`: nobody painted them (`actor build`)
+  bool rough_shape = false;      // sizes are some mm off (`actor build --video`: a turn's masks lose soles)
   std::array<KeypointAnchor, kKeypointCount> keypoints;
   std::vector<float> colors;    // [3*n_vertices] sRGB in [0,1]: C_i
   std::vector<uint8_t> labels;  // [n_vertices] LIP id 0..19

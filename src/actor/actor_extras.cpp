@@ -33,11 +33,15 @@ void merge_extras(const json& holder, ActorExtras& extras, const GltfReader& fil
              return v.is_number() && std::abs(v.get<double>()) <= largest;
            });
   };
-  if (own.contains("weights")) {
-    if (own["weights"] != "guessed")
-      file.fail("extras.livecap.weights is " + one_line(own["weights"].dump(), 40) + ", must be \"guessed\"");
-    extras.guessed_weights = true;
-  }
+  const auto flag = [&](const char* field, const char* only) {
+    if (!own.contains(field)) return false;
+    if (own[field] != only)
+      file.fail(std::string("extras.livecap.") + field + " is " + one_line(own[field].dump(), 40) + ", must be \"" +
+                only + "\"");
+    return true;
+  };
+  extras.guessed_weights |= flag("weights", "guessed");
+  extras.rough_shape |= flag("shape", "rough");
   each("bones", "the name of a node", [&](const std::string& key, const json& value) {
     return value.is_string() && (extras.bones.emplace(key, value.get<std::string>()), true);
   });

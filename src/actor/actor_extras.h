@@ -16,7 +16,7 @@ struct ActorExtras {
   std::map<std::string, std::pair<double, double>> limits_deg;  // joint angle -> lowest, highest
   std::map<std::string, int> markers;                           // face keypoint -> welded vertex
   std::map<std::string, Eigen::Vector3d> keypoint_offsets_m;    // keypoint -> offset from its joint, rest frame
-  bool guessed_weights = false;                                 // see Actor
+  bool guessed_weights = false, rough_shape = false;            // see Actor
 };
 
 // Collected from wherever an exporter put it: asset, scenes, meshes, skins, nodes; the first mention of a key counts.

@@ -27,6 +27,7 @@ std::string inspect_actor(const Actor& actor) {
               actor.mesh.n_triangles(), connected_components(actor.n_vertices(), actor.mesh.triangles)));
   line(format("drawn as    %zu vertices (UV seams repeated)", actor.render.template_vertex.size()));
   if (actor.guessed_weights) line("weights     guessed");
+  if (actor.rough_shape) line("shape       rough");
   line(format("size        %.0f x %.0f x %.0f mm (left-right, height, depth), feet at y = %.0f", high[0] - low[0],
               high[1] - low[1], high[2] - low[2], low[1]));
   line(actor.texture.empty() ? std::string("texture     none")

@@ -26,6 +26,7 @@ class ActorBuilder {
       : file_(bytes, name), height_mm_(height_mm), extras_(read_actor_extras(file_)) {
     actor_.name = name;
     actor_.guessed_weights = extras_.guessed_weights;
+    actor_.rough_shape = extras_.rough_shape;
   }
 
   Actor build() {

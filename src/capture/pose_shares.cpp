@@ -53,6 +53,7 @@ std::vector<float> on_feet_share(const Actor& actor, const PoseSharesOptions& op
 }
 
 TrackerOptions options_for(const Actor& actor, TrackerOptions options) {
+  if (actor.rough_shape) options.shares.foot_share = options.shares.rough_foot_share;
   if (!actor.guessed_weights) return options;
   options.pose.weights.shading *= options.guessed.shading;
   if (wears_hanging_cloth(actor)) return options;

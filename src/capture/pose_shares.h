@@ -1,5 +1,5 @@
-// What of an actor stage I matches, and how much of it counts: shares of the weight of each vertex's match; and the
-// terms that count more where its skinning weights are guessed.
+// What of an actor stage I matches, and how much of it counts: shares of the weight of each vertex's match; and what
+// counts otherwise where its skinning weights are guessed or its shape is rough.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ std::vector<float> refined_share(const Actor& actor, const PoseSharesOptions& op
 std::vector<float> on_feet_share(const Actor& actor, const PoseSharesOptions& options,
                                  const HangingClothOptions& hanging);
 
-// With the weights of PoseOptions that stage I has for this actor, see GuessedWeightsOptions.
+// As stage I has them for this actor, see GuessedWeightsOptions and PoseSharesOptions::rough_foot_share.
 TrackerOptions options_for(const Actor& actor, TrackerOptions options);
 
 }  // namespace livecap

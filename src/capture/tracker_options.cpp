@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "base/text.h"
 #include "livecap/error.h"
@@ -35,8 +36,9 @@ void PoseSharesOptions::validate() const {
   not_negative("shares.min_matched_rigidity", min_matched_rigidity);
   not_negative("shares.max_matched_leg_weight", max_matched_leg_weight);
   share("shares.refined_hanging_share", refined_hanging_share);
-  require(foot_share >= 1 && foot_share <= LC_EXACT_MOST_SHARE, "shares.foot_share", foot_share,
-          format("from 1 to %d", LC_EXACT_MOST_SHARE));
+  for (const auto& [field, value] :
+       {std::pair{"shares.foot_share", foot_share}, {"shares.rough_foot_share", rough_foot_share}})
+    require(value >= 1 && value <= LC_EXACT_MOST_SHARE, field, value, format("from 1 to %d", LC_EXACT_MOST_SHARE));
 }
 
 void PoseRoundsOptions::validate() const {

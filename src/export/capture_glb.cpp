@@ -339,10 +339,11 @@ class CaptureGlb {
     glb_.document["textures"] = json::array({{{"sampler", 0}, {"source", 0}}});
   }
 
-  // What makes the file an actor again: limits, face markers, and whether its weights are guessed.
+  // What makes the file an actor again: limits, face markers, whether its weights are guessed or its shape is rough.
   json extras() const {
     json own = json::object();
     if (actor_.guessed_weights) own["weights"] = "guessed";
+    if (actor_.rough_shape) own["shape"] = "rough";
     for (const Dof& dof : actor_.skeleton.dofs)
       own["limits"][dof.name] = {dof.min_rad * 180 / std::numbers::pi, dof.max_rad * 180 / std::numbers::pi};
     for (int k = kBodyKeypointCount; k < kKeypointCount; ++k) {

@@ -184,6 +184,7 @@ std::string actor_glb(const ActorFile& actor) {
   if (!markers.empty()) livecap["markers"] = tinygltf::Value(markers);
   if (!bones.empty()) livecap["bones"] = tinygltf::Value(bones);
   if (actor.guessed_weights) livecap["weights"] = tinygltf::Value(std::string("guessed"));
+  if (actor.rough_shape) livecap["shape"] = tinygltf::Value(std::string("rough"));
   if (!livecap.empty()) {
     mesh.extras = tinygltf::Value(tinygltf::Value::Object{{"livecap", tinygltf::Value(livecap)}});
   }

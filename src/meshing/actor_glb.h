@@ -38,6 +38,7 @@ struct ActorFile {
   std::vector<Eigen::Vector3d> colors = {};                   // [n_vertices] sRGB in [0,1], or empty
   std::vector<std::pair<std::string, std::string>> rig = {};  // LiveCap's joint, bone; empty: told by the names
   bool guessed_weights = false;                               // nobody painted them
+  bool rough_shape = false;                                   // sizes are some mm off
 
   int marker_vertex(const std::string& name) const;  // -1: there is none
 };

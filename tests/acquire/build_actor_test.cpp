@@ -90,6 +90,7 @@ TEST_F(BuildActor, FromPicturesMeetsTheBars) {
   const BuildResult result = build(options());
   const Actor built = loaded(result);
   EXPECT_TRUE(built.guessed_weights);
+  EXPECT_FALSE(built.rough_shape);
   const ActorComparison c = compare_actors(built, truth);
   print("trousers", c);
   EXPECT_NEAR(built.n_vertices(), 5000, 250);
@@ -132,7 +133,9 @@ TEST_F(BuildActor, WithoutMasksOrLabelsInCentimetres) {
   build_options.views.masks.clear();
   build_options.views.labels.clear();
   const BuildResult result = build(build_options);
-  const ActorComparison c = compare_actors(loaded(result), truth);
+  const Actor built = loaded(result);
+  EXPECT_FALSE(built.rough_shape);
+  const ActorComparison c = compare_actors(built, truth);
   print("skirt, network masks, guessed labels", c);
   std::printf("what pictures show: %.1f mm (95 %% %.1f); overlap %.3f\n", seen_distances(result, c).mean,
               seen_distances(result, c).p95, result.overlap);
@@ -307,7 +310,9 @@ TEST_F(BuildActor, FromAScanAlone) {
   BuildOptions build_options;
   build_options.mesh = folder_ / "scan.obj";
   const BuildResult result = build(build_options);
-  const ActorComparison c = compare_actors(loaded(result), truth);
+  const Actor built = loaded(result);
+  EXPECT_FALSE(built.rough_shape);
+  const ActorComparison c = compare_actors(built, truth);
   print("scan", c);
   EXPECT_TRUE(noted(result, "taken as inch"));
   EXPECT_TRUE(noted(result, "not closed"));
@@ -327,7 +332,9 @@ TEST_F(BuildActor, FromAVideoOfATurn) {
   build_options.turntable.camera = (folder_ / "camera.json").string();
   build_options.height_mm = 1700;
   const BuildResult result = build(build_options);
-  const ActorComparison c = compare_actors(loaded(result), test::builtin_actor("trousers"));
+  const Actor built = loaded(result);
+  EXPECT_TRUE(built.rough_shape);
+  const ActorComparison c = compare_actors(built, test::builtin_actor("trousers"));
   print("turntable", c);
   std::printf("%s; overlap %.3f\n", result.turn.c_str(), result.overlap);
   EXPECT_FALSE(noted(result, "covers the masks")) << result.overlap;

@@ -280,6 +280,18 @@ TEST(LoadActor, ExtrasTellThatWeightsAreGuessed) {
   const Actor guessed = load_actor_bytes(make_fixture(options).bytes, "fixture");
   EXPECT_TRUE(guessed.guessed_weights);
   EXPECT_NE(inspect_actor(guessed).find("weights     guessed\n"), std::string::npos);
+  EXPECT_FALSE(guessed.rough_shape);
+}
+
+TEST(LoadActor, ExtrasTellThatTheShapeIsRough) {
+  FixtureOptions options;
+  const Actor exact = load_actor_bytes(make_fixture(options).bytes, "fixture");
+  EXPECT_FALSE(exact.rough_shape);
+  EXPECT_EQ(inspect_actor(exact).find("rough\n"), std::string::npos);
+  options.livecap = {{"shape", "rough"}};
+  const Actor rough = load_actor_bytes(make_fixture(options).bytes, "fixture");
+  EXPECT_TRUE(rough.rough_shape);
+  EXPECT_NE(inspect_actor(rough).find("shape       rough\n"), std::string::npos);
 }
 
 TEST(LoadActor, ARestAngleOutsideItsLimitsWidensThemWithANote) {
@@ -341,6 +353,10 @@ TEST(LoadActor, BrokenFilesNameTheFileAndTheField) {
   EXPECT_NE(edited([](auto& d) {
               d["meshes"][0]["extras"]["livecap"]["weights"] = {"a", 1};
             }).find("weights is [\"a\",1], must be \"guessed\""),
+            std::string::npos);
+  EXPECT_NE(edited([](auto& d) {
+              d["meshes"][0]["extras"]["livecap"]["shape"] = "exact";
+            }).find("shape is \"exact\", must be \"rough\""),
             std::string::npos);
   EXPECT_NE(edited([](auto& d) {
               d["meshes"][0]["extras"]["livecap"]["keypoints"]["nose"] = {1e300, 0, 0};

@@ -278,14 +278,17 @@ TEST(PoseStage, HangingClothIsNoContourInTheLastRounds) {
 }
 
 // E_match of one round on a skirt that hangs beside where skinning has it.
-double match_energy(ocl::DeviceContext& device, int refining_rounds, float hanging_share, float foot_share = 1) {
+double match_energy(ocl::DeviceContext& device, int refining_rounds, float hanging_share, float foot_share = 1,
+                    bool rough = false) {
   Seen seen(device);
+  Actor actor = seen.actor;
+  actor.rough_shape = rough;
   TrackerOptions options;
   options.shares.foot_share = foot_share;
   options.rounds.match_levels = {0};
   options.rounds.refining_rounds = refining_rounds;
   options.shares.refined_hanging_share = hanging_share;
-  PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
+  PoseStage stage(device, actor, seen.camera, options, seen.rasterizer, seen.visibility);
   return seen.track(stage, turned(seen.actor, 0), turned(seen.actor, 2)).energy.match;
 }
 
@@ -300,6 +303,7 @@ TEST(PoseStage, FeetAreMatchedWithMoreWeightInTheLastRounds) {
   test::on_every_device([](ocl::DeviceContext& device) {
     EXPECT_EQ(match_energy(device, 0, 0.3f, 40), match_energy(device, 0, 0.3f, 1)) << "other rounds";
     EXPECT_GT(match_energy(device, 1, 0.3f, 40), match_energy(device, 1, 0.3f, 1));
+    EXPECT_EQ(match_energy(device, 1, 0.3f, 40, true), match_energy(device, 1, 0.3f, 1)) << "of a rough shape";
   });
 }
 

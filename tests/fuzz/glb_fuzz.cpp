@@ -53,7 +53,8 @@ std::vector<std::string> seeds() {
                   {"limits", {{"left_elbow_y", {-120, 2}}}},
                   {"markers", {{"nose", 40}}},
                   {"keypoints", {{"left_hand", {0.01, 0, 0}}}},
-                  {"weights", "guessed"}};
+                  {"weights", "guessed"},
+                  {"shape", "rough"}};
   std::vector<std::string> inputs;
   for (const test::FixtureOptions& options : {test::FixtureOptions{}, rich}) {
     const test::Fixture fixture = test::make_fixture(options);

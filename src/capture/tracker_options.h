@@ -33,7 +33,7 @@ struct PoseSharesOptions {
   // legs that are exchanged hold on to the wrong shoes; what is chosen of them is refined once more. Not in the first
   // frame either.
   float foot_share = 40;
-  // The same of an actor whose shape is rough: a shoe that is 5 mm too short is a foot 200 mm farther away.
+  // The same of an actor whose shape is rough: a shoe that is 5 mm too short is a foot 80 mm too near, at 4 m.
   float rough_foot_share = 1;
 
   void validate() const;  // throws ConfigError

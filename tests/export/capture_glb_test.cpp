@@ -263,7 +263,8 @@ TEST(CaptureGlb, UntrackedFramesHaveNoKeysAndTimesFollowTheInput) {
 
 // The default pose of the file is the template itself, and the file is an actor again.
 TEST(CaptureGlb, IsTheActorAtRestAndLoadsAsOne) {
-  const Actor actor = test::small_actor();
+  Actor actor = test::small_actor();
+  actor.guessed_weights = actor.rough_shape = true;
   const std::vector<Pose> poses = test::smooth_motion(actor.skeleton, 4);
   const auto surface = wavy_surface(actor, poses);
   const auto path = scratch("again.glb");
@@ -277,6 +278,7 @@ TEST(CaptureGlb, IsTheActorAtRestAndLoadsAsOne) {
   }
   const Actor again = load_actor(path);
   ASSERT_EQ(again.n_vertices(), actor.n_vertices());
+  EXPECT_TRUE(again.guessed_weights && again.rough_shape);
   EXPECT_EQ(again.labels, actor.labels);
   EXPECT_EQ(again.mesh.triangles, actor.mesh.triangles);
   ASSERT_EQ(again.skeleton.n_dofs(), actor.skeleton.n_dofs());

@@ -19,13 +19,14 @@ void merge_extras(const json& holder, ActorExtras& extras, const GltfReader& fil
   if (!all.is_object() || !all.contains("livecap")) return;
   const json& own = all["livecap"];
   if (!own.is_object()) file.fail("extras.livecap must be an object");
+  const auto refuse = [&](const std::string& field, const json& value, const std::string& expected) {
+    file.fail("extras.livecap." + field + " is " + one_line(value.dump(), 40) + ", must be " + expected);
+  };
   auto each = [&](const char* field, const char* expected, auto&& take) {
     if (!own.contains(field)) return;
     if (!own[field].is_object()) file.fail(std::string("extras.livecap.") + field + " must be an object");
     for (const auto& [key, value] : own[field].items()) {
-      if (!take(key, value))
-        file.fail("extras.livecap." + std::string(field) + "." + key + " is " + one_line(value.dump(), 40) +
-                  ", must be " + expected);
+      if (!take(key, value)) refuse(std::string(field) + "." + key, value, expected);
     }
   };
   auto numbers = [](const json& value, size_t n, double largest) {
@@ -35,9 +36,7 @@ void merge_extras(const json& holder, ActorExtras& extras, const GltfReader& fil
   };
   const auto flag = [&](const char* field, const char* only) {
     if (!own.contains(field)) return false;
-    if (own[field] != only)
-      file.fail(std::string("extras.livecap.") + field + " is " + one_line(own[field].dump(), 40) + ", must be \"" +
-                only + "\"");
+    if (own[field] != only) refuse(field, own[field], std::string("\"") + only + "\"");
     return true;
   };
   extras.guessed_weights |= flag("weights", "guessed");

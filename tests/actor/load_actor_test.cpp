@@ -271,27 +271,25 @@ TEST(LoadActor, ExtrasNameBonesLimitsMarkersAndOffsets) {
   }
 }
 
-TEST(LoadActor, ExtrasTellThatWeightsAreGuessed) {
+// What a field of the extras says of an actor, and the line of inspect_actor() that repeats it.
+void expect_told(const char* field, const char* value, bool Actor::*told, const std::string& line) {
   FixtureOptions options;
-  const Actor painted = load_actor_bytes(make_fixture(options).bytes, "fixture");
-  EXPECT_FALSE(painted.guessed_weights);
-  EXPECT_EQ(inspect_actor(painted).find("guessed\n"), std::string::npos);
-  options.livecap = {{"weights", "guessed"}};
-  const Actor guessed = load_actor_bytes(make_fixture(options).bytes, "fixture");
-  EXPECT_TRUE(guessed.guessed_weights);
-  EXPECT_NE(inspect_actor(guessed).find("weights     guessed\n"), std::string::npos);
-  EXPECT_FALSE(guessed.rough_shape);
+  const Actor plain = load_actor_bytes(make_fixture(options).bytes, "fixture");
+  EXPECT_FALSE(plain.*told);
+  EXPECT_EQ(inspect_actor(plain).find(std::string(value) + "\n"), std::string::npos);
+  options.livecap = {{field, value}};
+  const Actor actor = load_actor_bytes(make_fixture(options).bytes, "fixture");
+  EXPECT_TRUE(actor.*told);
+  EXPECT_EQ(actor.guessed_weights + actor.rough_shape, 1) << "and nothing else";
+  EXPECT_NE(inspect_actor(actor).find(line + "\n"), std::string::npos);
+}
+
+TEST(LoadActor, ExtrasTellThatWeightsAreGuessed) {
+  expect_told("weights", "guessed", &Actor::guessed_weights, "weights     guessed");
 }
 
 TEST(LoadActor, ExtrasTellThatTheShapeIsRough) {
-  FixtureOptions options;
-  const Actor exact = load_actor_bytes(make_fixture(options).bytes, "fixture");
-  EXPECT_FALSE(exact.rough_shape);
-  EXPECT_EQ(inspect_actor(exact).find("rough\n"), std::string::npos);
-  options.livecap = {{"shape", "rough"}};
-  const Actor rough = load_actor_bytes(make_fixture(options).bytes, "fixture");
-  EXPECT_TRUE(rough.rough_shape);
-  EXPECT_NE(inspect_actor(rough).find("shape       rough\n"), std::string::npos);
+  expect_told("shape", "rough", &Actor::rough_shape, "shape       rough");
 }
 
 TEST(LoadActor, ARestAngleOutsideItsLimitsWidensThemWithANote) {

@@ -1,47 +1,54 @@
 #include "texture/shading.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
-#include "base/luminance.h"
-#include "base/median.h"
-#include "geometry/reference.h"
+#include "base/srgb.h"
 #include "meshing/surface_parts.h"
+#include "texture/nonnegative_least_squares.h"
 
 namespace livecap {
 
 namespace {
 
+using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using Basis = Eigen::Vector<double, Shading::kTerms>;
+using Eigen::VectorXd;
 
-constexpr double kDarkest = 0.02;  // of 1; below it a logarithm is noise
-constexpr double kMostLog = 0.69;  // a factor of two
-constexpr double kLeastScale = 0.01;
+constexpr double kDarkest = 0.002;     // of 1, linear; below it a logarithm is noise
+constexpr double kMostLight = 5;       // by the mean, and as much less
+constexpr double kDarkestSide = 0.05;  // of the mean light, while it is sought
+// Of sizes of residuals the third from below, in standard deviations of a normal distribution; the median would be of
+// pairs of two materials where two patterns cover the same.
+constexpr double kDeviationsOfThird = 2.32;
+constexpr double kLeastScale = 0.02;
 constexpr size_t kFewestPairs = 200;
-constexpr int kRounds = 6;        // with the first two orders, and as many with all
-constexpr int kTermsToBegin = 8;  // of the first two orders
-constexpr int kSmoothings = 2;
-constexpr int kPartners = 60;          // drawn for every vertex
+constexpr int kRounds = 8;
+// How much lamps want to be equal, of their mean curvature: much at first, so that patterns are known to be none by the
+// time that light could look like them.
+constexpr double kEvenFirst = 0.03, kEvenLast = 1e-4;
+constexpr int kSmoothings = 1;
+constexpr size_t kPartners = 60;  // drawn for every vertex
+constexpr size_t kMostPairs = 20000;
 constexpr double kSameChroma = 0.06;   // of red and blue by the mean of the three
 constexpr double kNoMaterial = 0.013;  // added to the mean, in [0,1]: what dark pixels tell of their colour is noise
+constexpr int kBlock = 512;            // pairs whose equations are added at once
 
-// Spherical harmonics of orders 1, 2 and 3, not scaled.
-Basis basis_at(const Vector3d& n) {
-  const reference::Harmonics h = reference::harmonics(reference::vec3(n.x(), n.y(), n.z()));
-  const double x = n.x(), y = n.y(), z = n.z(), xx = x * x, yy = y * y, zz = z * z;
-  Basis basis;
-  basis.head<kTermsToBegin>() = Eigen::Vector<double, kTermsToBegin>(h.of + 1);
-  basis.tail<Shading::kTerms - kTermsToBegin>() << x * y * z, x * (xx - 3 * yy), y * (3 * xx - yy), z * (xx - yy),
-      x * (5 * zz - 1), y * (5 * zz - 1), z * (5 * zz - 3);
-  return basis;
-}
-
-double log_light(const Vector3d& color) {
-  return std::log(std::max(kDarkest, color.dot(Vector3d(kRedLuminance, kGreenLuminance, kBlueLuminance))));
+// Evenly spread over the sphere, [lamps,3]: a spiral.
+const Eigen::Matrix<double, Shading::kLamps, 3>& lamps() {
+  static const Eigen::Matrix<double, Shading::kLamps, 3> directions = [] {
+    Eigen::Matrix<double, Shading::kLamps, 3> all;
+    const double golden_angle = M_PI * (3 - std::sqrt(5.0));
+    for (int k = 0; k < Shading::kLamps; ++k) {
+      const double y = 1 - (2 * k + 1.0) / Shading::kLamps, r = std::sqrt(1 - y * y), angle = golden_angle * k;
+      all.row(k) << r * std::cos(angle), y, r * std::sin(angle);
+    }
+    return all;
+  }();
+  return directions;
 }
 
 // Red and blue by the mean of the three.
@@ -49,26 +56,59 @@ Vector2d chroma(const Vector3d& color) {
   return Vector2d(color.x(), color.z()) / (color.mean() + kNoMaterial);
 }
 
-// Basis and logarithm of the light: how they differ between two vertices.
-struct Pair {
-  Basis basis;
-  double light;
-};
+using Pairs = std::vector<std::pair<int, int>>;
 
-std::vector<Pair> pairs_of_one_color(const std::vector<Vector3d>& normals, const std::vector<Vector3d>& colors,
-                                     const std::vector<char>& known) {
+Pairs pairs_of_one_color(const std::vector<Vector3d>& colors, const std::vector<char>& known) {
   std::vector<Vector2d> chromas;
   for (const Vector3d& color : colors) chromas.push_back(chroma(color));
-  std::vector<Pair> pairs;
+  Pairs pairs;
   std::mt19937 random(1);
-  for (size_t i = 0; i < normals.size(); ++i)
-    for (int k = 0; k < kPartners; ++k) {
-      const size_t j = random() % normals.size();
-      if (!known[i] || !known[j] || (chromas[j] - chromas[i]).norm() > kSameChroma) continue;
-      const double light = log_light(colors[j]) - log_light(colors[i]);
-      pairs.push_back({basis_at(normals[j]) - basis_at(normals[i]), light});
-    }
+  for (size_t draw = 0; draw < kPartners * colors.size() && pairs.size() < kMostPairs; ++draw) {
+    const size_t i = random() % colors.size(), j = random() % colors.size();
+    if (!known[i] || !known[j] || i == j || (chromas[j] - chromas[i]).norm() > kSameChroma) continue;
+    pairs.emplace_back(static_cast<int>(i), static_cast<int>(j));
+  }
   return pairs;
+}
+
+// Powers of the lamps of one channel. falling: [n,lamps], what each vertex gets of each lamp; mean: [lamps], of all
+// that was seen; seen: [n], linear.
+VectorXd find_powers(const MatrixXd& falling, const VectorXd& mean, const VectorXd& seen, const Pairs& pairs) {
+  const VectorXd even = VectorXd::Constant(falling.cols(), 1 / mean.sum());
+  VectorXd powers = even;
+  std::vector<double> residuals(pairs.size()), sizes(pairs.size());
+  MatrixXd block(kBlock, falling.cols());
+  for (int round = 0; round < kRounds; ++round) {
+    const VectorXd light = (falling * powers).cwiseMax(kDarkestSide);
+    for (size_t p = 0; p < pairs.size(); ++p) {
+      const auto [i, j] = pairs[p];
+      residuals[p] = std::log(seen[j] * light[i] / (seen[i] * light[j]));
+      sizes[p] = std::abs(residuals[p]);
+    }
+    const auto third = sizes.begin() + static_cast<int>(sizes.size() / 3);
+    std::nth_element(sizes.begin(), third, sizes.end());
+    const double scale = std::max(kLeastScale, kDeviationsOfThird * *third);
+    // The albedos are equal: seen_j light_i = seen_i light_j, by their geometric mean as different as the logarithms.
+    MatrixXd normal_matrix = MatrixXd::Zero(falling.cols(), falling.cols());
+    int n_rows = 0;
+    for (size_t p = 0; p < pairs.size(); ++p) {
+      const auto [i, j] = pairs[p];
+      const double share = residuals[p] / scale;
+      const double weight = std::sqrt(1 / ((1 + share * share) * seen[i] * seen[j] * light[i] * light[j]));
+      block.row(n_rows++) = weight * (seen[j] * falling.row(i) - seen[i] * falling.row(j));
+      if (n_rows < kBlock && p + 1 < pairs.size()) continue;
+      normal_matrix.selfadjointView<Eigen::Lower>().rankUpdate(block.topRows(n_rows).transpose());
+      n_rows = 0;
+    }
+    normal_matrix.triangularView<Eigen::StrictlyUpper>() = normal_matrix.transpose();
+    normal_matrix /= std::max(1e-12, normal_matrix.trace() / static_cast<double>(falling.cols()));
+    const double to_even = kEvenFirst * std::pow(kEvenLast / kEvenFirst, round / (kRounds - 1.0));
+    normal_matrix.diagonal().array() += to_even;
+    normal_matrix += mean * mean.transpose();  // the mean light is 1
+    powers = solve_nonnegative(normal_matrix, mean + to_even * even);
+    powers /= std::max(1e-12, mean.dot(powers));
+  }
+  return powers;
 }
 
 }  // namespace
@@ -77,43 +117,42 @@ std::vector<Vector3d> shading_normals(const meshing::Surface& surface) {
   return meshing::smooth_normals(surface, meshing::neighbors_of(surface), kSmoothings);
 }
 
-double Shading::at(const Vector3d& normal) const {
-  return std::exp(std::clamp(coefficients.dot(basis_at(normal)) - mean_log, -kMostLog, kMostLog));
+Eigen::Array3d Shading::at(const Vector3d& normal) const {
+  if (!found) return Eigen::Array3d::Ones();
+  const Eigen::Matrix<double, kLamps, 1> falling = (lamps() * normal).cwiseMax(0);
+  return (powers.transpose() * falling).array().max(1 / kMostLight).min(kMostLight);
+}
+
+Vector3d without_light(const Vector3d& color, const Eigen::Array3d& light) {
+  Vector3d result;
+  for (int c = 0; c < 3; ++c) result[c] = srgb_from_linear(std::min(1.0, linear_from_srgb(color[c]) / light[c]));
+  return result;
 }
 
 Shading find_shading(const meshing::Surface& surface, const std::vector<Vector3d>& colors,
                      const std::vector<char>& known) {
   const std::vector<Vector3d> normals = shading_normals(surface);
-  const std::vector<Pair> pairs = pairs_of_one_color(normals, colors, known);
+  const Pairs pairs = pairs_of_one_color(colors, known);
   Shading shading;
   if (pairs.size() < kFewestPairs) return shading;
-  std::vector<double> sizes(pairs.size());
-  for (int round = 0; round < 2 * kRounds; ++round) {
-    // A pattern would be taken for light of the third order, were it not known by then to be none.
-    const int n = round < kRounds ? kTermsToBegin : Shading::kTerms;
-    const auto residual = [&](size_t p) { return pairs[p].light - shading.coefficients.dot(pairs[p].basis); };
-    for (size_t p = 0; p < pairs.size(); ++p) sizes[p] = std::abs(residual(p));
-    const double scale = std::max(kLeastScale, 1.4826 * median(sizes));
-    Eigen::Matrix<double, Shading::kTerms, Shading::kTerms> normal_matrix;
-    normal_matrix.setIdentity();
-    normal_matrix *= 1e-3;
-    Basis right = Basis::Zero();
-    for (size_t p = 0; p < pairs.size(); ++p) {
-      const double share = residual(p) / scale, weight = 1 / (1 + share * share);
-      normal_matrix.selfadjointView<Eigen::Lower>().rankUpdate(pairs[p].basis, weight);
-      right += weight * pairs[p].light * pairs[p].basis;
-    }
-    shading.coefficients.head(n) =
-        normal_matrix.topLeftCorner(n, n).selfadjointView<Eigen::Lower>().ldlt().solve(right.head(n));
+  const auto n = static_cast<Eigen::Index>(normals.size());
+  MatrixXd falling(n, Shading::kLamps);
+  for (Eigen::Index i = 0; i < n; ++i) falling.row(i) = (lamps() * normals[i]).cwiseMax(0);
+  VectorXd area = VectorXd::Zero(n);  // of what was seen
+  for (const auto& t : surface.triangles)
+    for (int k : t)
+      if (known[k])
+        area[k] += (surface.vertices[t[1]] - surface.vertices[t[0]])
+                       .cross(surface.vertices[t[2]] - surface.vertices[t[0]])
+                       .norm();
+  area /= area.sum();
+  const VectorXd mean = falling.transpose() * area;
+  for (int c = 0; c < 3; ++c) {
+    VectorXd seen(n);
+    for (Eigen::Index i = 0; i < n; ++i) seen[i] = std::max(kDarkest, linear_from_srgb(colors[i][c]));
+    shading.powers.col(c) = find_powers(falling, mean, seen, pairs);
   }
-  double sum = 0, area = 0;
-  for (const auto& t : surface.triangles) {
-    const double a =
-        (surface.vertices[t[1]] - surface.vertices[t[0]]).cross(surface.vertices[t[2]] - surface.vertices[t[0]]).norm();
-    for (int k = 0; k < 3; ++k) sum += a * shading.coefficients.dot(basis_at(normals[t[k]]));
-    area += 3 * a;
-  }
-  if (area > 0) shading.mean_log = sum / area;
+  shading.found = true;
   return shading;
 }
 

@@ -10,17 +10,21 @@
 
 namespace livecap {
 
-// A polynomial of third order in the normal, of the logarithm, so that it stays positive. Light on Lambertian surfaces
-// needs only the second order (Ramamoorthi and Hanrahan, "An Efficient Representation for Irradiance Environment Maps",
-// 2001), but its logarithm bends more, most on the side turned away from a lamp.
+// Lamps all around, infinitely far away, on a Lambertian surface that nothing shades: the sum of
+// power * max(0, normal . lamp), of linear light. A polynomial in the normal would need the eighth order to follow
+// where a lamp sets (docs/experiments_actor.md, "Lamps"), and could be negative.
 struct Shading {
-  static constexpr int kTerms = 15;
-  Eigen::Vector<double, kTerms> coefficients = Eigen::Vector<double, kTerms>::Zero();
-  double mean_log = 0;  // over the surface it was found on
+  static constexpr int kLamps = 96;
+  Eigen::Matrix<double, kLamps, 3> powers;  // of red, green and blue, >= 0, by the mean over the surface
+  bool found = false;
 
-  // By how much a surface that faces there (unit normal) is brighter than the mean of all; within 0.5..2.
-  double at(const Eigen::Vector3d& normal) const;
+  // By how much more light a surface that faces there (unit normal) gets than the mean of all, in red, green and blue;
+  // within 0.2..5. 1 when none was found.
+  Eigen::Array3d at(const Eigen::Vector3d& normal) const;
 };
+
+// What an sRGB colour in [0,1] that was seen in such light is in the mean light.
+Eigen::Vector3d without_light(const Eigen::Vector3d& color, const Eigen::Array3d& light);
 
 // The normals that light is found and taken out with: those of a carved mesh are noisy.
 std::vector<Eigen::Vector3d> shading_normals(const meshing::Surface& surface);

@@ -146,28 +146,36 @@ BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atl
   BlendedTexture result;
   result.seen = known;
   const std::vector<Vector3d> normals = shading_normals(surface);
-  const Shading light = find_shading(surface, colors, known);
+  const Shading shading = find_shading(surface, colors, known);
+  std::vector<Eigen::Array3d> light;
+  for (const Vector3d& normal : normals) light.push_back(shading.at(normal));
   for (size_t i = 0; i < colors.size(); ++i)
-    if (known[i]) colors[i] = (colors[i] / light.at(normals[i])).cwiseMin(1.0);
+    if (known[i]) colors[i] = without_light(colors[i], light[i]);
   spread_colors(of_one_label(neighbors, labels), known, colors);
   spread_colors(neighbors, known, colors);
   const auto color = [&](const meshing::SurfacePoint& point) {
     const auto& t = surface.triangles[point.triangle];
-    Vector3d lit = Vector3d::Zero(), unlit = Vector3d::Zero(), facing = Vector3d::Zero();
+    Vector3d lit = Vector3d::Zero(), unlit = Vector3d::Zero();
+    Eigen::Array3d its_light = Eigen::Array3d::Zero();
+    double lit_share = 0;
     for (int k = 0; k < 3; ++k) {
-      facing += point.weights[k] * normals[t[k]];
+      its_light += point.weights[k] * light[t[k]];
       if (shares[t[k]].empty()) unlit += point.weights[k] * colors[t[k]];
       for (const auto& [view, weight] : shares[t[k]]) {
         // A view that does not show the whole triangle stands back for the corner's own colour.
         const bool whole = coverage[view].facing[t[(k + 1) % 3]] > 0 && coverage[view].facing[t[(k + 2) % 3]] > 0;
+        const double share = point.weights[k] * weight;
         Eigen::Vector2d pixel;
-        if (whole && views[view].project(point.position, pixel))
-          lit += point.weights[k] * weight * sample(views[view].image, pixel.x(), pixel.y());
-        else
-          unlit += point.weights[k] * weight * colors[t[k]];
+        if (whole && views[view].project(point.position, pixel)) {
+          lit += share * sample(views[view].image, pixel.x(), pixel.y());
+          lit_share += share;
+        } else {
+          unlit += share * colors[t[k]];
+        }
       }
     }
-    return Vector3d((lit / light.at(facing.normalized()) + unlit).cwiseMin(1.0));
+    if (lit_share > 0) unlit += lit_share * without_light(lit / lit_share, its_light);
+    return unlit;
   };
   result.image = meshing::bake_texture(surface, atlas, size, color);
   return result;

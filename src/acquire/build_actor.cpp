@@ -308,8 +308,9 @@ class Builder {
           texture_from_scan(surface(), result_.actor.atlas, options_.texture_size, scan_, result_.notes);
       return;
     }
+    const LightFrame light_frame = turned_rad_.empty() ? LightFrame::kPerson : LightFrame::kCamera;
     BlendedTexture blended = texture_from_views(surface(), result_.actor.atlas, options_.texture_size, views_,
-                                                coverage_, result_.actor.labels, result_.notes);
+                                                coverage_, result_.actor.labels, light_frame, result_.notes);
     result_.actor.texture = std::move(blended.image);
     result_.seen = std::move(blended.seen);
   }

@@ -37,8 +37,9 @@ meshing::Atlas body_atlas(const meshing::Surface& surface, const std::vector<mes
 
 BlendedTexture texture_from_views(const meshing::Surface& surface, const meshing::Atlas& atlas, int size,
                                   const std::vector<View>& views, const std::vector<ViewCoverage>& coverage,
-                                  const std::vector<uint8_t>& labels, std::vector<std::string>& notes) {
-  BlendedTexture blended = blend_texture(surface, atlas, size, views, coverage, labels);
+                                  const std::vector<uint8_t>& labels, LightFrame light_frame,
+                                  std::vector<std::string>& notes) {
+  BlendedTexture blended = blend_texture(surface, atlas, size, views, coverage, labels, light_frame);
   if (const auto unseen = std::count(blended.seen.begin(), blended.seen.end(), 0); unseen > 0)
     notes.push_back(format("%d vertices get no colour from any picture; it is spread from their neighbours",
                            static_cast<int>(unseen)));

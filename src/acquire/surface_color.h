@@ -22,7 +22,8 @@ meshing::Atlas body_atlas(const meshing::Surface& surface, const std::vector<mes
 // blend_texture, with a note about what no picture shows. surface and views in the rest frame, mm.
 BlendedTexture texture_from_views(const meshing::Surface& surface, const meshing::Atlas& atlas, int size,
                                   const std::vector<View>& views, const std::vector<ViewCoverage>& coverage,
-                                  const std::vector<uint8_t>& labels, std::vector<std::string>& notes);
+                                  const std::vector<uint8_t>& labels, LightFrame light_frame,
+                                  std::vector<std::string>& notes);
 
 // size x size; of the nearest points of the scan, which lies where the surface does. Grey when it has no colour.
 ImageRgb texture_from_scan(const meshing::Surface& surface, const meshing::Atlas& atlas, int size, const Scan& scan,

@@ -129,9 +129,8 @@ Vector3d without_light(const Vector3d& color, const Eigen::Array3d& light) {
   return result;
 }
 
-Shading find_shading(const meshing::Surface& surface, const std::vector<Vector3d>& colors,
-                     const std::vector<char>& known) {
-  const std::vector<Vector3d> normals = shading_normals(surface);
+Shading find_shading(const meshing::Surface& surface, const std::vector<Vector3d>& normals,
+                     const std::vector<Vector3d>& colors, const std::vector<char>& known) {
   const Pairs pairs = pairs_of_one_color(colors, known);
   Shading shading;
   if (pairs.size() < kFewestPairs) return shading;

@@ -32,8 +32,8 @@ std::vector<Eigen::Vector3d> shading_normals(const meshing::Surface& surface);
 // From vertices anywhere on the body that have the same colour but for its brightness: most of them are of one material
 // (Cauchy-robust), so they differ by their light. Neighbours would tell less: their normals differ by no more than the
 // noise of a carved surface. colors: sRGB in [0,1] per vertex; known: 1 where they were seen. Too few known: no
-// shading.
-Shading find_shading(const meshing::Surface& surface, const std::vector<Eigen::Vector3d>& colors,
-                     const std::vector<char>& known);
+// shading. normals: where each vertex faced when it was seen, in a frame in which the light stands still.
+Shading find_shading(const meshing::Surface& surface, const std::vector<Eigen::Vector3d>& normals,
+                     const std::vector<Eigen::Vector3d>& colors, const std::vector<char>& known);
 
 }  // namespace livecap

@@ -106,6 +106,18 @@ std::vector<std::vector<int>> of_one_label(std::vector<std::vector<int>> neighbo
   return neighbors;
 }
 
+// From the person's frame into the camera's, of the views that a vertex has its colour from.
+void turn_with_views(const std::vector<View>& views, const std::vector<std::vector<Share>>& shares,
+                     std::vector<Vector3d>& normals) {
+  for (size_t i = 0; i < shares.size(); ++i) {
+    if (shares[i].empty()) continue;
+    Vector3d turned = Vector3d::Zero();
+    for (const auto& [view, weight] : shares[i])
+      turned += weight * (views[view].camera_from_world.linear() * normals[i]);
+    normals[i] = turned.normalized();
+  }
+}
+
 }  // namespace
 
 void spread_colors(const std::vector<std::vector<int>>& neighbors, std::vector<char>& known,
@@ -130,7 +142,7 @@ void spread_colors(const std::vector<std::vector<int>>& neighbors, std::vector<c
 
 BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atlas& atlas, int size,
                              const std::vector<View>& views, const std::vector<ViewCoverage>& coverage,
-                             const std::vector<uint8_t>& labels) {
+                             const std::vector<uint8_t>& labels, LightFrame light_frame) {
   const auto neighbors = meshing::neighbors_of(surface);
   const auto shares = choose_views(surface, views, coverage, labels, neighbors);
   std::vector<Vector3d> colors(surface.vertices.size(),
@@ -145,8 +157,9 @@ BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atl
   }
   BlendedTexture result;
   result.seen = known;
-  const std::vector<Vector3d> normals = shading_normals(surface);
-  const Shading shading = find_shading(surface, colors, known);
+  std::vector<Vector3d> normals = shading_normals(surface);
+  if (light_frame == LightFrame::kCamera) turn_with_views(views, shares, normals);
+  const Shading shading = find_shading(surface, normals, colors, known);
   std::vector<Eigen::Array3d> light;
   for (const Vector3d& normal : normals) light.push_back(shading.at(normal));
   for (size_t i = 0; i < colors.size(); ++i)

@@ -11,6 +11,10 @@
 
 namespace livecap {
 
+// What the light of the pictures stands still with: the person, whom the camera went around, or the camera, before
+// which they turned.
+enum class LightFrame { kPerson, kCamera };
+
 struct BlendedTexture {
   ImageRgb image;
   std::vector<char> seen;  // [n_vertices] 0: no view gives it a colour; that is spread from its neighbours
@@ -20,7 +24,7 @@ struct BlendedTexture {
 // labels; what none shows has the colour of what is seen of its label, where vertices of that label connect the two.
 BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atlas& atlas, int size,
                              const std::vector<View>& views, const std::vector<ViewCoverage>& coverage,
-                             const std::vector<uint8_t>& labels);
+                             const std::vector<uint8_t>& labels, LightFrame light_frame = LightFrame::kPerson);
 
 // Colours of vertices that are not known from their neighbours, ring by ring; known: 1 there too
 // from then on, but for what is connected to nothing known.

@@ -38,7 +38,7 @@ class Shading : public ::testing::Test {
   // The largest relative difference between find_shading's red and `light` up to a common factor, over all vertices.
   template <typename Light>
   double worst(const std::vector<Vector3d>& colors, const Light& light) const {
-    const livecap::Shading found = find_shading(surface_, colors, known_);
+    const livecap::Shading found = find_shading(surface_, shading_normals(surface_), colors, known_);
     double low = 1e9, high = 0;
     for (const Vector3d& n : normals_) {
       const double ratio = found.at(n).x() / light(n);
@@ -74,7 +74,7 @@ TEST_F(Shading, IsThatOfALampThatSets) {
   const auto light = [&](const Vector3d& n) { return 0.4 + std::max(0.0, n.dot(lamp)); };
   std::vector<Vector3d> colors;
   for (const Vector3d& n : normals_) colors.push_back(lit(light(n), {0.5, 0.35, 0.3}));
-  const livecap::Shading found = find_shading(surface_, colors, known_);
+  const livecap::Shading found = find_shading(surface_, shading_normals(surface_), colors, known_);
   const double n = static_cast<double>(normals_.size());
   double sum = 0, squares = 0;
   for (const Vector3d& normal : normals_) {
@@ -93,7 +93,7 @@ TEST_F(Shading, HasItsOwnColour) {
   std::vector<Vector3d> colors;
   for (const Vector3d& n : normals_)
     colors.push_back(lit(Vector3d(0.4, 0.45, 0.5) + std::max(0.0, n.dot(lamp)) * Vector3d(0.6, 0.5, 0.4), albedo));
-  const livecap::Shading found = find_shading(surface_, colors, known_);
+  const livecap::Shading found = find_shading(surface_, shading_normals(surface_), colors, known_);
   const Vector3d first = without_light(colors[0], found.at(normals_[0]));
   for (size_t i = 0; i < colors.size(); ++i) {
     const Vector3d color = without_light(colors[i], found.at(normals_[i]));
@@ -144,7 +144,7 @@ TEST_F(Shading, NoneWhereNothingWasSeen) {
   std::vector<Vector3d> colors;
   for (const Vector3d& n : normals_) colors.push_back(Vector3d::Constant(0.5 + 0.3 * n.x()));
   known_.assign(known_.size(), 0);
-  const livecap::Shading found = find_shading(surface_, colors, known_);
+  const livecap::Shading found = find_shading(surface_, shading_normals(surface_), colors, known_);
   EXPECT_TRUE((found.at(Vector3d::UnitX()) == 1).all());
   EXPECT_TRUE((found.at(-Vector3d::UnitX()) == 1).all());
 }
@@ -153,7 +153,7 @@ TEST_F(Shading, NoneWhereNothingWasSeen) {
 TEST_F(Shading, StaysWithinAFactorOfFive) {
   std::vector<Vector3d> colors;
   for (const Vector3d& n : normals_) colors.push_back(Vector3d::Constant(n.x() > 0.3 ? 1 : n.x() < -0.3 ? 0 : 0.4));
-  const livecap::Shading found = find_shading(surface_, colors, known_);
+  const livecap::Shading found = find_shading(surface_, shading_normals(surface_), colors, known_);
   for (const Vector3d& n : normals_) {
     EXPECT_GE(found.at(n).minCoeff(), 0.2);
     EXPECT_LE(found.at(n).maxCoeff(), 5);

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
+#include "base/srgb.h"
 #include "meshing/surface_parts.h"
 #include "support/test_device.h"
 #include "support/tolerances.h"
@@ -30,6 +32,21 @@ View view_from_front() {
   return view;
 }
 
+// Of a ball that nothing hides.
+ViewCoverage cover_ball(const meshing::Surface& ball, const View& view) {
+  const size_t n = ball.vertices.size();
+  const std::vector<Vector3d> normals = meshing::vertex_normals(ball);
+  ViewCoverage coverage{std::vector<float>(n, 0), std::vector<Eigen::Vector2f>(n)};
+  for (size_t i = 0; i < n; ++i) {
+    const Vector3d to_camera = (view.center() - ball.vertices[i]).normalized();
+    coverage.facing[i] = static_cast<float>(std::max(0.0, normals[i].dot(to_camera)));
+    Eigen::Vector2d pixel;
+    EXPECT_TRUE(view.project(ball.vertices[i], pixel));
+    coverage.pixels[i] = pixel.cast<float>();
+  }
+  return coverage;
+}
+
 TEST(Texture, HasTheColourOfItsMaterialWhereNothingIsSeen) {
   constexpr double kRadius = 100;
   const meshing::Surface ball = meshing::extract_surface([](const Vector3d& p) { return p.norm() - kRadius; },
@@ -43,17 +60,9 @@ TEST(Texture, HasTheColourOfItsMaterialWhereNothingIsSeen) {
       view.labels.pixels[pixel] = x < kSize / 2 + 4 ? 1 : 2;
       std::copy_n(x < kSize / 2 + 4 ? kRed : kBlue, 3, &view.image.pixels[3 * pixel]);
     }
-  const std::vector<Vector3d> normals = meshing::vertex_normals(ball);
-  ViewCoverage coverage{std::vector<float>(n, 0), std::vector<Eigen::Vector2f>(n)};
+  const ViewCoverage coverage = cover_ball(ball, view);
   std::vector<uint8_t> labels;
-  for (size_t i = 0; i < n; ++i) {
-    const Vector3d to_camera = (view.center() - ball.vertices[i]).normalized();
-    coverage.facing[i] = static_cast<float>(std::max(0.0, normals[i].dot(to_camera)));
-    Eigen::Vector2d pixel;
-    ASSERT_TRUE(view.project(ball.vertices[i], pixel));
-    coverage.pixels[i] = pixel.cast<float>();
-    labels.push_back(ball.vertices[i].x() < 0 ? 1 : 2);
-  }
+  for (const Vector3d& vertex : ball.vertices) labels.push_back(vertex.x() < 0 ? 1 : 2);
   const meshing::Atlas atlas = meshing::make_atlas(ball, std::vector<int>(ball.triangles.size(), 0), {1.0}, kTexels);
   const BlendedTexture texture = blend_texture(ball, atlas, kTexels, {view}, {coverage}, labels);
   int n_unseen = 0;
@@ -77,6 +86,53 @@ TEST(Texture, HasTheColourOfItsMaterialWhereNothingIsSeen) {
   int n_of_one = 0, n_of_many = 0;
   for (size_t i = 0; i < n; ++i) n_of_one += texture.seen[i], n_of_many += many.seen[i];
   EXPECT_GT(n_of_many, n_of_one);
+}
+
+// A grey ball that turns before a camera, beside which a lamp stands: each picture is the same, brighter on the right.
+TEST(Texture, HasNoLightOfALampThatStandsBesideTheCamera) {
+  constexpr double kRadius = 100, kAlbedo = 0.3;
+  const meshing::Surface ball = meshing::extract_surface([](const Vector3d& p) { return p.norm() - kRadius; },
+                                                         {-130, -130, -130}, {130, 130, 130}, 20);
+  const Vector3d lamp = Vector3d(1, -0.5, -1).normalized();  // in the camera's frame
+  std::vector<View> views;
+  std::vector<ViewCoverage> coverages;
+  for (int k = 0; k < 4; ++k) {
+    View view = view_from_front();
+    view.labels = {};
+    for (int y = 0; y < kSize; ++y)
+      for (int x = 0; x < kSize; ++x) {
+        const Vector3d ray =
+            Vector3d((x - view.camera.cx) / view.camera.fx, (y - view.camera.cy) / view.camera.fy, 1).normalized();
+        const Vector3d center(0, 0, 1000);
+        const double along = ray.dot(center), root = along * along - center.squaredNorm() + kRadius * kRadius;
+        const Vector3d normal = ((along - std::sqrt(std::max(0.0, root))) * ray - center).normalized();
+        const double seen = srgb_from_linear(kAlbedo * (0.4 + std::max(0.0, normal.dot(lamp))));
+        std::fill_n(&view.image.pixels[3 * (static_cast<size_t>(y) * kSize + x)], 3,
+                    static_cast<uint8_t>(std::lround(255 * seen)));
+      }
+    view.camera_from_world.rotate(Eigen::AngleAxisd(k * M_PI / 2, Vector3d::UnitY()));
+    coverages.push_back(cover_ball(ball, view));
+    views.push_back(view);
+  }
+  const meshing::Atlas atlas = meshing::make_atlas(ball, std::vector<int>(ball.triangles.size(), 0), {1.0}, kTexels);
+  const auto unevenness = [&](LightFrame frame) {
+    const ImageRgb image = blend_texture(ball, atlas, kTexels, views, coverages, {}, frame).image;
+    double sum = 0, squares = 0;
+    int n = 0;
+    for (size_t t = 0; t < ball.triangles.size(); ++t) {
+      if (std::abs(ball.vertices[ball.triangles[t][0]].y()) > kRadius / 2) continue;
+      const Eigen::Vector3i textured = atlas.triangles[t];
+      const Eigen::Vector2d uv = (atlas.uvs[textured[0]] + atlas.uvs[textured[1]] + atlas.uvs[textured[2]]) / 3;
+      const int x = static_cast<int>(uv.x() * kTexels), y = static_cast<int>(uv.y() * kTexels);
+      const double light = std::log(image.pixels[3 * (static_cast<size_t>(y) * kTexels + x)]);
+      sum += light, squares += light * light, ++n;
+    }
+    return std::sqrt(squares / n - sum * sum / n / n);
+  };
+  const double left = unevenness(LightFrame::kCamera), wrong = unevenness(LightFrame::kPerson);
+  std::printf("a lamp beside the camera: uneven by %.4f, taken for one beside the person %.4f\n", left, wrong);
+  EXPECT_LT(left, test::kTurnedLampLeft);
+  EXPECT_GT(wrong, test::kTurnedLampLeft);
 }
 
 // A view just as flat as is too flat weighs nothing, and shows nothing where it is the only one.

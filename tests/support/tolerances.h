@@ -192,8 +192,8 @@ inline constexpr double kSpreadLevels = 3;
 inline constexpr double kTexelRatio = 0.05;
 // Light that is left of a lamp that sets beside a room, root mean square of the logarithm: 0.012.
 inline constexpr double kLampLeft = 0.02;
-// The same of a ball in four pictures, whose lamp stands beside the camera before which it turned: 0.032; of a lamp that
-// is taken to stand beside the ball 0.096.
+// The same of a ball in four pictures, whose lamp stands beside the camera before which it turned: 0.032; of a lamp
+// that is taken to stand beside the ball 0.096.
 inline constexpr double kTurnedLampLeft = 0.05;
 // Unknowns of small linear systems in double precision, of their size.
 inline constexpr double kSolvedExactly = 1e-8;

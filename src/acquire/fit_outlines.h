@@ -12,8 +12,8 @@ namespace livecap::acquire {
 
 // Moves vertices along their normals until the surface, drawn into the views, ends where their masks end, in the mean
 // of the views that see a place edge-on. Where no outline tells, vertices stay, and so do those below lowest_mm (Y);
-// 20 mm above it they move wholly. views: in the surface's frame, mm; seen:
-// seen_outlines(views).
+// 20 mm above it they move wholly. views: in the surface's frame, mm;
+// seen: seen_outlines(views).
 void fit_outlines(ocl::DeviceContext& device, const std::vector<View>& views, const std::vector<SeenOutline>& seen,
                   double lowest_mm, meshing::Surface& surface);
 

@@ -47,6 +47,14 @@ ViewCoverage cover_ball(const meshing::Surface& ball, const View& view) {
   return coverage;
 }
 
+// In the middle of a triangle.
+const uint8_t* middle_texel(const ImageRgb& image, const meshing::Atlas& atlas, size_t triangle) {
+  const Eigen::Vector3i t = atlas.triangles[triangle];
+  const Eigen::Vector2d uv = (atlas.uvs[t[0]] + atlas.uvs[t[1]] + atlas.uvs[t[2]]) / 3;
+  const int x = static_cast<int>(uv.x() * kTexels), y = static_cast<int>(uv.y() * kTexels);
+  return &image.pixels[3 * (static_cast<size_t>(y) * kTexels + x)];
+}
+
 TEST(Texture, HasTheColourOfItsMaterialWhereNothingIsSeen) {
   constexpr double kRadius = 100;
   const meshing::Surface ball = meshing::extract_surface([](const Vector3d& p) { return p.norm() - kRadius; },
@@ -67,14 +75,12 @@ TEST(Texture, HasTheColourOfItsMaterialWhereNothingIsSeen) {
   const BlendedTexture texture = blend_texture(ball, atlas, kTexels, {view}, {coverage}, labels);
   int n_unseen = 0;
   for (size_t t = 0; t < ball.triangles.size(); ++t) {
-    const Eigen::Vector3i corners = ball.triangles[t], textured = atlas.triangles[t];
+    const Eigen::Vector3i corners = ball.triangles[t];
     const uint8_t label = labels[corners[0]];
     if (labels[corners[1]] != label || labels[corners[2]] != label) continue;
     if (texture.seen[corners[0]] || texture.seen[corners[1]] || texture.seen[corners[2]]) continue;
     ++n_unseen;
-    const Eigen::Vector2d uv = (atlas.uvs[textured[0]] + atlas.uvs[textured[1]] + atlas.uvs[textured[2]]) / 3;
-    const int x = static_cast<int>(uv.x() * kTexels), y = static_cast<int>(uv.y() * kTexels);
-    const uint8_t* color = &texture.image.pixels[3 * (static_cast<size_t>(y) * kTexels + x)];
+    const uint8_t* color = middle_texel(texture.image, atlas, t);
     const uint8_t* expected = label == 1 ? kRed : kBlue;
     for (int c = 0; c < 3; ++c)
       EXPECT_NEAR(color[c], expected[c], test::kSpreadLevels) << "at " << ball.vertices[corners[0]].transpose();
@@ -121,10 +127,7 @@ TEST(Texture, HasNoLightOfALampThatStandsBesideTheCamera) {
     int n = 0;
     for (size_t t = 0; t < ball.triangles.size(); ++t) {
       if (std::abs(ball.vertices[ball.triangles[t][0]].y()) > kRadius / 2) continue;
-      const Eigen::Vector3i textured = atlas.triangles[t];
-      const Eigen::Vector2d uv = (atlas.uvs[textured[0]] + atlas.uvs[textured[1]] + atlas.uvs[textured[2]]) / 3;
-      const int x = static_cast<int>(uv.x() * kTexels), y = static_cast<int>(uv.y() * kTexels);
-      const double light = std::log(image.pixels[3 * (static_cast<size_t>(y) * kTexels + x)]);
+      const double light = std::log(*middle_texel(image, atlas, t));
       sum += light, squares += light * light, ++n;
     }
     return std::sqrt(squares / n - sum * sum / n / n);

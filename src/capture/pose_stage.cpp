@@ -39,19 +39,27 @@ void PoseStage::learn(const Pose* previous, const Pose& pose, const Detections& 
     log_warning("feet do not rest on the floor of camera.json; was the camera moved since it was measured?");
 }
 
-// The contour found on a rough pose is only a start: once more from where that solve ends.
-PoseStage::Solution PoseStage::solve_anew(const PoseStageInput& input) {
+// The contour found on a rough pose is only a start: once more from where that solve ends, and from there with the body
+// leant by each of leans_rad.
+PoseStage::Solution PoseStage::solve_anew(const PoseStageInput& input, std::span<const double> leans_rad) {
   const std::optional<Pose> initial = initialize_pose(actor_, camera_, input.detections, options_.pose);
-  Solution anew;
-  anew.pose.status = SolveStatus::kNoObservations;
-  if (!initial) return anew;
-  anew.pose = rounds_.solve_rough(input, *initial);
-  if (anew.pose.status != SolveStatus::kOk) return anew;
-  return rounds_.solve(input, input.detections, anew.pose.pose, nullptr, Rounds::kAll);
+  Solution best;
+  best.pose.status = SolveStatus::kNoObservations;
+  if (!initial) return best;
+  best.pose = rounds_.solve_rough(input, *initial);
+  if (best.pose.status != SolveStatus::kOk) return best;
+  const Pose rough = best.pose.pose;
+  best = rounds_.solve(input, input.detections, rough, nullptr, Rounds::kAll);
+  for (double lean_rad : leans_rad)
+    keep_better(rounds_.solve(input, input.detections, leant(rough, lean_rad), nullptr, Rounds::kAll), best);
+  return best;
 }
 
+// One picture hardly tells how far a body leans towards the camera: who leans is also nearer, so as large. Clothes with
+// a pattern match nearly as well from there, and E_temporal then keeps it for a second.
 PoseResult PoseStage::find(const PoseStageInput& input) {
-  Solution found = solve_anew(input);
+  const std::vector<double>& leans_rad = options_.starts.leans_rad;
+  Solution found = solve_anew(input, rounds_.matches(input) ? leans_rad : std::vector<double>{});
   if (found.pose.status == SolveStatus::kOk) last_skin_ = std::move(found.skin);
   return found.pose;
 }
@@ -116,7 +124,7 @@ void PoseStage::finish(const PoseStageInput& input, const Pose& previous, Soluti
 // may be the network's mistake. E_temporal is the old pose's alone.
 void PoseStage::try_anew(const PoseStageInput& input, Solution& best) {
   exchanged_frames_ = 0;
-  Solution anew = solve_anew(input);
+  Solution anew = solve_anew(input, {});
   if (anew.pose.status != SolveStatus::kOk) return;
   const bool keeps = rounds_.matches(input) && best.pose.status == SolveStatus::kOk &&
                      best.cost - best.pose.energy.temporal <= anew.cost;

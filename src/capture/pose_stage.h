@@ -2,6 +2,7 @@
 // place. The better solution counts, and what is learned of it.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "actor/actor.h"
@@ -62,7 +63,7 @@ class PoseStage {
   using Solution = PoseRounds::Solution;
 
   PoseResult solve_corrected(const PoseStageInput& input, const Pose& predicted, const Pose& previous);
-  Solution solve_anew(const PoseStageInput& input);
+  Solution solve_anew(const PoseStageInput& input, std::span<const double> leans_rad);
   void make_comparable(const PoseStageInput& input, const Pose& previous, Solution& best);
   void finish(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_anew(const PoseStageInput& input, Solution& best);

@@ -13,6 +13,7 @@ namespace livecap {
 namespace {
 
 constexpr double kMostGuessedFactor = 100;
+constexpr double kMostLeanRad = 1.5;
 
 void require(bool ok, const char* field, double value, const std::string& range) {
   if (!ok) throw ConfigError(format("tracker option %s is %g; it must be %s", field, value, range.c_str()));
@@ -62,6 +63,8 @@ void GuessedWeightsOptions::validate() const {
 }
 
 void OtherStartsOptions::validate() const {
+  for (double lean : leans_rad)
+    require(std::abs(lean) <= kMostLeanRad, "starts.leans_rad", lean, format("at most %g either way", kMostLeanRad));
   not_negative("starts.least_turn_rad", least_turn_rad);
   not_negative("starts.strayed_share", strayed_share);
   not_negative("starts.cost_of_covering", cost_of_covering);

@@ -85,6 +85,9 @@ struct GuessedWeightsOptions {
 
 // When stage I is solved from other starts than the predicted pose as well, and when those count.
 struct OtherStartsOptions {
+  // Who is seen for the first time, or again, is also looked for leaning towards the camera (negative: away from it) by
+  // each of these, rad, from where the detections have them (pose/other_starts.h).
+  std::vector<double> leans_rad = {-0.35, -0.175, 0.175, 0.35};
   // A body that faces so much elsewhere than the detections is solved from there as well (pose/other_starts.h).
   double least_turn_rad = 0.21;
   // A body with an ankle so far from its detection, as a share of the person's height in the picture, is solved from

@@ -47,6 +47,12 @@ std::optional<Pose> turned_trunk(const Actor& actor, const Pose& pose, const Det
   return turned;
 }
 
+Pose leant(const Pose& pose, double lean_rad) {
+  Pose leaning = pose;
+  leaning.root_rotation = Eigen::AngleAxisd(lean_rad, Eigen::Vector3d::UnitX()).toRotationMatrix() * pose.root_rotation;
+  return leaning;
+}
+
 std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera, const Pose& pose,
                                        const Detections& detections, const PoseOptions& options, double least_px) {
   if (!detections.person) return std::nullopt;

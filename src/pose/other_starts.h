@@ -20,6 +20,10 @@ namespace livecap {
 std::optional<Pose> turned_trunk(const Actor& actor, const Pose& pose, const Detections& detections,
                                  const PoseOptions& options, double least_turn_rad);
 
+// `pose` leant towards the camera by lean_rad (away from it where that is negative): turned about the root, and the
+// camera's x axis.
+Pose leant(const Pose& pose, double lean_rad);
+
 // `pose` with every leg whose ankle lies at least least_px from its detection bent as initialize_pose would bend it.
 // nullopt when there is none or the detections do not tell.
 std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera, const Pose& pose,

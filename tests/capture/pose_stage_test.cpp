@@ -141,6 +141,41 @@ std::vector<PoseResult> track(ocl::DeviceContext& device, int n_frames, int n_ah
   return results;
 }
 
+// How far too near to the camera the neck of somebody who is seen for the first time is found, from the pelvis, mm,
+// where the network sees them lean by lean_rad.
+double found_lean_mm(ocl::DeviceContext& device, double lean_rad, const std::vector<double>& leans_rad) {
+  Seen seen(device);
+  TrackerOptions options;
+  options.starts.leans_rad = leans_rad;
+  PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
+  const Pose truth = turned(seen.actor, 0);
+  const Silhouette silhouette = seen.take_picture(stage, truth);
+  Detections detections = test::exact_detections(seen.actor, seen.camera, truth);
+  const Eigen::Matrix3f lean = Eigen::AngleAxisf(float(lean_rad), Eigen::Vector3f::UnitX()).toRotationMatrix();
+  for (KeypointDetection& point : detections.keypoints) {
+    const Eigen::Vector3f leant = lean * Eigen::Vector3f(point.x_mm, point.y_mm, point.z_mm);
+    point.x_mm = leant.x(), point.y_mm = leant.y(), point.z_mm = leant.z();
+  }
+  const PoseStageInput input{detections, silhouette, seen.frame};
+  stage.set_picture(input);
+  const PoseResult found = stage.find(input);
+  EXPECT_EQ(found.status, SolveStatus::kOk);
+  const auto ahead = [&](const Pose& pose) {
+    const auto points = keypoint_positions(seen.actor, forward_kinematics(seen.actor.skeleton, pose));
+    return points[kPelvis].z() - points[kNeck].z();
+  };
+  return ahead(found.pose) - ahead(truth);
+}
+
+TEST(PoseStage, ANetworkThatSeesALeanLeansNobody) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    for (double lean : {-0.45, 0.45}) {
+      const double alone = std::abs(found_lean_mm(device, lean, {}));
+      EXPECT_LT(std::abs(found_lean_mm(device, lean, TrackerOptions{}.starts.leans_rad)), alone / 5) << lean;
+    }
+  });
+}
+
 // Of a GPU that launches a round's kernels one by one.
 ocl::DeviceInfo without_sight(ocl::DeviceInfo info) {
   info.has_long_atomics = false;

@@ -79,6 +79,12 @@ std::vector<Field> fields() {
       factor(LC_FIELD(guessed.keypoint_2d)),
       factor(LC_FIELD(guessed.silhouette)),
       factor(LC_FIELD(guessed.shading)),
+      {"starts.leans_rad",
+       [](TrackerOptions& o, double value) {
+         o.starts.leans_rad = {0.1, value};
+       },
+       {-1.5, 0, 1.5},
+       {-1.6, 1.6, nan, infinite}},
       length(LC_FIELD(starts.least_turn_rad)),
       length(LC_FIELD(starts.strayed_share)),
       length(LC_FIELD(starts.cost_of_covering)),

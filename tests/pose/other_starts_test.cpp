@@ -52,6 +52,20 @@ TEST(OtherStarts, ATwistedTrunkIsLeftAlone) {
   EXPECT_LT(facing_rad(*turned, twisted), test::kTurnedTrunkRad);
 }
 
+TEST(OtherStarts, WhoLeansTowardsTheCameraHasTheHeadNearer) {
+  const Actor actor = test::make_test_actor();
+  const Pose upright = test::standing_pose(actor, 0.4);
+  const Pose leaning = leant(upright, 0.3);
+  const auto neck = [&](const Pose& pose) -> Eigen::Vector3d {
+    return keypoint_positions(actor, forward_kinematics(actor.skeleton, pose))[kNeck] - pose.root_translation_mm;
+  };
+  EXPECT_EQ(leaning.root_translation_mm, upright.root_translation_mm);
+  const Eigen::Vector3d before = neck(upright), after = neck(leaning);
+  EXPECT_NEAR(after.x(), before.x(), 1e-9);
+  EXPECT_NEAR(after.norm(), before.norm(), 1e-9);
+  EXPECT_NEAR(std::atan2(-after.z(), -after.y()) - std::atan2(-before.z(), -before.y()), 0.3, 1e-9);
+}
+
 // Network depth leans whole bodies; that is not what this is about.
 TEST(OtherStarts, ALeanIsLeftAlone) {
   const Actor actor = test::make_test_actor();

@@ -24,6 +24,7 @@
 #include "texture/surface_views.h"
 #include "views/fit_turn.h"
 #include "views/run_colmap.h"
+#include "views/sharpen_masks.h"
 #include "views/turn_masks.h"
 
 namespace livecap::acquire {
@@ -60,6 +61,8 @@ class Builder {
     else
       stage("looking at the scan", [&] { views_ = photograph_scan(scan_, kScanViews); });
     result_.n_views = static_cast<int>(views_.size());
+    stage("looking for the person", [&] { look_for_person(); });
+    if (!network_masks_.empty() && options_.mesh.empty()) stage("sharpening masks", [&] { sharpen(); });
     stage("finding the person", [&] { find_person(); });
     if (parser_) stage("parsing", [&] { parse_views(); });
     if (options_.mesh.empty())
@@ -69,8 +72,7 @@ class Builder {
     stage("thinning", [&] { thin(); });
     if (options_.refine && options_.mesh.empty()) stage("refining", [&] { refine(); });
     if (!shape_.as_is) move_along_normals(facet_offsets_mm_, surface());
-    // Not of a network's masks, whose outlines are off by more.
-    if (options_.mesh.empty() && n_network_masks_ == 0) {
+    if (options_.mesh.empty()) {
       std::vector<SeenOutline> seen;
       stage("outlines", [&] {
         seen = seen_outlines(views_);
@@ -132,29 +134,38 @@ class Builder {
     assume_height("one camera does not tell how tall somebody is");
   }
 
-  void find_person() {
-    auto detections = detect_in_views(network_device_, options_.model, views_, [&](int done, int total) {
+  void look_for_person() {
+    detections_ = detect_in_views(network_device_, options_.model, views_, [&](int done, int total) {
       if (!tell(done, total)) throw Error("interrupted while " + stage_);
       return true;
     });
     for (size_t i = 0; i < views_.size(); ++i) {
-      result_.n_detected += detections[i].person;
-      if (!views_[i].mask.empty() || detections[i].mask.empty()) continue;
-      views_[i].mask = {detections[i].mask.width, detections[i].mask.height, detections[i].mask.probability};
-      ++n_network_masks_;
+      result_.n_detected += detections_[i].person;
+      if (!views_[i].mask.empty() || detections_[i].mask.empty()) continue;
+      views_[i].mask = {detections_[i].mask.width, detections_[i].mask.height, detections_[i].mask.probability};
+      network_masks_.push_back(i);
     }
     if (result_.n_detected < kMinViews)
       throw ConfigError(format("the network sees a person in only %d of %zu pictures; at least %d are needed",
                                result_.n_detected, views_.size(), kMinViews));
     if (!turned_rad_.empty()) {
       if (mask_by_background(device_, views_))
-        n_network_masks_ = 0;
+        network_masks_.clear();
       else
         note("what is behind the person changes while they turn: did the camera move?");
     }
-    if (n_network_masks_ > 0 && options_.mesh.empty())
-      note(format("%d of %zu masks are the network's: the shape is about 1 %% coarser than with exact masks",
-                  n_network_masks_, views_.size()));
+  }
+
+  void sharpen() {
+    note(format("%zu of %zu masks are the network's: the shape is coarser than with exact masks", network_masks_.size(),
+                views_.size()));
+    sharpen_masks(views_, network_masks_, [&](int done, int total) {
+      if (!tell(done, total)) throw Error("interrupted while " + stage_);
+    });
+  }
+
+  void find_person() {
+    std::vector<Detections> detections = std::move(detections_);
     if (!turned_rad_.empty()) {
       const TurnFit fit = fit_turn(views_, detections, turned_rad_, result_.notes);
       result_.turn =
@@ -216,8 +227,8 @@ class Builder {
   }
 
   void carve() {
-    // A network's masks are off by some mm; of those by the background one may have a hole.
-    const int n_ignored = n_network_masks_ > 0 ? 2 : turned_rad_.empty() ? 0 : 1;
+    // A network's masks may lack a shoe; of those by the background one may have a hole.
+    const int n_ignored = !network_masks_.empty() ? 2 : turned_rad_.empty() ? 0 : 1;
     shape_ = carve_body(device_, views_, keypoints_, options_.grid_mm, n_ignored, result_.notes);
   }
 
@@ -338,10 +349,11 @@ class Builder {
   std::string stage_;
   std::unique_ptr<ColmapRun> colmap_;
   std::unique_ptr<ParsingNetwork> parser_;
-  std::vector<View> views_;  // in the rest frame once the person is found
-  int n_network_masks_ = 0;
-  std::vector<double> turned_rad_;  // of a turntable video's views, as the network sees it
-  double given_height_mm_;          // 0: the cameras' world has a unit
+  std::vector<View> views_;             // in the rest frame once the person is found
+  std::vector<Detections> detections_;  // in the views, until the person is found
+  std::vector<size_t> network_masks_;   // views whose mask is a network's
+  std::vector<double> turned_rad_;      // of a turntable video's views, as the network sees it
+  double given_height_mm_;              // 0: the cameras' world has a unit
   GivenJoints given_joints_;
   SpaceKeypoints keypoints_;
   std::vector<double> facet_offsets_mm_;

@@ -10,6 +10,7 @@
 namespace livecap {
 namespace {
 
+constexpr char kTextureTransform[] = "KHR_texture_transform";
 constexpr size_t kMaxJsonDepth = 64;  // tinygltf walks `extras` recursively
 
 uint32_t little_endian_32(const std::string& bytes, size_t offset) {
@@ -90,7 +91,7 @@ GltfReader::GltfReader(const std::string& bytes, std::string name) : name_(std::
     fail("not a valid glTF 2.0 binary: " + (error.empty() ? "malformed JSON" : error));
   }
   for (const std::string& extension : model_.extensionsRequired) {
-    if (extension != "KHR_mesh_quantization" && extension != "KHR_texture_transform" &&
+    if (extension != "KHR_mesh_quantization" && extension != kTextureTransform &&
         extension.rfind("KHR_materials_", 0) != 0)
       fail("needs the glTF extension " + extension + ", which is not supported; export without compression");
   }
@@ -271,6 +272,44 @@ std::vector<uint32_t> GltfReader::read_unsigned(int index, int components, int64
     fail(what + " must be unsigned integers");
   const std::vector<double> values = read(index, components, expected_count, what);
   return {values.begin(), values.end()};
+}
+
+std::vector<Eigen::Vector2d> GltfReader::texture_coordinates(const tinygltf::Primitive& primitive, int64_t n,
+                                                             const std::string& what) const {
+  int set = 0;
+  Eigen::Affine2d transform = Eigen::Affine2d::Identity();
+  if (primitive.material >= 0 && static_cast<size_t>(primitive.material) < model_.materials.size()) {
+    const tinygltf::TextureInfo& info = model_.materials[primitive.material].pbrMetallicRoughness.baseColorTexture;
+    set = info.texCoord;
+    if (const auto found = info.extensions.find(kTextureTransform); found != info.extensions.end()) {
+      const tinygltf::Value& extension = found->second;
+      const std::string name = format("materials[%d].%s.", primitive.material, kTextureTransform);
+      const auto number = [&](const tinygltf::Value& value, const char* field) {
+        if (!value.IsNumber()) fail(name + field + " is not a number");
+        return value.GetNumberAsDouble();
+      };
+      const auto pair = [&](const char* field, const Eigen::Vector2d& otherwise) -> Eigen::Vector2d {
+        if (!extension.Has(field)) return otherwise;
+        const tinygltf::Value& value = extension.Get(field);
+        if (!value.IsArray() || value.ArrayLen() != 2) fail(name + field + " is not two numbers");
+        return {number(value.Get(0), field), number(value.Get(1), field)};
+      };
+      // Counter-clockwise as one sees it; v points down.
+      const double turn = extension.Has("rotation") ? number(extension.Get("rotation"), "rotation") : 0;
+      transform.translate(pair("offset", {0, 0})).rotate(-turn).scale(pair("scale", {1, 1}));
+      if (extension.Has("texCoord")) set = static_cast<int>(number(extension.Get("texCoord"), "texCoord"));
+    }
+  }
+  const std::string name = "TEXCOORD_" + std::to_string(set >= 0 && set < 8 ? set : 0);
+  const auto attribute = primitive.attributes.find(name);
+  if (attribute == primitive.attributes.end()) return {};
+  const std::vector<double> values = read(attribute->second, 2, n, what + "." + name);
+  std::vector<Eigen::Vector2d> coordinates;
+  for (int64_t i = 0; i < n; ++i) {
+    coordinates.push_back(transform * Eigen::Vector2d(values[2 * i], values[2 * i + 1]));
+    if (!coordinates.back().allFinite()) fail(what + "." + name + ": its " + kTextureTransform + " is not finite");
+  }
+  return coordinates;
 }
 
 ImageRgb GltfReader::decode_image(int index) const {

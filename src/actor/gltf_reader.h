@@ -44,6 +44,11 @@ class GltfReader {
   // world_from_node of the file's default pose.
   Eigen::Matrix4d node_world(int node) const;
 
+  // Where each of the n vertices of a primitive looks into the base colour texture of its material, the texture's
+  // KHR_texture_transform applied. Empty where the primitive does not say.
+  std::vector<Eigen::Vector2d> texture_coordinates(const tinygltf::Primitive& primitive, int64_t n,
+                                                   const std::string& what) const;
+
   // Decodes an embedded PNG or JPEG of at most kMaxTexturePixels.
   ImageRgb decode_image(int index) const;
 

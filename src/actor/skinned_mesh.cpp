@@ -139,14 +139,10 @@ class SkinnedMeshReader {
       }
     }
 
-    int tile = -1;
-    const std::string uv_name = read_material(primitive.material, tile);
+    raw_.tiles.resize(first + n, read_material(primitive.material));
     raw_.uvs.resize(first + n, {0, 0});
-    raw_.tiles.resize(first + n, tile);
-    if (const int index = attribute(uv_name); index >= 0) {
-      const std::vector<double> uvs = file_.read(index, 2, n, named(uv_name));
-      for (int64_t i = 0; i < n; ++i) raw_.uvs[first + i] = {uvs[2 * i], uvs[2 * i + 1]};
-    }
+    const std::vector<Eigen::Vector2d> uvs = file_.texture_coordinates(primitive, n, what);
+    for (size_t i = 0; i < uvs.size(); ++i) raw_.uvs[first + i] = {uvs[i].x(), uvs[i].y()};
     raw_.colors.resize(first + n, {-1, -1, -1});
     if (const int index = attribute("COLOR_0"); index >= 0) {
       const int components = file_.components_of(index, named("COLOR_0"));
@@ -178,9 +174,9 @@ class SkinnedMeshReader {
     }
   }
 
-  // Sets the atlas tile of a material (-1: no texture and no colour) and returns its texture coordinate attribute.
-  std::string read_material(int material, int& tile) {
-    if (material < 0 || static_cast<size_t>(material) >= model().materials.size()) return "TEXCOORD_0";
+  // The atlas tile of a material; -1: no texture and no colour.
+  int read_material(int material) {
+    if (material < 0 || static_cast<size_t>(material) >= model().materials.size()) return -1;
     const auto& pbr = model().materials[material].pbrMetallicRoughness;
     const int texture = pbr.baseColorTexture.index;
     int key = -1 - material, image = -1;  // a plain colour is keyed by its material
@@ -192,6 +188,7 @@ class SkinnedMeshReader {
         key = -1 - material;
       }
     }
+    int tile = -1;
     if (const auto known = tile_of_.find(key); known != tile_of_.end()) {
       tile = known->second;
     } else if (image >= 0) {
@@ -207,8 +204,7 @@ class SkinnedMeshReader {
     if (atlas.width() * atlas.height() > kMaxTexturePixels)
       file_.fail(format("the textures of all materials side by side are %lld x %lld pixels, too large",
                         static_cast<long long>(atlas.width()), static_cast<long long>(atlas.height())));
-    const int set = pbr.baseColorTexture.texCoord;
-    return "TEXCOORD_" + std::to_string(set >= 0 && set < 8 ? set : 0);
+    return tile;
   }
 
   const GltfReader& file_;

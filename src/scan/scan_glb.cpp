@@ -1,5 +1,6 @@
 // The triangles of a glTF binary as they stand in the world, with the first texture or COLOR_0.
 #include <Eigen/Geometry>
+#include <utility>
 
 #include "actor/gltf_reader.h"
 #include "actor/texture_atlas.h"
@@ -44,9 +45,7 @@ Scan read_glb_scan(const std::filesystem::path& path, std::vector<std::string>& 
         indices = file.read_unsigned(primitive.indices, 1, -1, "indices");
       else
         for (int64_t i = 0; i < n; ++i) indices.push_back(static_cast<uint32_t>(i));
-      std::vector<double> uv;
-      if (const auto found = primitive.attributes.find("TEXCOORD_0"); found != primitive.attributes.end())
-        uv = file.read(found->second, 2, n, "TEXCOORD_0");
+      const std::vector<Eigen::Vector2d> uv = file.texture_coordinates(primitive, n, "a primitive");
       int source = -1;
       if (primitive.material >= static_cast<int>(model.materials.size()))
         file.fail(format("a primitive names material %d of %zu", primitive.material, model.materials.size()));
@@ -66,14 +65,14 @@ Scan read_glb_scan(const std::filesystem::path& path, std::vector<std::string>& 
       } else {
         colored = false;
       }
+      const bool mirrored = world.topLeftCorner<3, 3>().determinant() < 0;
       for (size_t i = 0; i + 2 < indices.size(); i += 3) {
         for (int k = 0; k < 3; ++k)
           if (indices[i + k] >= static_cast<uint64_t>(n))
             file.fail(format("a triangle names vertex %u of %lld", indices[i + k], static_cast<long long>(n)));
+        if (mirrored) std::swap(indices[i + 1], indices[i + 2]);
         scan.surface.triangles.emplace_back(base + indices[i], base + indices[i + 1], base + indices[i + 2]);
-        for (int k = 0; k < 3; ++k)
-          scan.uvs.push_back(uv.empty() ? Eigen::Vector2d(0, 0)
-                                        : Eigen::Vector2d(uv[2 * indices[i + k]], uv[2 * indices[i + k] + 1]));
+        for (int k = 0; k < 3; ++k) scan.uvs.push_back(uv.empty() ? Eigen::Vector2d(0, 0) : uv[indices[i + k]]);
       }
     }
   }

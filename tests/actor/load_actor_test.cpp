@@ -66,6 +66,34 @@ TEST(LoadActor, WeldsSeamsInOrderOfFirstOccurrence) {
   EXPECT_EQ(actor.rigidity[16], 100.f);
 }
 
+// The lower left quarter of the picture, turned by a quarter: what the extension's own text has as its example.
+TEST(LoadActor, MovesTextureCoordinatesAsTheMaterialSays) {
+  Fixture f = make_fixture();
+  f.document["extensionsUsed"] = f.document["extensionsRequired"] = {"KHR_texture_transform"};
+  f.document["materials"] = {{{"pbrMetallicRoughness",
+                               {{"baseColorTexture",
+                                 {{"index", 0},
+                                  {"texCoord", 1},
+                                  {"extensions",
+                                   {{"KHR_texture_transform",
+                                     {{"offset", {0, 1}},
+                                      {"rotation", std::numbers::pi / 2},
+                                      {"scale", {0.5, 0.25}},
+                                      {"texCoord", 0}}}}}}}}}}};
+  f.document["meshes"][0]["primitives"][0]["material"] = 0;
+  const Actor plain = load_actor_bytes(make_fixture().bytes, "fixture");
+  const Actor moved = load_actor_bytes(Fixture::pack(f.document, f.bin), "fixture");
+  ASSERT_EQ(moved.render.uvs.size(), plain.render.uvs.size());
+  for (size_t i = 0; i < plain.render.uvs.size(); i += 2) {
+    EXPECT_NEAR(moved.render.uvs[i], 0.25 * plain.render.uvs[i + 1], test::kHandComputed);
+    EXPECT_NEAR(moved.render.uvs[i + 1], 1 - 0.5 * plain.render.uvs[i], test::kHandComputed);
+  }
+  auto& transform = f.document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"];
+  transform["KHR_texture_transform"]["scale"] = {1};
+  EXPECT_NE(message_of(Fixture::pack(f.document, f.bin)).find("KHR_texture_transform.scale is not two numbers"),
+            std::string::npos);
+}
+
 TEST(LoadActor, RestPoseReproducesTheBindJointsExactly) {
   const Actor actor = load_actor_bytes(make_fixture().bytes, "fixture");
   ASSERT_EQ(actor.skeleton.n_dofs(), 30);

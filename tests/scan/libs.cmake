@@ -1,1 +1,1 @@
-target_link_libraries(test_scan PRIVATE livecap_synth)
+target_link_libraries(test_scan PRIVATE livecap_synth nlohmann_json::nlohmann_json)

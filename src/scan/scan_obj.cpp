@@ -1,7 +1,9 @@
-// Wavefront OBJ with the first texture of its material file, and colours behind the coordinates (MeshLab's way).
+// Wavefront OBJ with the one texture of its materials, and colours behind the coordinates (MeshLab's way).
 #include <algorithm>
 #include <cstdlib>
+#include <set>
 #include <sstream>
+#include <vector>
 
 #include "base/text.h"
 #include "image/image_io.h"
@@ -12,17 +14,45 @@ namespace livecap {
 
 namespace {
 
-std::filesystem::path texture_of(const std::filesystem::path& material) {
-  require_no_pipe(material);
-  std::istringstream in(read_file(material));
+// What follows the first word of a line, without the spaces around.
+std::string rest_of(std::istringstream& fields) {
+  std::string rest;
+  std::getline(fields >> std::ws, rest);
+  rest.erase(rest.find_last_not_of(" \t\r") + 1);
+  return rest;
+}
+
+struct Material {
+  std::string name;
+  std::filesystem::path picture;  // empty: none
+};
+
+std::vector<Material> read_materials(const std::filesystem::path& file) {
+  require_no_pipe(file);
+  std::istringstream in(read_file(file));
+  std::vector<Material> materials;
   for (std::string line; std::getline(in, line);) {
     std::istringstream fields(line);
-    std::string key, name;
-    if (fields >> key && key == "map_Kd" && std::getline(fields >> std::ws, name)) {
-      if (!name.empty() && name.back() == '\r') name.pop_back();
-      return material.parent_path() / name;
-    }
+    std::string key;
+    fields >> key;
+    if (key == "newmtl") materials.push_back({rest_of(fields), {}});
+    if (key != "map_Kd") continue;
+    if (materials.empty()) materials.emplace_back();
+    const std::string name = rest_of(fields);
+    if (!name.empty()) materials.back().picture = file.parent_path() / name;
   }
+  return materials;
+}
+
+// What the faces' materials look like. More than one: they do not agree, and the picture of a material without one is
+// empty. Faces whose materials the file does not know have its first picture.
+std::set<std::filesystem::path> pictures_of(const std::vector<Material>& materials, const std::set<std::string>& used) {
+  std::set<std::filesystem::path> pictures;
+  for (const Material& material : materials)
+    if (used.count(material.name)) pictures.insert(material.picture);
+  if (!pictures.empty()) return pictures;
+  for (const Material& material : materials)
+    if (!material.picture.empty()) return {material.picture};
   return {};
 }
 
@@ -39,7 +69,9 @@ Scan read_obj(const std::filesystem::path& path, std::vector<std::string>& notes
   const std::string text = read_file(path);
   Scan scan;
   std::vector<Eigen::Vector2d> uvs;
-  std::filesystem::path material;
+  std::filesystem::path material_file;
+  std::string material;  // of the faces that follow
+  std::set<std::string> used;
   bool every_corner_has_uv = true;
   int number = 0;
   for (size_t begin = 0; begin < text.size();) {
@@ -87,6 +119,7 @@ Scan read_obj(const std::filesystem::path& path, std::vector<std::string>& notes
         if (vertex < 0) throw IoError(path.string() + format(": line %d: there is no vertex %ld", number, v));
         corners.emplace_back(vertex, resolve(t, uvs.size()));
       }
+      used.insert(material);
       for (size_t k = 2; k < corners.size(); ++k) {
         scan.surface.triangles.emplace_back(corners[0].first, corners[k - 1].first, corners[k].first);
         for (size_t c : {size_t{0}, k - 1, k}) {
@@ -94,10 +127,12 @@ Scan read_obj(const std::filesystem::path& path, std::vector<std::string>& notes
           scan.uvs.push_back(corners[c].second >= 0 ? uvs[corners[c].second] : Eigen::Vector2d(0, 0));
         }
       }
-    } else if (line.rfind("mtllib ", 0) == 0 && material.empty()) {
-      std::string name = line.substr(7);
-      while (!name.empty() && (name.back() == '\r' || name.back() == ' ')) name.pop_back();
-      material = path.parent_path() / name;
+    } else if (line.rfind("usemtl ", 0) == 0) {
+      std::istringstream fields(line.substr(7));
+      material = rest_of(fields);
+    } else if (line.rfind("mtllib ", 0) == 0 && material_file.empty()) {
+      std::istringstream fields(line.substr(7));
+      material_file = path.parent_path() / rest_of(fields);
     }
   }
   if (scan.colors.size() != scan.surface.vertices.size()) scan.colors.clear();
@@ -107,11 +142,14 @@ Scan read_obj(const std::filesystem::path& path, std::vector<std::string>& notes
       throw IoError(path.string() + ": a texture needs vt of every corner of every face, and " + texture.string() +
                     " was given");
     scan.texture = read_image_rgb(texture);
-  } else if (has_uvs && !material.empty()) {
+  } else if (has_uvs && !material_file.empty()) {
     try {
-      if (const auto picture = texture_of(material); !picture.empty()) {
-        require_no_pipe(picture);
-        scan.texture = read_image_rgb(picture);
+      const std::set<std::filesystem::path> pictures = pictures_of(read_materials(material_file), used);
+      if (pictures.size() > 1) {
+        notes.push_back(path.string() + ": more than one texture; the scan is read without them");
+      } else if (!pictures.empty() && !pictures.begin()->empty()) {
+        require_no_pipe(*pictures.begin());
+        scan.texture = read_image_rgb(*pictures.begin());
       }
     } catch (const IoError& error) {
       notes.push_back(std::string(error.what()) + ": the scan is read without its texture");

@@ -1,8 +1,12 @@
 // Stanford PLY, ASCII or binary little endian, with vertex colours.
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <iterator>
+#include <limits>
 #include <sstream>
+#include <type_traits>
 
 #include "base/text.h"
 #include "livecap/error.h"
@@ -24,6 +28,8 @@ struct Element {
   std::vector<Property> properties;
 };
 
+constexpr const char* kChannels[] = {"red", "green", "blue"};
+
 // Values one after the other, from text or from bytes.
 class Values {
  public:
@@ -39,18 +45,30 @@ class Values {
       at_ += end - from;
       return value;
     }
-    if (type == "char" || type == "int8") return take<int8_t>();
-    if (type == "uchar" || type == "uint8") return take<uint8_t>();
-    if (type == "short" || type == "int16") return take<int16_t>();
-    if (type == "ushort" || type == "uint16") return take<uint16_t>();
-    if (type == "int" || type == "int32") return take<int32_t>();
-    if (type == "uint" || type == "uint32") return take<uint32_t>();
-    if (type == "float" || type == "float32") return take<float>();
-    if (type == "double" || type == "float64") return take<double>();
-    throw IoError(path_.string() + ": PLY type \"" + type + "\" is not known");
+    return with_type(type, [this](auto zero) { return take<decltype(zero)>(); });
+  }
+
+  // What a colour of this type has at full brightness.
+  double full(const std::string& type) const {
+    return with_type(type, [](auto zero) -> double {
+      using T = decltype(zero);
+      return std::is_floating_point_v<T> ? 1 : static_cast<double>(std::numeric_limits<T>::max());
+    });
   }
 
  private:
+  template <typename Use>
+  double with_type(const std::string& type, const Use& use) const {
+    if (type == "char" || type == "int8") return use(int8_t{});
+    if (type == "uchar" || type == "uint8") return use(uint8_t{});
+    if (type == "short" || type == "int16") return use(int16_t{});
+    if (type == "ushort" || type == "uint16") return use(uint16_t{});
+    if (type == "int" || type == "int32") return use(int32_t{});
+    if (type == "uint" || type == "uint32") return use(uint32_t{});
+    if (type == "float" || type == "float32") return use(float{});
+    if (type == "double" || type == "float64") return use(double{});
+    throw IoError(path_.string() + ": PLY type \"" + type + "\" is not known");
+  }
   [[noreturn]] void fail() const { throw IoError(path_.string() + ": ends before all its elements"); }
   template <typename T>
   double take() {
@@ -108,6 +126,7 @@ Scan read_ply(const std::filesystem::path& path, std::vector<std::string>&) {
   Scan scan;
   bool colored = false;
   for (const Element& element : elements) {
+    const bool is_vertex = element.name == "vertex";
     if (element.count > bytes.size()) fail("promises more elements than it has bytes");
     for (size_t i = 0; i < element.count; ++i) {
       Eigen::Vector3d p(0, 0, 0), c(0, 0, 0);
@@ -130,14 +149,15 @@ Scan read_ply(const std::filesystem::path& path, std::vector<std::string>&) {
           continue;
         }
         const double value = values.next(property.type);
+        if (!is_vertex) continue;  // faces may have colours of their own
         if (property.name.size() == 1 && property.name[0] >= 'x' && property.name[0] <= 'z')
           p[property.name[0] - 'x'] = value;
-        const double share = property.type[0] == 'f' || property.type[0] == 'd' ? value : value / 255;
-        if (property.name == "red") c[0] = share, colored = true;
-        if (property.name == "green") c[1] = share;
-        if (property.name == "blue") c[2] = share;
+        const size_t channel = std::find(std::begin(kChannels), std::end(kChannels), property.name) - kChannels;
+        if (channel == std::size(kChannels)) continue;
+        c[channel] = value / values.full(property.type);
+        colored = true;
       }
-      if (element.name == "vertex") {
+      if (is_vertex) {
         scan.surface.vertices.push_back(p);
         scan.colors.push_back(c);
       }

@@ -212,6 +212,56 @@ TEST_F(Scan, PlyListsHaveAWholeNumberOfEntries) {
   }
 }
 
+// A PLY whose vertices have nothing but a place, or 16 bit colours, and whose faces have colours of their own.
+TEST_F(Scan, PlyColoursAreThoseOfItsVertices) {
+  for (const bool colored : {false, true}) {
+    std::string text = format(
+        "ply\nformat ascii 1.0\nelement vertex %zu\nproperty float x\nproperty float y\n"
+        "property float z\n",
+        ball_.vertices.size());
+    if (colored) text += "property ushort red\nproperty ushort green\nproperty ushort blue\n";
+    text += format(
+        "element face %zu\nproperty list uchar int vertex_indices\nproperty uchar red\n"
+        "property uchar green\nproperty uchar blue\nend_header\n",
+        ball_.triangles.size());
+    for (const Vector3d& p : ball_.vertices)
+      text += format("%.9g %.9g %.9g%s\n", p.x(), p.y(), p.z(), colored ? " 65535 32768 0" : "");
+    for (const auto& t : ball_.triangles) text += format("3 %d %d %d 10 20 30\n", t[0], t[1], t[2]);
+    std::vector<std::string> notes;
+    const livecap::Scan scan = read_scan(write("faces.ply", text), notes);
+    EXPECT_EQ(scan.has_color(), colored);
+    if (!colored) continue;
+    EXPECT_LT((scan.colors[5] - Vector3d(1, 32768.0 / 65535, 0)).norm(), test::kHandComputed);
+  }
+}
+
+// As with a GLB: which face has which picture is not kept.
+TEST_F(Scan, ObjOfSeveralTexturesIsReadWithoutThem) {
+  write_png(ImageRgb{1, 1, {250, 0, 0}}, folder_ / "skin.png");
+  write_png(ImageRgb{1, 1, {0, 250, 0}}, folder_ / "cloth.png");
+  write("two.mtl", "newmtl cloth\nmap_Kd cloth.png\r\nnewmtl skin 1\nKd 1 1 1\nmap_Kd skin.png\nnewmtl plain\n");
+  std::string faces = obj();
+  for (size_t at = 0; (at = faces.find("//", at)) != std::string::npos;) faces.replace(at, 2, "/");
+  const size_t last = faces.rfind("f ");
+  const auto read = [&](const std::string& first, const std::string& second, std::vector<std::string>& notes) {
+    std::string text = faces;
+    text.insert(last, second);
+    text.insert(text.find("f "), first);
+    return read_scan(write("two.obj", "mtllib two.mtl\nvt 0 0\n" + text), notes).texture.pixels;
+  };
+  std::vector<std::string> notes;
+  EXPECT_EQ(read("usemtl skin 1\r\n", "", notes), (std::vector<uint8_t>{250, 0, 0})) << "not the first of the file";
+  EXPECT_EQ(read("", "", notes), (std::vector<uint8_t>{0, 250, 0})) << "the first of the file";
+  EXPECT_EQ(read("usemtl plain\n", "", notes), std::vector<uint8_t>());
+  EXPECT_TRUE(notes.empty());
+  for (const char* other : {"usemtl cloth\n", "usemtl plain\n"}) {
+    EXPECT_EQ(read("usemtl skin 1\n", other, notes), std::vector<uint8_t>());
+    EXPECT_EQ(notes, std::vector<std::string>{(folder_ / "two.obj").string() +
+                                              ": more than one texture; the scan is read without them"});
+    notes.clear();
+  }
+}
+
 // A pipe that nobody writes to: opened, it would wait for ever.
 TEST_F(Scan, PipesAreNeitherMaterialNorTexture) {
   const std::filesystem::path pipe = folder_ / "pipe";

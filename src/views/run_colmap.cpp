@@ -30,6 +30,7 @@ namespace {
 using std::filesystem::path;
 
 constexpr int kSteps = 4;
+constexpr char kLog[] = "log.txt";  // of the last command
 
 std::vector<path> pictures_in(const path& folder) {
   if (!std::filesystem::is_directory(folder)) throw IoError(folder.string() + ": is no folder of pictures");
@@ -52,6 +53,38 @@ bool all_of_one_size(const std::vector<path>& pictures) {
   }
   return sizes.size() <= 1;
 }
+
+// What still runs when this goes is killed: the progress callback may throw.
+class Child {
+ public:
+  explicit Child(pid_t id) : id_(id) {}
+  ~Child() {
+    if (ended_) return;
+    kill(id_, SIGKILL);
+    while (waitpid(id_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  // status: as waitpid gives it. Throws Error when nobody can tell, as in a program that ignores SIGCHLD.
+  bool has_ended(int& status) {
+    pid_t found;
+    do {
+      found = waitpid(id_, &status, WNOHANG);
+    } while (found < 0 && errno == EINTR);
+    if (found == 0) return false;
+    ended_ = true;
+    if (found < 0)
+      throw Error(std::string("--colmap: it cannot be told how `colmap` ended: ") + std::strerror(errno) +
+                  " (is SIGCHLD ignored?)");
+    return true;
+  }
+
+ private:
+  pid_t id_;
+  bool ended_ = false;
+};
 
 std::string last_line(const path& log) {
   std::istringstream in(read_file(log));
@@ -76,9 +109,9 @@ ColmapRun::ColmapRun(const path& pictures, std::vector<std::string>& notes,
   std::filesystem::create_directories(text);
   // One camera when all pictures have one size; a model this program reads.
   run({"feature_extractor", "--database_path", database, "--image_path", images, "--ImageReader.camera_model",
-       "SIMPLE_RADIAL", "--ImageReader.single_camera", all_of_one_size(files) ? "1" : "0", "--SiftExtraction.use_gpu",
-       "0"});
-  run({"exhaustive_matcher", "--database_path", database, "--SiftMatching.use_gpu", "0"});
+       "SIMPLE_RADIAL", "--ImageReader.single_camera", all_of_one_size(files) ? "1" : "0",
+       use_gpu_option("feature_extractor", "Extraction"), "0"});
+  run({"exhaustive_matcher", "--database_path", database, use_gpu_option("exhaustive_matcher", "Matching"), "0"});
   run({"mapper", "--database_path", database, "--image_path", images, "--output_path", sparse.string()});
   // The mapper may make several models: the one with most pictures.
   size_t most = 0;
@@ -99,7 +132,22 @@ ColmapRun::ColmapRun(const path& pictures, std::vector<std::string>& notes,
     notes.push_back(format("COLMAP places %zu of %zu pictures; the others are left out", most, files.size()));
 }
 
+// COLMAP 4 has other features than SIFT and calls it so.
+std::string ColmapRun::use_gpu_option(const std::string& command, const std::string& step) {
+  status_of({command, "-h"});  // some versions call help a failure
+  const std::string of_any_feature = "--Feature" + step + ".use_gpu";
+  return read_file(folder_ / kLog).find(of_any_feature) != std::string::npos ? of_any_feature
+                                                                             : "--Sift" + step + ".use_gpu";
+}
+
 void ColmapRun::run(const std::vector<std::string>& arguments) {
+  const int status = status_of(arguments);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    throw ConfigError("--colmap: `colmap " + arguments.front() + "` failed: " + last_line(folder_ / kLog));
+  step_ = std::min(step_ + 1, kSteps - 1);
+}
+
+int ColmapRun::status_of(const std::vector<std::string>& arguments) {
   std::vector<std::string> words = {"colmap"};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -114,7 +162,7 @@ void ColmapRun::run(const std::vector<std::string>& arguments) {
   for (std::string& setting : settings) envp.push_back(setting.data());
   envp.push_back(nullptr);
 
-  const path log = folder_ / "log.txt";
+  const path log = folder_ / kLog;
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
@@ -126,9 +174,10 @@ void ColmapRun::run(const std::vector<std::string>& arguments) {
   if (fault == ENOENT)
     throw ConfigError("--colmap: no program `colmap` is installed (Debian: apt install colmap); or give --cameras");
   if (fault != 0) throw ConfigError(std::string("--colmap: `colmap` cannot be run: ") + std::strerror(fault));
+  Child running(child);
   int status = 0;
   bool stopped = false;
-  while (waitpid(child, &status, WNOHANG) == 0) {
+  while (!running.has_ended(status)) {
     if (!stopped && progress_ && !progress_(step_, kSteps)) {
       kill(child, SIGTERM);
       stopped = true;
@@ -136,9 +185,7 @@ void ColmapRun::run(const std::vector<std::string>& arguments) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
   if (stopped) throw Error("interrupted while running COLMAP");
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw ConfigError("--colmap: `colmap " + arguments.front() + "` failed: " + last_line(log));
-  step_ = std::min(step_ + 1, kSteps - 1);
+  return status;
 }
 
 }  // namespace livecap

@@ -23,6 +23,9 @@ class ColmapRun {
 
  private:
   void run(const std::vector<std::string>& arguments);
+  // Its exit status, as waitpid has it.
+  int status_of(const std::vector<std::string>& arguments);
+  std::string use_gpu_option(const std::string& command, const std::string& step);
 
   std::function<bool(int, int)> progress_;
   int step_ = 0;

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <cstdlib>
+#include <stdexcept>
 
 #include "base/text.h"
 #include "image/image_io.h"
@@ -14,10 +16,27 @@
 namespace livecap {
 namespace {
 
-// Writes what it was asked to asked.txt; its mapper makes two models, the second with N_PLACED pictures.
+// Writes what it was asked to asked.txt and refuses options that it does not know; its mapper makes two models, the
+// second with N_PLACED pictures.
 constexpr char kScript[] = R"script(#!/bin/sh
 echo "$@" >> "$(dirname "$0")/asked.txt"
 command=$1
+case $command in
+  feature_extractor) options="database_path image_path ImageReader.camera_model ImageReader.single_camera"
+    options="$options $EXTRACTION.use_gpu" ;;
+  exhaustive_matcher) options="database_path $MATCHING.use_gpu" ;;
+  mapper) options="database_path image_path output_path" ;;
+  model_converter) options="input_path output_path output_type" ;;
+esac
+for word in "$@"; do
+  case $word in
+    -h) for option in $options; do echo "  --$option arg"; done; exit 0 ;;
+    --*) case " $options " in
+        *" ${word#--} "*) ;;
+        *) echo "unrecognised option '$word'"; exit 1 ;;
+      esac ;;
+  esac
+done
 while [ $# -gt 1 ]; do
   case $1 in --output_path) out=$2 ;; --input_path) in=$2 ;; esac
   shift
@@ -49,15 +68,17 @@ class RunColmap : public testing::Test {
     setenv("TMPDIR", (folder_ / "tmp").c_str(), 1);
     setenv("N_PLACED", "9", 1);
     setenv("FAILING", "nothing", 1);
+    setenv("EXTRACTION", "SiftExtraction", 1);
+    setenv("MATCHING", "SiftMatching", 1);
   }
   ~RunColmap() override {
     setenv("PATH", path_.c_str(), 1);
-    for (const char* name : {"TMPDIR", "N_PLACED", "FAILING"}) unsetenv(name);
+    for (const char* name : {"TMPDIR", "N_PLACED", "FAILING", "EXTRACTION", "MATCHING"}) unsetenv(name);
     std::filesystem::remove_all(folder_);
   }
-  void install() {
+  void install(const std::string& script = kScript) {
     std::filesystem::create_directories(folder_ / "bin");
-    write_file_atomically(folder_ / "bin" / "colmap", kScript);
+    write_file_atomically(folder_ / "bin" / "colmap", script);
     std::filesystem::permissions(folder_ / "bin" / "colmap", std::filesystem::perms::owner_all);
     setenv("PATH", ((folder_ / "bin").string() + ":" + path_).c_str(), 1);
   }
@@ -120,12 +141,43 @@ TEST_F(RunColmap, WhatGoesWrongIsOneLine) {
 }
 
 TEST_F(RunColmap, CanBeStopped) {
-  install();
-  write_file_atomically(folder_ / "bin" / "colmap", "#!/bin/sh\nexec sleep 60\n");
-  std::filesystem::permissions(folder_ / "bin" / "colmap", std::filesystem::perms::owner_all);
+  install("#!/bin/sh\nexec sleep 60\n");
   std::vector<std::string> notes;
   EXPECT_THROW(ColmapRun(folder_ / "images", notes, [](int, int) { return false; }), Error);
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "tmp"));
+}
+
+TEST_F(RunColmap, Version4CallsItsOptionsOtherwise) {
+  install();
+  setenv("EXTRACTION", "FeatureExtraction", 1);
+  setenv("MATCHING", "FeatureMatching", 1);
+  EXPECT_EQ(failure(), "none");
+  const std::string asked = read_file(folder_ / "bin" / "asked.txt");
+  EXPECT_NE(asked.find("--FeatureExtraction.use_gpu 0"), std::string::npos) << asked;
+  EXPECT_NE(asked.find("--FeatureMatching.use_gpu 0"), std::string::npos) << asked;
+}
+
+// Nobody can wait for the children of a program that ignores their end.
+TEST_F(RunColmap, AnEndThatNobodySawIsNoSuccess) {
+  install();
+  const auto before = std::signal(SIGCHLD, SIG_IGN);
+  const std::string what = failure();
+  std::signal(SIGCHLD, before);
+  EXPECT_NE(what.find("cannot be told how `colmap` ended"), std::string::npos) << what;
+}
+
+TEST_F(RunColmap, DoesNotOutliveAProgressThatThrows) {
+  install("#!/bin/sh\necho $$ > \"$(dirname \"$0\")/id\"\nexec sleep 60\n");
+  const std::filesystem::path file = folder_ / "bin" / "id";
+  std::vector<std::string> notes;
+  EXPECT_THROW(ColmapRun(folder_ / "images", notes,
+                         [&](int, int) {
+                           if (std::filesystem::exists(file) && std::filesystem::file_size(file) > 0)
+                             throw std::runtime_error("enough");
+                           return true;
+                         }),
+               std::runtime_error);
+  EXPECT_NE(kill(std::stoi(read_file(file)), 0), 0) << "it still runs";
 }
 
 }  // namespace

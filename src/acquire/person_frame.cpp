@@ -20,6 +20,10 @@ constexpr std::array<std::pair<const char*, double>, 4> kUnits = {{{"m", 1000}, 
 // From the ankles to the nose a standing person measures about this share of the height.
 constexpr double kAnkleToNoseShare = 0.865;
 
+// Of the sum of two unit vectors, across the body: hips and shoulders that contradict each other, or lie along it, say
+// nothing.
+constexpr double kLeastSideways = 1e-6;
+
 }  // namespace
 
 double unit_in_mm(const std::string& unit) {
@@ -59,20 +63,25 @@ PersonFrame find_person_frame(const SpaceKeypoints& world, double unit_mm, doubl
   const auto at = [&](int k) { return world[k].position; };
   const Vector3d shoulders = (at(kLeftShoulder) + at(kRightShoulder)) / 2,
                  ankles = (at(kLeftAnkle) + at(kRightAnkle)) / 2;
+  const Vector3d hips = at(kLeftHip) - at(kRightHip), width = at(kLeftShoulder) - at(kRightShoulder);
+  const auto fail = [] { throw ConfigError("hips, shoulders and ankles coincide: the person has no orientation"); };
+  // Eigen's normalized() of nothing is nothing.
+  if (!((shoulders - ankles).norm() > 0 && hips.norm() + width.norm() > 0)) fail();
   PersonFrame frame;
   Vector3d up = (shoulders - ankles).normalized();
   int axis;
   up.cwiseAbs().maxCoeff(&axis);
   const Vector3d level = vertical.isZero() ? Vector3d(Vector3d::Unit(axis)) : vertical;
   if (std::abs(up.dot(level)) > std::cos(8 * M_PI / 180)) up = (up.dot(level) > 0 ? 1 : -1) * level;
-  Vector3d left = (at(kLeftHip) - at(kRightHip)).normalized() + (at(kLeftShoulder) - at(kRightShoulder)).normalized();
-  left = (left - left.dot(up) * up).normalized();
-  if (!up.allFinite() || !left.allFinite())
-    throw ConfigError("hips, shoulders and ankles coincide: the person has no orientation");
+  Vector3d left = hips.normalized() + width.normalized();
+  left -= left.dot(up) * up;
+  if (!(left.norm() > kLeastSideways)) fail();
+  left.normalize();
   frame.rotation << left.transpose(), up.transpose(), left.cross(up).transpose();
 
   const Vector3d top = world[kNose].found ? at(kNose) : Vector3d(shoulders + 0.24 * (shoulders - ankles));
   const double height_units = up.dot(top - ankles) / kAnkleToNoseShare;
+  if (!(height_units > 0)) throw ConfigError("the nose is below the ankles: the person does not stand");
   if (height_mm > 0) {
     frame.scale_mm = height_mm / height_units;
   } else if (unit_mm > 0) {

@@ -9,6 +9,7 @@
 #include "acquire/body_rig.h"
 #include "acquire/person_frame.h"
 #include "livecap/error.h"
+#include "support/refusal.h"
 #include "support/tolerances.h"
 
 namespace livecap {
@@ -84,6 +85,25 @@ TEST(Keypoints, ComposedFramesAreOneAfterTheOther) {
   const Vector3d world(0.2, 1.4, -0.7);
   EXPECT_LT((composed(then, first).to_rest(world) - then.to_rest(first.to_rest(world))).norm(),
             test::kDoubleExact * 1000);
+}
+
+TEST(Keypoints, WhoIsNoPersonHasNoFrame) {
+  std::vector<std::string> notes;
+  const auto refused = [&](const acquire::SpaceKeypoints& world, const char* why) {
+    test::expect_refused<ConfigError>([&] { acquire::find_person_frame(world, 0, 1700, notes); }, {why});
+  };
+  const acquire::SpaceKeypoints person = standing(1, Eigen::Matrix3d::Identity(), {0, 0, 0});
+  acquire::SpaceKeypoints world = standing(0, Eigen::Matrix3d::Identity(), {0, 0, 0});
+  refused(world, "hips, shoulders and ankles coincide");
+  world = person;
+  world[kLeftHip] = world[kRightHip], world[kLeftShoulder] = world[kRightShoulder];
+  refused(world, "hips, shoulders and ankles coincide");
+  world = person;
+  std::swap(world[kLeftHip], world[kRightHip]);  // against the shoulders
+  refused(world, "hips, shoulders and ankles coincide");
+  world = person;
+  world[kNose].position.y() = -100;
+  refused(world, "the nose is below the ankles");
 }
 
 TEST(Keypoints, PersonFrameUndoesTurnScaleAndShift) {

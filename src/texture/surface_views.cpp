@@ -139,12 +139,14 @@ std::vector<char> visible_hull_vertices(ocl::DeviceContext& device, const Mesh& 
   std::vector<View> views;
   std::vector<double> depth(n, 1e9);  // mm inside of the nearest silhouette's outline
   for (const ViewPose& pose : read_view_poses(cameras)) {
+    if (pose.camera.has_distortion())
+      throw ConfigError(cameras.string() + ": " + pose.picture + " has lens distortion; its mask must be undistorted");
     View view;
     view.camera = pose.camera;
     view.camera_from_world = pose.camera_from_world;
     view.camera_from_world.translation() *= unit_mm;
     const std::filesystem::path file = masks / std::filesystem::path(pose.picture).replace_extension(".png");
-    const Silhouette silhouette = make_silhouette(read_image_gray(file));
+    const Silhouette silhouette = make_silhouette(read_image_mask(file));
     if (silhouette.width != view.camera.width || silhouette.height != view.camera.height)
       throw IoError(file.string() + format(": is %dx%d, its camera %dx%d", silhouette.width, silhouette.height,
                                            view.camera.width, view.camera.height));

@@ -208,6 +208,9 @@ TEST_F(BuildActor, ConcavitiesOfAGroovedBlock) {
   EXPECT_GT(n_groove, 100);
   EXPECT_GT(n_bottom, 100);
   EXPECT_GT(n_outside, 300);
+  write_file_atomically(folder_ / "cameras.txt", "1 RADIAL 480 480 1000 240.5 240.5 0.1 0\n");
+  EXPECT_THROW(visible_hull_vertices(device, mesh, folder_, folder_ / "masks", 1), ConfigError) << "distorted";
+  write_file_atomically(folder_ / "cameras.txt", "1 PINHOLE 480 480 1000 1000 240.5 240.5\n");
   std::filesystem::remove(folder_ / "masks" / "003.png");
   EXPECT_THROW(visible_hull_vertices(device, mesh, folder_, folder_ / "masks", 1), IoError);
 }

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "base/number_text.h"
 #include "base/text.h"
 #include "livecap/error.h"
 
@@ -75,12 +75,12 @@ int64_t frame_index(const Table& table, size_t row, const std::filesystem::path&
 float number(const Table& table, size_t row, size_t column, const std::filesystem::path& path) {
   const std::string& cell = table.rows[row][column];
   if (cell.empty()) return std::nanf("");
-  char* end = nullptr;
-  const float value = std::strtof(cell.c_str(), &end);
-  if (*end != '\0')
+  const char* end = cell.data() + cell.size();
+  double value = 0;
+  if (read_number(cell.data(), end, value) != end)
     throw IoError(path.string() + format(": line %zu: %s \"%s\" must be a number, empty or nan", row + 2,
                                          table.columns[column].c_str(), cell.c_str()));
-  return value;
+  return static_cast<float>(value);
 }
 
 // Of a column that not every file has: NaN without it.

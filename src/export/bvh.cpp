@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/number_text.h"
 #include "base/text.h"
 #include "export/export_frame.h"
 #include "livecap/error.h"
@@ -21,6 +22,13 @@ int end_keypoint(const Actor& actor, int bone) {
   return -1;
 }
 
+// Each behind a space.
+std::string numbers_text(const Eigen::Vector3d& values) {
+  std::string text;
+  for (double value : values) text.append(" ").append(fixed_text(value, 8));
+  return text;
+}
+
 class HierarchyText {
  public:
   HierarchyText(const Actor& actor, double units_per_mm, std::vector<int>& order)
@@ -32,9 +40,7 @@ class HierarchyText {
 
  private:
   void line(int depth, const std::string& s) { text += std::string(2 * depth, ' ') + s + "\n"; }
-  std::string offset(const Eigen::Vector3d& mm) const {
-    return format("OFFSET %.8f %.8f %.8f", scale_ * mm.x(), scale_ * mm.y(), scale_ * mm.z());
-  }
+  std::string offset(const Eigen::Vector3d& mm) const { return "OFFSET" + numbers_text(scale_ * mm); }
 
   void joint(int b, int depth) {
     const Bone& bone = actor_.skeleton.bones[b];
@@ -99,7 +105,7 @@ BvhWriter::BvhWriter(const std::filesystem::path& path, const Actor& actor, doub
   std::string text = HierarchyText(actor, kMetresPerMm / unit_m, order_).text;
   text += "MOTION\nFrames: ";
   count_position_ = static_cast<std::streamoff>(text.size());
-  text += format("%*d\nFrame Time: %.9f\n", kCountWidth, 0, 1 / fps);
+  text += format("%*d\nFrame Time: ", kCountWidth, 0) + fixed_text(1 / fps, 9) + "\n";
   file_.open(path, std::ios::binary | std::ios::in | std::ios::out | std::ios::trunc);
   file_ << text << std::flush;
   if (!file_) throw IoError(path.string() + ": cannot be written");
@@ -108,14 +114,14 @@ BvhWriter::BvhWriter(const std::filesystem::path& path, const Actor& actor, doub
 void BvhWriter::append(const Pose& pose) {
   const PosedSkeleton posed = forward_kinematics(skeleton_, pose);
   const Eigen::Vector3d t = gltf_from_camera(posed.camera_from_bone[0].translation()) / unit_m_;
-  std::string row = format("%.8f %.8f %.8f", t.x(), t.y(), t.z());
+  std::string row = numbers_text(t).substr(1);
   for (int b : order_) {
     const Eigen::Matrix3d world = posed.camera_from_bone[b].linear();
     const Eigen::Matrix3d local =
         b == 0 ? Eigen::Matrix3d(gltf_axes_from_camera() * world)
                : Eigen::Matrix3d(posed.camera_from_bone[skeleton_.bones[b].parent].linear().transpose() * world);
     previous_deg_[b] = zxy_from_rotation(local, previous_deg_[b]);
-    for (int k = 0; k < 3; ++k) row += format(" %.8f", previous_deg_[b][k]);
+    row += numbers_text(previous_deg_[b]);
   }
   write_row(row + "\n");
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/number_text.h"
 #include "base/text.h"
 #include "export/export_frame.h"
 #include "livecap/error.h"
@@ -36,7 +37,7 @@ void CsvWriter::append(const std::vector<std::string>& cells) {
 }
 
 std::string csv_number(double value, int digits) {
-  return std::isfinite(value) ? format("%.*g", digits, value) : std::string();
+  return std::isfinite(value) ? general_text(value, digits) : std::string();
 }
 
 namespace {

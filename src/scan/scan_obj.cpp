@@ -5,6 +5,7 @@
 #include <sstream>
 #include <vector>
 
+#include "base/number_text.h"
 #include "base/text.h"
 #include "image/image_io.h"
 #include "livecap/error.h"
@@ -84,9 +85,9 @@ Scan read_obj(const std::filesystem::path& path, std::vector<std::string>& notes
     const auto numbers = [&](double* out, int most) {
       int n = 0;
       for (; n < most; ++n) {
-        out[n] = std::strtod(at, &next);
-        if (next == at) break;
-        at = next;
+        const char* behind = read_number(at, line.c_str() + line.size(), out[n]);
+        if (behind == at) break;
+        at = behind;
       }
       return n;
     };

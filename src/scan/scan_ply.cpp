@@ -8,6 +8,7 @@
 #include <sstream>
 #include <type_traits>
 
+#include "base/number_text.h"
 #include "base/text.h"
 #include "livecap/error.h"
 #include "scan/scan_files.h"
@@ -38,9 +39,9 @@ class Values {
 
   double next(const std::string& type) {
     if (ascii_) {
-      char* end = nullptr;
-      const char* from = bytes_.c_str() + at_;
-      const double value = std::strtod(from, &end);
+      double value = 0;
+      const char* from = bytes_.data() + at_;
+      const char* end = read_number(from, bytes_.data() + bytes_.size(), value);
       if (end == from) fail();
       at_ += end - from;
       return value;

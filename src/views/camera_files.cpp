@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <locale>
 #include <map>
 #include <opencv2/core.hpp>
 #include <sstream>
@@ -72,6 +73,7 @@ std::map<int, Camera> read_colmap_cameras(const path& file) {
     ++number;
     if (line.empty() || line[0] == '#' || line.find_first_not_of(" \t\r") == std::string::npos) continue;
     std::istringstream fields(line);
+    fields.imbue(std::locale::classic());  // not with the decimal comma of the program that calls
     int id, width, height;
     std::string model;
     if (!(fields >> id >> model >> width >> height))
@@ -94,6 +96,7 @@ std::vector<ViewPose> read_colmap(const path& folder) {
     ++number;
     if (line.empty() || line[0] == '#' || line.find_first_not_of(" \t\r") == std::string::npos) continue;
     std::istringstream fields(line);
+    fields.imbue(std::locale::classic());  // not with the decimal comma of the program that calls
     int id, camera;
     double w, x, y, z, tx, ty, tz;
     std::string name;

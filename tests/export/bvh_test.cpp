@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "export/motion_fixture.h"
 #include "livecap/error.h"
+#include "support/comma_locale.h"
 #include "support/tolerances.h"
 
 namespace livecap {
@@ -125,6 +126,16 @@ TEST(Bvh, IsCompleteAfterEveryFrameAndHoldsTheLastPose) {
   EXPECT_NE(file.frames[2], file.frames[3]);
   EXPECT_THROW(BvhWriter(path, actor, 0), ConfigError);
   EXPECT_THROW(BvhWriter("/nonexistent/x.bvh", actor, 30), IoError);
+}
+
+TEST(Bvh, NumbersHaveAPointInEveryLocale) {
+  LIVECAP_COMMA_LOCALE_OR_SKIP(commas);
+  const Actor actor = test::small_actor();
+  const auto path = std::filesystem::path(testing::TempDir()) / "locale.bvh";
+  write_bvh(path, actor, test::smooth_motion(actor.skeleton, 2), 29.97);
+  const std::string text = read_file(path);
+  EXPECT_EQ(text.find(','), std::string::npos);
+  EXPECT_NE(text.find("Frame Time: 0.033366700\n"), std::string::npos);
 }
 
 TEST(Bvh, AnglesDoNotJumpAndSurviveTheSingularity) {

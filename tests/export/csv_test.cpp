@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "export/motion_fixture.h"
 #include "livecap/error.h"
+#include "support/comma_locale.h"
 #include "support/tolerances.h"
 
 namespace livecap {
@@ -47,6 +48,12 @@ TEST(Csv, FramesHaveOneRowEachAtOnce) {
   EXPECT_EQ(cell("pose_ms"), "7.5");
   EXPECT_THROW(FramesCsvWriter(path, {"one"}), LogicError);
   EXPECT_THROW(CsvWriter("/nonexistent/x.csv", {"a"}), IoError);
+}
+
+TEST(Csv, NumbersHaveAPointInEveryLocale) {
+  LIVECAP_COMMA_LOCALE_OR_SKIP(commas);
+  EXPECT_EQ(csv_number(1234.5), "1234.5");
+  EXPECT_EQ(csv_number(2.0 / 3, 5), "0.66667");
 }
 
 TEST(Csv, JointsAreMetresInTheGltfFrame) {

@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "image/image_io.h"
 #include "livecap/error.h"
+#include "support/comma_locale.h"
 #include "support/tolerances.h"
 #include "synth/synth.h"
 
@@ -86,6 +87,17 @@ TEST_F(Scan, EveryFormatGivesTheSameMesh) {
     ASSERT_TRUE(scan.has_color());
     EXPECT_NEAR(scan.colors[5].x(), 1, 0.003);  // 8 bit
     EXPECT_NEAR(scan.colors[5].y(), 0.5, 0.003);
+  }
+}
+
+TEST_F(Scan, NumbersHaveAPointInEveryLocale) {
+  const auto an_obj = write("a.obj", obj()), a_ply = write("a.ply", ply(false));
+  LIVECAP_COMMA_LOCALE_OR_SKIP(commas);
+  for (const auto& path : {an_obj, a_ply}) {
+    std::vector<std::string> notes;
+    const livecap::Scan scan = read_scan(path, notes);
+    ASSERT_EQ(scan.surface.vertices.size(), ball_.vertices.size()) << path;
+    EXPECT_LT((scan.surface.vertices[5] - ball_.vertices[5]).norm(), test::kHandComputed);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include "base/text.h"
 #include "livecap/error.h"
+#include "support/comma_locale.h"
 #include "support/tolerances.h"
 
 namespace livecap {
@@ -49,6 +50,15 @@ TEST_F(CameraFiles, ColmapGivesPixelsPosesAndDistortion) {
   // World x goes to camera -z under a quarter turn about y.
   const Eigen::Vector3d p = views[1].camera_from_world * Eigen::Vector3d(1, 0, 0);
   EXPECT_NEAR((p - Eigen::Vector3d(1, 2, 2)).norm(), 0, test::kPoseDigits);
+}
+
+TEST_F(CameraFiles, NumbersHaveAPointInEveryLocale) {
+  write("cameras.txt", kCameras);
+  write("images.txt", "1 1 0 0 0 0.5 0 5.25 7 a.png\n\n");
+  const test::CommaLocale commas;  // of streams in any case
+  const std::vector<ViewPose> views = read_view_poses(folder_);
+  EXPECT_EQ(views.at(0).camera_from_world.translation(), Eigen::Vector3d(0.5, 0, 5.25));
+  EXPECT_EQ(views[0].camera.distortion[1], 0.02);
 }
 
 TEST_F(CameraFiles, ColmapFaultsNameFileAndLine) {

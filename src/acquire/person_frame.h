@@ -34,7 +34,7 @@ Eigen::Vector3d vertical_of(const std::vector<View>& views);
 // The frame from the keypoints: up from the ankles to the shoulders (`vertical`, or when that is zero an axis of the
 // world, within 8 degrees of it is taken instead), left from hips and shoulders, the origin below the pelvis at the
 // ankles' level. unit_mm 0: guessed from the height, with a note; height_mm > 0: the scale gives the person that
-// height. Throws ConfigError when hips, shoulders or ankles were not found or the unit cannot be told.
+// height. Throws ConfigError when hips, shoulders or ankles were not found or coincide, or the unit cannot be told.
 PersonFrame find_person_frame(const SpaceKeypoints& world, double unit_mm, double height_mm,
                               std::vector<std::string>& notes,
                               const Eigen::Vector3d& vertical = Eigen::Vector3d::Zero());

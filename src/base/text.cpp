@@ -7,9 +7,20 @@
 #include <cstring>
 #include <fstream>
 
+#include "base/output_path.h"
 #include "livecap/error.h"
 
 namespace livecap {
+namespace {
+
+void write_stream(const std::filesystem::path& path, const std::string& bytes) {
+  std::ofstream out(path, std::ios::binary);
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  out.flush();
+  if (!out) throw IoError(path.string() + ": cannot be written: " + std::strerror(errno));
+}
+
+}  // namespace
 
 std::string read_file(const std::filesystem::path& path) {
   std::error_code code;
@@ -33,10 +44,12 @@ void require_no_pipe(const std::filesystem::path& path) {
 }
 
 void write_file_atomically(const std::filesystem::path& path, const std::string& bytes) {
+  if (is_stream(path)) return write_stream(path, bytes);
+  const std::filesystem::path file = link_target(path);
   // Neither another process nor another thread writes there.
   static std::atomic<unsigned> n_written = 0;
   const std::filesystem::path temporary =
-      path.string() + format(".tmp%d.%u", static_cast<int>(::getpid()), n_written.fetch_add(1));
+      file.string() + format(".tmp%d.%u", static_cast<int>(::getpid()), n_written.fetch_add(1));
   {
     std::ofstream out(temporary, std::ios::binary);
     out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
@@ -49,7 +62,7 @@ void write_file_atomically(const std::filesystem::path& path, const std::string&
     }
   }
   std::error_code code;
-  std::filesystem::rename(temporary, path, code);
+  std::filesystem::rename(temporary, file, code);
   if (code) {
     std::error_code ignored;
     std::filesystem::remove(temporary, ignored);

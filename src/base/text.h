@@ -29,7 +29,8 @@ std::string read_file(const std::filesystem::path& path);
 // where it is neither a file nor a folder; what is missing is left to its reader.
 void require_no_pipe(const std::filesystem::path& path);
 
-// Writes through a temporary file and a rename, so that nobody sees half a file. Throws IoError.
+// Writes through a temporary file and a rename, so that nobody sees half a file; a link's target is
+// replaced, not the link, and a pipe or a device is written to as it is. Throws IoError.
 void write_file_atomically(const std::filesystem::path& path, const std::string& bytes);
 
 }  // namespace livecap

@@ -10,6 +10,7 @@ extern "C" {
 #include <filesystem>
 
 #include "base/log.h"
+#include "base/output_path.h"
 #include "base/text.h"
 #include "image/video.h"
 #include "livecap/error.h"
@@ -173,8 +174,9 @@ VideoWriter::Encoder::~Encoder() {
 VideoWriter::VideoWriter(const std::string& path, int width, int height, double fps) {
   if (width <= 0 || height <= 0) throw ConfigError(path + format(": video size %dx%d is not positive", width, height));
   if (!(fps > 0) || !std::isfinite(fps)) throw ConfigError(path + format(": frame rate %g is not positive", fps));
+  require_no_pipe(path);  // the index is written before the pictures when all are known
   encoder_ = std::make_unique<Encoder>();
-  encoder_->path = path;
+  encoder_->path = link_target(path).string();
   encoder_->width = width;
   encoder_->height = height;
   encoder_->open(fps);

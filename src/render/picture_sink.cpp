@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "base/output_path.h"
 #include "base/require_writable.h"
 #include "base/text.h"
 #include "image/image_io.h"
@@ -38,7 +39,7 @@ void write_picture(const ScenePicture& picture, const fs::path& file) {
 
 class Film : public PictureSink {
  public:
-  Film(const std::string& file, int width, int height, double fps) : file_(file) {
+  Film(const std::string& file, int width, int height, double fps) : file_(link_target(file).string()) {
     writer_.emplace(file, width, height, fps);
   }
   ~Film() override {

@@ -28,6 +28,9 @@ TEST(RequireWritable, NamesWhatIsInTheWay) {
   EXPECT_EQ(refusal("in_the_working_folder"), "");
   EXPECT_EQ(refusal(folder), folder.string() + ": is a folder, expected a file to write");
   EXPECT_EQ(refusal(nowhere / "new"), (nowhere / "new").string() + ": there is no folder " + nowhere.string());
+  fs::remove(folder / "link");
+  fs::create_symlink(nowhere / "new", folder / "link");
+  EXPECT_EQ(refusal(folder / "link"), (folder / "link").string() + ": there is no folder " + nowhere.string());
   if (::geteuid() != 0) {  // who may write everywhere
     fs::permissions(folder, fs::perms::owner_write, fs::perm_options::remove);
     EXPECT_EQ(refusal(folder / "new"), (folder / "new").string() + ": cannot be written: Permission denied");

@@ -1,7 +1,9 @@
 #include "base/text.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "livecap/error.h"
 
@@ -25,6 +27,33 @@ TEST(Text, ReadsFilesAndNothingElse) {
   EXPECT_EQ(read_refusal(testing::TempDir()), std::string(testing::TempDir()) + ": is a folder, expected a file");
   EXPECT_EQ(read_refusal("/dev/zero"), "/dev/zero: is a device, expected a file");
   EXPECT_EQ(read_refusal("/no/such"), "/no/such: no such file");
+}
+
+TEST(Text, WhatALinkLeadsToIsReplaced) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "text_test_links";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder / "below");
+  const std::filesystem::path link = folder / "link", other = folder / "other", file = folder / "below" / "file";
+  std::filesystem::create_symlink("below/file", link);  // leads nowhere yet
+  std::filesystem::create_symlink(link, other);
+  for (const std::string bytes : {"first", "second"}) {
+    write_file_atomically(other, bytes);
+    EXPECT_EQ(read_file(file), bytes);
+    EXPECT_TRUE(std::filesystem::is_symlink(link) && std::filesystem::is_symlink(other));
+    EXPECT_FALSE(std::filesystem::is_symlink(file));
+  }
+}
+
+TEST(Text, APipeIsWrittenToAndStaysOne) {
+  const std::filesystem::path pipe = std::filesystem::path(testing::TempDir()) / "text_test_pipe";
+  std::filesystem::remove(pipe);
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = ::open(pipe.c_str(), O_RDWR | O_NONBLOCK);
+  write_file_atomically(pipe, "through");
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  char bytes[16];
+  EXPECT_EQ(std::string(bytes, std::max<ssize_t>(0, ::read(reader, bytes, sizeof bytes))), "through");
+  ::close(reader);
 }
 
 // A pipe that nobody writes to is not opened, which would wait for ever.

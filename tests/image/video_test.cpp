@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <malloc.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -183,6 +184,18 @@ TEST_F(Video, AnUnfinishedFileIsNotCalledComplete) {
   write_video("b.mp4", 2);
   EXPECT_TRUE(fs::exists(path("b.mp4")));
   EXPECT_FALSE(fs::exists(path("b.mp4.part")));
+}
+
+TEST_F(Video, ALinkIsFollowedAndAPipeRefused) {
+  fs::create_directories(path("below"));
+  fs::create_symlink("below/real.mp4", path("link.mp4"));
+  write_video("link.mp4", 2);
+  EXPECT_TRUE(fs::is_symlink(path("link.mp4")));
+  EXPECT_FALSE(fs::is_symlink(path("below/real.mp4")));
+  EXPECT_TRUE(fs::exists(path("below/real.mp4")));
+  ASSERT_EQ(::mkfifo(path("pipe.mp4").c_str(), 0600), 0);
+  EXPECT_THROW(VideoWriter(path("pipe.mp4"), 96, 64, 25), IoError);
+  EXPECT_TRUE(fs::is_fifo(path("pipe.mp4")));
 }
 
 TEST_F(Video, WriterRefusesBadArguments) {

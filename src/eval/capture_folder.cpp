@@ -174,6 +174,22 @@ std::string own_camera_file(const fs::path& folder) {
   return fs::exists(own, ignored) ? own.string() : std::string();
 }
 
+std::vector<InputFile> capture_inputs(const std::string& option, const fs::path& folder) {
+  std::vector<InputFile> inputs;
+  if (folder.empty()) return inputs;
+  for (const char* name : {"report.json", "actor.glb", "camera.json", "vertices.pc2", "frames.csv", "joints.csv",
+                           "angles.csv", "detections.jsonl"})
+    inputs.push_back({option, folder / name});
+  std::error_code ignored;
+  const fs::path report_path = folder / "report.json";
+  if (!fs::is_regular_file(report_path, ignored)) return inputs;
+  const nlohmann::json report = nlohmann::json::parse(read_file(report_path), nullptr, false);
+  if (!report.is_object()) return inputs;
+  for (const char* name : {"video", "camera", "actor"})
+    inputs.push_back({option, field<std::string>(report.value("options", nlohmann::json()), name, "")});
+  return inputs;
+}
+
 std::vector<float> to_camera_mm(std::vector<float> positions) {
   for (size_t i = 0; i + 2 < positions.size(); i += 3) {
     positions[i] *= 1000;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "actor/actor.h"
+#include "base/require_apart.h"
 #include "eval/sequence_files.h"
 #include "export/pc2.h"
 #include "livecap/camera.h"
@@ -50,6 +51,10 @@ CaptureFolder open_capture(const std::filesystem::path& folder, const std::strin
 // The camera.json in the folder itself, whose frame everything in it is in: that of the video without distortion.
 // Empty: an older capture has none.
 std::string own_camera_file(const std::filesystem::path& folder);
+
+// Everything that is read of a capture, for require_apart(): the files in the folder and those that its report.json
+// names. Nothing of a folder that is none.
+std::vector<InputFile> capture_inputs(const std::string& option, const std::filesystem::path& folder);
 
 // metres, glTF frame -> mm, camera frame.
 std::vector<float> to_camera_mm(std::vector<float> positions);

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "base/require_apart.h"
 #include "base/require_writable.h"
 #include "base/text.h"
 #include "eval/body_points.h"
@@ -140,8 +141,13 @@ LevelExportReport export_level(const LevelExportOptions& options) {
     const fs::path kind = out.extension();
     if (kind != ".glb" && kind != ".bvh" && kind != ".pc2")
       throw ConfigError("--out " + out.string() + ": must end with .glb, .bvh or .pc2");
+    if (kind != ".glb") require_no_pipe(out);  // their heads are written again when all frames are known
     require_writable(out);
   }
+  std::vector<InputFile> inputs = capture_inputs("--capture", options.capture);
+  inputs.push_back({"--actor", options.actor});
+  inputs.push_back({"--camera", options.camera});
+  require_apart(inputs, options.out);
   LevelClip clip(options);
   for (const fs::path& out : options.out) {
     const fs::path kind = out.extension();

@@ -7,6 +7,7 @@
 #include <optional>
 #include <thread>
 
+#include "base/require_apart.h"
 #include "base/text.h"
 #include "image/undistort.h"
 #include "image/video.h"
@@ -92,6 +93,7 @@ fs::path folder_of(const fs::path& file) {
 
 // A finished picture must not take the place of what it was made from, nor of a picture beside it.
 void require_pictures_apart(const RenderOptions& options, const CaptureFolder& capture) {
+  require_apart(capture_inputs("--capture", options.capture), {options.out});
   std::error_code ignored;
   const bool has_picture = options.background != "video" && options.background != "none";
   for (const std::string& input :

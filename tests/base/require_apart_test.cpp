@@ -33,5 +33,16 @@ TEST(RequireApart, AnInputIsNoOutputByAnyName) {
   EXPECT_NO_THROW(require_apart({{"--camera", folder / "apart.json"}}, outputs));
 }
 
+TEST(RequireApart, TwoResultsAreTwoFiles) {
+  const fs::path folder = fs::path(testing::TempDir()) / "two_results";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  fs::create_symlink("new.html", folder / "link.html");
+  const fs::path file = folder / "new.html";
+  for (const fs::path& same : {file, folder / "." / "new.html", folder / "link.html"})
+    EXPECT_THROW(require_apart({}, {file, same}, "--html"), ConfigError) << same;
+  EXPECT_NO_THROW(require_apart({}, {file, folder / "other.html", "", ""}));
+}
+
 }  // namespace
 }  // namespace livecap

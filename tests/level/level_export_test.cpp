@@ -3,6 +3,7 @@
 #include "level/level_export.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <tiny_gltf.h>
 #include <unistd.h>
 
@@ -217,6 +218,14 @@ TEST_F(LevelExport, RefusesWhatItCannotExport) {
   asked.out.push_back(folder_ / "second.fbx");
   expect_refused<ConfigError>(asked, {"second.fbx", ".glb, .bvh or .pc2"});
   EXPECT_FALSE(fs::exists(folder_ / "first.glb"));
+  fs::copy_file(folder_ / "vertices.pc2", folder_ / "kept.pc2");
+  expect_refused<ConfigError>(options("vertices.pc2"), {"vertices.pc2", "would be overwritten", "--out"});
+  EXPECT_EQ(read_file(folder_ / "vertices.pc2"), read_file(folder_ / "kept.pc2"));
+  asked = options("twice.glb");
+  asked.out.push_back(folder_ / "twice.glb");
+  expect_refused<ConfigError>(asked, {"twice.glb", "two results"});
+  ASSERT_EQ(::mkfifo((folder_ / "pipe.bvh").c_str(), 0600), 0);
+  expect_refused<IoError>(options("pipe.bvh"), {"pipe.bvh", "is a pipe"});
   asked = options("up.glb");
   asked.camera = (folder_ / "camera.json").string();
   expect_refused<ConfigError>(asked, {"camera.json", "has no floor", "calibrate --floor"});

@@ -34,6 +34,7 @@ struct Options {
 
 int compare(const Options& options) {
   if (!options.html.empty()) require_writable(options.html);
+  require_apart({{"the actor", options.file}, {"the true one", options.truth}}, {options.html}, "--html");
   const Actor built = load_actor_named(options.file, options.height_mm);
   const Actor truth = load_actor_named(options.truth, 0);
   std::vector<char> seen;

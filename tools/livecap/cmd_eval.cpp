@@ -8,11 +8,13 @@
 #include <vector>
 
 #include "ablate.h"
+#include "base/require_apart.h"
 #include "base/require_writable.h"
 #include "base/scratch_folder.h"
 #include "base/text.h"
 #include "command.h"
 #include "eval/bars.h"
+#include "eval/capture_folder.h"
 #include "eval/evaluate.h"
 #include "eval/extra_view.h"
 #include "livecap/capture.h"
@@ -96,10 +98,38 @@ int run_all(EvalCommand options) {
                 &ablation.rows[ablation.pose_only].draws.front(), &ablation);
 }
 
+// The captures and the truth stay what was compared.
+void require_inputs_kept(const EvalCommand& options) {
+  std::vector<InputFile> inputs = capture_inputs("--capture", options.eval.capture);
+  for (const InputFile& input : capture_inputs("--pose-only", options.pose_only)) inputs.push_back(input);
+  const auto add_masks = [&inputs](const char* option, const fs::path& folder) {
+    std::error_code none;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, none))
+      inputs.push_back({option, entry.path()});
+  };
+  const fs::path& truth = options.eval.truth;
+  for (const char* name : {"vertices.pc2", "joints.json", "../actor.glb"}) inputs.push_back({"--truth", truth / name});
+  add_masks("--truth", truth / "masks");
+  for (const auto& [camera, masks] : options.views) {
+    inputs.push_back({"--view", camera});
+    add_masks("--view", masks);
+  }
+  for (const auto& [option, file] : {std::pair{"--actor", options.eval.actor},
+                                     {"--camera", options.eval.camera},
+                                     {"--truth-actor", options.eval.truth_actor},
+                                     {"--video", options.capture.video},
+                                     {"--background", options.capture.background}})
+    inputs.push_back({option, file});
+  fs::path json = options.out;
+  if (options.ablate && !options.out.empty()) json /= "ablation.json";
+  require_apart(inputs, {options.html, json}, "--html or --out");
+}
+
 int run(EvalCommand options) {
   for (const auto& [camera, masks] : options.views) options.eval.views.push_back(open_view(camera, masks));
   if (!options.html.empty()) require_writable(options.html);
   if (!options.ablate && !options.out.empty()) require_writable(options.out);
+  require_inputs_kept(options);
   return options.ablate ? run_all(std::move(options)) : run_one(options);
 }
 

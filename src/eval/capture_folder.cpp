@@ -39,17 +39,18 @@ std::string not_named(const fs::path& report_path, const std::string& what) {
          "; give --" + what;
 }
 
-// The file, or for a capture that was given a field of view only: the folder's own copy, which has no distortion then;
-// a folder without one: the field of view at the size of the true masks.
+// The file, or for a capture that was given a field of view only, or never got as far as its report: the folder's own
+// copy, which has no distortion; a folder without one: the field of view at the size of the true masks.
 Camera load_camera_of(const fs::path& report_path, const std::string& named, const nlohmann::json& options,
                       const fs::path& masks) {
+  std::error_code ignored;
   const std::string file = named.empty() ? field<std::string>(options, "camera", "") : named;
+  if (named.empty() && !file.empty() && !fs::exists(file, ignored))
+    throw IoError(file + ": no such file; " + report_path.string() + " names it, --camera (and --video) say otherwise");
   if (named.empty()) require_no_pipe(file);
   if (!file.empty()) return load_camera(file);
+  if (const std::string own = own_camera_file(report_path.parent_path()); !own.empty()) return load_camera(own);
   const double fov_deg = field<double>(options, "fov_deg", 0);
-  if (const std::string own = own_camera_file(report_path.parent_path()); fov_deg > 0 && !own.empty())
-    return load_camera(own);
-  std::error_code ignored;
   if (fov_deg > 0 && fs::is_directory(masks, ignored)) {
     for (const fs::directory_entry& entry : fs::directory_iterator(masks, ignored)) {
       const ImageGray mask = read_image_gray(entry.path());
@@ -136,19 +137,21 @@ CaptureFolder open_capture(const fs::path& folder, const std::string& actor, con
                            const fs::path& masks) {
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored)) throw IoError(folder.string() + ": is not a folder");
+  if (!fs::exists(folder / "joints.csv", ignored))
+    throw IoError(folder.string() + ": is no capture folder (no joints.csv)");
   const fs::path report_path = folder / "report.json";
-  const bool has_report = fs::exists(report_path, ignored);  // other programs write none
+  const bool has_report = fs::exists(report_path, ignored);  // other programs write none, nor does a run that is killed
   const nlohmann::json report =
       has_report ? nlohmann::json::parse(read_file(report_path), nullptr, false) : nlohmann::json::object();
   if (!report.is_object()) throw IoError(report_path.string() + ": is not a JSON object");
   const nlohmann::json options = report.value("options", nlohmann::json());
 
   std::string actor_name = actor.empty() ? field<std::string>(options, "actor", "") : actor;
-  if (actor_name.empty()) throw IoError(not_named(report_path, "actor"));
   const fs::path own_actor = folder / "actor.glb";
   if (actor.empty() && !is_builtin_actor(actor_name) &&
       fs::exists(own_actor, ignored))  // the file named may have changed
     actor_name = own_actor.string();
+  if (actor_name.empty()) throw IoError(not_named(report_path, "actor"));
   if (actor.empty() && !is_builtin_actor(actor_name)) require_no_pipe(actor_name);
   CaptureFolder capture;
   capture.path = folder;

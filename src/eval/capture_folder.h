@@ -38,8 +38,8 @@ struct CaptureFolder {
 // An actor file or builtin:NAME; height_mm > 0 scales it.
 Actor load_actor_named(const std::string& name, double height_mm);
 
-// A folder of another program needs joints.csv alone: without report.json both actor and camera have to be given,
-// without frames.csv the frames are those of joints.csv.
+// A folder of another program needs joints.csv alone: without report.json both actor and camera have to be given or lie
+// in the folder, where a run that was killed leaves them; without frames.csv the frames are those of joints.csv.
 //
 // actor, camera: empty = what report.json names. An actor that is not there any more is read from the folder's own
 // copy, and for a capture that was given a field of view only the folder knows the camera; where it does not, the masks

@@ -36,6 +36,10 @@ class VideoFrames {
     if (is_webcam(name_))
       throw ConfigError("the video of " + capture.path.string() + " was " + name_ +
                         ", which shows something else now; give --video or --background '#rrggbb'");
+    std::error_code ignored;
+    if (options.video.empty() && !fs::exists(name_, ignored))
+      throw IoError(name_ + ": no such file or folder; " + (capture.path / "report.json").string() +
+                    " names it, --video says otherwise");
     if (options.video.empty()) require_no_pipe(name_);
     reader_.emplace(name_);
     const VideoInfo info = reader_->info();

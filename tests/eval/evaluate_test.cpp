@@ -272,6 +272,17 @@ TEST_F(Evaluate, JointsAloneAreEnoughOfAnotherProgram) {
   unnamed = options;
   unnamed.camera.clear();
   test::expect_refused<IoError>([&] { evaluate(unnamed); }, {"report.json", "no such file", "--camera"});
+
+  // A run that was killed leaves both, and no report.
+  unnamed.actor.clear();
+  fs::copy_file(options.actor, options.capture / "actor.glb");
+  fs::copy_file(options.camera, options.capture / "camera.json");
+  EXPECT_EQ(evaluate(unnamed).n_tracked, 2);
+  write_file_atomically(options.capture / "report.json", R"({"options": {"camera": "moved/camera.json"}})");
+  test::expect_refused<IoError>([&] { evaluate(unnamed); },
+                                {"moved/camera.json: no such file", "other_program/report.json names it", "--camera"});
+  fs::remove(options.capture / "joints.csv");
+  test::expect_refused<IoError>([&] { evaluate(unnamed); }, {"other_program: is no capture folder (no joints.csv)"});
 }
 
 TEST_F(Evaluate, MillimetresAreWarnedOf) {

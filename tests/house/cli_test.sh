@@ -249,7 +249,7 @@ fi
 
 # eval.
 expect 2 'none' eval --capture none --truth seq/truth
-mkdir -p half && echo '{}' >half/report.json
+mkdir -p half && echo '{}' >half/report.json && cp empty half/joints.csv
 expect 2 'half/report.json actor' eval --capture half --truth seq/truth
 echo 'not json' >half/report.json
 expect 2 'half/report.json JSON' eval --capture half --truth seq/truth
@@ -298,9 +298,9 @@ rm -rf result
 expect 2 'nowhere folder' eval --capture good --truth nowhere
 mkdir -p nothing
 expect 2 'nothing vertices.pc2 joints.json masks' eval --capture good --truth nothing
-expect 2 'nothing/report.json' eval --capture nothing --truth seq/truth
+expect 2 'nothing: joints.csv' eval --capture nothing --truth seq/truth
 cp -r good bare && rm bare/joints.csv
-expect 2 'bare/joints.csv' eval --capture bare --truth seq/truth
+expect 2 'bare: joints.csv' eval --capture bare --truth seq/truth
 cp good/joints.csv bare && sed -i '4s/,[^,]*$/,abc/' bare/joints.csv
 expect 2 'bare/joints.csv line 4 "abc" number' eval --capture bare --truth seq/truth
 mkdir -p tenth  # ten points, no sample
@@ -326,7 +326,7 @@ expect 2 'none' eval --capture good --truth seq/truth --pose-only none
 expect 2 '--out' export --capture good
 expect 2 '--out up.fbx .glb' export --capture good --out up.fbx
 expect 2 'none folder' export --capture none --out up.glb
-expect 2 'nothing/report.json' export --capture nothing --out up.glb
+expect 2 'nothing: joints.csv' export --capture nothing --out up.glb
 expect 2 '--camera seq/camera.json floor' export --capture good --out up.glb --camera seq/camera.json
 expect 2 'good/frames.csv nobody' export --capture good --out up.glb --first 100000
 expect 2 'nowhere/up.glb' export --capture none --out nowhere/up.glb
@@ -335,7 +335,7 @@ expect 2 '--bvh-unit' export --capture good --out up.bvh --bvh-unit inch
 # render.
 expect 2 '--out' render --capture good
 expect 2 'none folder' render --capture none --out film.mp4
-expect 2 'nothing/report.json' render --capture nothing --out film.mp4
+expect 2 'nothing: joints.csv' render --capture nothing --out film.mp4
 cp -r good still && rm still/vertices.pc2
 expect 2 'still/vertices.pc2 missing' render --capture still --out film.mp4
 expect 2 'other/vertices.pc2 10 points' render --capture other --out film.mp4

@@ -8,6 +8,7 @@
 #include "base/log.h"
 #include "base/text.h"
 #include "livecap/error.h"
+#include "ocl/pocl_cache.h"
 #include "ocl/pocl_library.h"
 #include "ocl/status.h"
 
@@ -80,13 +81,6 @@ std::string lower(std::string text) {
   return text;
 }
 
-void require_any(const std::vector<DeviceInfo>& devices) {
-  if (devices.empty())
-    throw OclError(
-        "no OpenCL device was found; install a driver (on Debian: apt install pocl-opencl-icd) and see `livecap "
-        "devices`");
-}
-
 // Indices of those that a selector without its index means, in the order that its index counts them.
 std::vector<size_t> matching_devices(const std::vector<DeviceInfo>& devices, const std::string& name) {
   std::vector<size_t> matching;
@@ -150,10 +144,11 @@ std::string DeviceInfo::label() const {
 void prepare_platforms() {
   static std::once_flag once;
   std::call_once(once, [] {
-    if (std::getenv("POCL_DEVICES")) return;
     // A driver name that this PoCL does not know would leave it without devices: an unknown version keeps its default.
     const std::string driver = one_core_driver(icd_folders());
-    if (!driver.empty()) ::setenv("POCL_DEVICES", (driver + " " + driver).c_str(), 0);
+    if (driver.empty()) return;
+    ::setenv("POCL_DEVICES", (driver + " " + driver).c_str(), 0);
+    require_pocl_cache();
   });
 }
 
@@ -179,6 +174,15 @@ std::vector<DeviceInfo> list_devices() {
     }
   }
   return result;
+}
+
+void require_any(const std::vector<DeviceInfo>& devices) {
+  if (!devices.empty()) return;
+  const std::string complaint = one_core_driver(icd_folders()).empty() ? "" : pocl_cache_complaint();
+  throw OclError("no OpenCL device was found; " +
+                 (complaint.empty() ? "install a driver (on Debian: apt install pocl-opencl-icd) and see `livecap "
+                                      "devices`"
+                                    : complaint + "; see POCL_CACHE_DIR"));
 }
 
 DeviceInfo select_device(const std::string& selector) {

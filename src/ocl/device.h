@@ -34,11 +34,15 @@ struct DeviceInfo {
 };
 
 // On PoCL asks for its synchronous one-core driver twice (POCL_DEVICES), which partitions two cores exactly, unless the
-// user set that variable. Must run before the first OpenCL call of the process; later calls do nothing.
+// user set that variable, and gives it a folder that it can write to. Must run before the first OpenCL call of the
+// process; later calls do nothing.
 void prepare_platforms();
 
 // All devices of all platforms in platform order. Empty when there is none.
 std::vector<DeviceInfo> list_devices();
+
+// Throws OclError when there is none, which says what to do about it.
+void require_any(const std::vector<DeviceInfo>& devices);
 
 // selector: "" (first GPU, else the first of another type), "cpu", "gpu", "cpu:1", "gpu:1", or a case-insensitive
 // substring of the platform name with an optional index ("pocl", "nvidia:0"). Throws ConfigError listing what would be

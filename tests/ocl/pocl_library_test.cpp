@@ -4,8 +4,12 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "ocl/device.h"
+#include "ocl/pocl_cache.h"
 
 namespace livecap {
 namespace {
@@ -28,6 +32,36 @@ TEST(PoclLibrary, FoundThroughIcdFiles) {
   EXPECT_EQ(ocl::one_core_driver({folder}), "");
   std::ofstream(folder / "pocl.icd") << "/nowhere/libpocl.so.2.12.0\n";
   EXPECT_EQ(ocl::one_core_driver({folder / "missing", folder}), "cpu-minimal");
+  std::filesystem::remove_all(folder);
+}
+
+TEST(PoclLibrary, ACacheThatCannotBeWrittenIsReplacedOrNamed) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "livecap_pocl_cache";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "file") << "no folder";
+  const std::string file = (folder / "file").string();
+  std::vector<std::pair<const char*, std::optional<std::string>>> before;
+  for (const char* name : {"POCL_CACHE_DIR", "XDG_CACHE_HOME"}) {
+    const char* value = std::getenv(name);
+    before.emplace_back(name, value ? std::optional<std::string>(value) : std::nullopt);
+    ::unsetenv(name);
+  }
+  ::setenv("XDG_CACHE_HOME", folder.c_str(), 1);
+  EXPECT_EQ(ocl::pocl_cache_folder(), folder / "pocl" / "kcache");
+  EXPECT_EQ(ocl::pocl_cache_complaint(), "");  // can be made
+  ocl::require_pocl_cache();
+  EXPECT_EQ(std::getenv("POCL_CACHE_DIR"), nullptr);
+  ::setenv("XDG_CACHE_HOME", file.c_str(), 1);
+  EXPECT_EQ(ocl::pocl_cache_complaint().rfind(file + "/pocl/kcache, where PoCL", 0), 0u);
+  ocl::require_pocl_cache();
+  ASSERT_NE(std::getenv("POCL_CACHE_DIR"), nullptr);
+  EXPECT_TRUE(std::filesystem::is_directory(std::getenv("POCL_CACHE_DIR")));
+  EXPECT_EQ(ocl::pocl_cache_complaint(), "");
+  ::setenv("POCL_CACHE_DIR", file.c_str(), 1);  // the user's
+  ocl::require_pocl_cache();
+  EXPECT_EQ(std::getenv("POCL_CACHE_DIR"), file);
+  EXPECT_NE(ocl::pocl_cache_complaint(), "");
+  for (const auto& [name, value] : before) value ? ::setenv(name, value->c_str(), 1) : ::unsetenv(name);
   std::filesystem::remove_all(folder);
 }
 

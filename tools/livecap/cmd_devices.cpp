@@ -20,8 +20,10 @@
 #include "ocl/context.h"
 #include "ocl/device.h"
 #include "pose/pose_solver.h"
+#include "progress.h"
 #include "raster/self_test.h"
 #include "solve/term_check.h"
+#include "standard_output.h"
 #include "surface/surface_solver.h"
 
 namespace livecap::tools {
@@ -76,24 +78,26 @@ int run_self_tests(const ocl::DeviceInfo& info) {
         failed += !result.ok;
       }
     } catch (const std::exception& error) {
+      if (interrupted()) break;  // it also reaches the compiler that a driver has started
       std::printf("    FAILED  %s: %s\n", room, error.what());
       ++failed;
     }
-    std::fflush(stdout);
+    if (interrupted() || !is_heard()) break;
   }
   return failed;
 }
 
 int run(const DevicesOptions& options) {
+  catch_interrupt();
   const std::vector<ocl::DeviceInfo> devices = ocl::list_devices();
-  if (devices.empty()) {
-    throw OclError("no OpenCL device found; install a driver, for example the package pocl-opencl-icd for any CPU");
-  }
+  ocl::require_any(devices);
   int failed = 0;
   int index = 0;
   for (const ocl::DeviceInfo& device : devices) {
     print_device(index++, device, ocl::device_selectors(devices, device));
     if (!options.no_test) failed += run_self_tests(device);
+    if (interrupted()) throw Error("interrupted");
+    if (!is_heard()) return kExitOk;  // main() tells why
   }
   const ocl::DevicePair pair = ocl::select_device_pair("", "");
   std::printf("default: network on %s, solver on %s\n", pair.cnn.label().c_str(), pair.solver.label().c_str());

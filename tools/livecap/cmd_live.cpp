@@ -149,6 +149,7 @@ int run(const LiveCommand& options) {
   }
   capture.close();
   progress.finish();
+  if (totals.pictures == 0 && interrupted()) throw Error("interrupted before the first picture");
   if (totals.pictures == 0) throw IoError(options.video + ": no picture was left to capture");
   std::printf("pictures    %lld, tracked %lld, dropped %lld\n", static_cast<long long>(totals.pictures),
               static_cast<long long>(totals.tracked), static_cast<long long>(totals.dropped));

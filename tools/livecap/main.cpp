@@ -11,6 +11,7 @@
 #include "livecap/error.h"
 #include "ocl/device.h"
 #include "progress.h"
+#include "standard_output.h"
 #include "usage_error.h"
 
 namespace livecap::tools {
@@ -78,8 +79,11 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace livecap;
+  tools::outlive_closed_pipes();
   try {
-    return tools::run(argc, argv);
+    const int code = tools::run(argc, argv);
+    if (code == tools::kExitOk) tools::require_heard();
+    return code;
   } catch (const ConfigError& error) {
     tools::print_error(error.what());
     return tools::kExitBadInput;

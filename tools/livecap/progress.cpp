@@ -21,7 +21,8 @@ volatile std::sig_atomic_t g_interrupted = 0;
 
 extern "C" void on_interrupt(int signal) {
   g_interrupted = 1;
-  std::signal(signal, SIG_DFL);
+  // A terminal that is closed may say so twice, by the kernel and by its shell.
+  std::signal(signal, signal == SIGHUP ? SIG_IGN : SIG_DFL);
 }
 
 }  // namespace
@@ -104,6 +105,8 @@ std::string format_duration(double seconds) {
 
 void catch_interrupt() {
   std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_interrupt);
+  if (std::signal(SIGHUP, on_interrupt) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // started by nohup
 }
 bool interrupted() {
   return g_interrupted != 0;

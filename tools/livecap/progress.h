@@ -60,7 +60,8 @@ class StageProgress {
 // "1:05" or "2:03:09".
 std::string format_duration(double seconds);
 
-// Installs a handler for Ctrl-C: the first one asks to stop, a second one ends the process as usual.
+// Installs a handler for Ctrl-C, for SIGTERM and for a closed terminal: the first one asks to stop, a second one (not
+// of a terminal) ends the process as usual.
 void catch_interrupt();
 bool interrupted();
 

@@ -8,6 +8,7 @@
 
 #include "base/log.h"
 #include "base/require_apart.h"
+#include "base/require_writable.h"
 #include "base/text.h"
 #include "capture/report_json.h"
 #include "export/export_frame.h"
@@ -44,6 +45,7 @@ void CaptureOutput::make_folder(const CaptureOptions& options) {
                  {"--background", options.background},
                  {"--detections", options.detections}},
                 results);
+  if (!options.trace.empty()) require_writable(options.trace);
   std::error_code code;
   std::filesystem::create_directories(folder, code);
   if (code || !std::filesystem::is_directory(folder))

@@ -17,6 +17,8 @@
 #include <vector>
 
 #include "actor/actor.h"
+#include "base/require_apart.h"
+#include "base/require_writable.h"
 #include "base/scratch_folder.h"
 #include "base/text.h"
 #include "base/timer.h"
@@ -131,6 +133,12 @@ int run(const BenchOptions& options) {
   const fs::path sequence = options.sequence.empty() ? scratch / "sequence" : fs::path(options.sequence);
   const CaptureOptions traced = traced_capture(options, sequence, scratch / "trace");
   traced.validate();
+  if (!options.trace.empty()) require_writable(options.trace);
+  require_apart({{"--video", traced.video},
+                 {"--camera", traced.camera},
+                 {"--background", traced.background},
+                 {"--actor", traced.actor}},
+                {options.trace}, "--trace");
   ocl::select_device_pair(options.cnn_device, options.solver_device);  // complain before a sequence is made
   if (options.sequence.empty()) {
     SynthOptions synth;

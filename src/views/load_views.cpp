@@ -107,8 +107,8 @@ ImageGray read_mask(const path& file) {
   return mask;
 }
 
-bool is_empty(const ImageGray& mask) {
-  return std::all_of(mask.pixels.begin(), mask.pixels.end(), [](uint8_t value) { return value == 0; });
+bool is_all(const ImageGray& mask, uint8_t expected) {
+  return std::all_of(mask.pixels.begin(), mask.pixels.end(), [&](uint8_t value) { return value == expected; });
 }
 
 View view_of(const std::string& name, const ImageRgb& image, const Camera& camera, int max_side_px, cv::Mat& map) {
@@ -155,7 +155,7 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
   std::vector<View> views;
   std::vector<double> sharp;
   int n_missing = 0, n_no_mask = 0, n_no_labels = 0;
-  bool any_in_masks = false;
+  bool any_in_masks = false, any_around = false;
   int n_turned = 0;
   const bool as_stored = std::filesystem::is_directory(where);  // COLMAP's cameras
   const std::vector<ViewPose> poses = read_view_poses(where, files.images);
@@ -189,7 +189,8 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
     if (!files.masks.empty()) {
       if (const path file = companion(files.masks, pose.picture, n_of_stem); !file.empty()) {
         const ImageGray mask = fitted_to(image, turns, file, read_mask(file));
-        any_in_masks |= !is_empty(mask);
+        any_in_masks |= !is_all(mask, 0);
+        any_around |= !is_all(mask, 255);
         view.mask = sample_gray(mask, map, cv::INTER_LINEAR);
       } else {
         ++n_no_mask;
@@ -206,9 +207,16 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
   }
   if (n_turned > 0) notes.push_back(format("%d pictures are turned upright as their EXIF data says", n_turned));
   if (n_missing > 3) notes.push_back(format("%d pictures in all are not there", n_missing));
-  if (const int n_masks = static_cast<int>(views.size()) - n_no_mask;
-      !files.masks.empty() && n_masks > 0 && !any_in_masks)
-    throw IoError(files.masks.string() + format(": nobody is in any of the %d masks; 255 means person", n_masks));
+  if (const int n_masks = static_cast<int>(views.size()) - n_no_mask; !files.masks.empty() && !views.empty()) {
+    if (n_masks == 0)
+      throw IoError(files.masks.string() +
+                    format(": has a mask of none of the %zu pictures (expected <stem>.png)", views.size()));
+    if (!any_in_masks)
+      throw IoError(files.masks.string() + format(": nobody is in any of the %d masks; 255 means person", n_masks));
+    if (!any_around)
+      throw IoError(files.masks.string() +
+                    format(": the person fills all of the %d masks; 255 means person, 0 background", n_masks));
+  }
   if (n_no_mask > 0)
     notes.push_back(
         format("%d pictures have no mask in %s; the network's is used", n_no_mask, files.masks.string().c_str()));

@@ -83,8 +83,16 @@ TEST_F(LoadViews, PicturesOfTheSameNameHaveMasksOfTheirOwn) {
     EXPECT_EQ(view.mask.pixels[30 * kWidth + 40], expected) << view.name;
   }
   given.masks = folder_ / "flat";
+  try {
+    load_views(given, notes);
+    ADD_FAILURE() << "a folder that has no picture's mask";
+  } catch (const IoError& error) {
+    EXPECT_EQ(error.what(), given.masks.string() + ": has a mask of none of the 9 pictures (expected <stem>.png)");
+  }
+  write_png(plain(180), folder_ / "flat" / "alone.png");
   views = load_views(given, notes);
-  EXPECT_TRUE(std::all_of(views.begin(), views.end(), [](const View& view) { return view.mask.empty(); }));
+  EXPECT_TRUE(std::all_of(views.begin(), views.end(),
+                          [](const View& view) { return view.mask.empty() == (view.name != "a/alone.png"); }));
 }
 
 // As tools write them: cut out with alpha; 1 for the person; nothing at all.
@@ -115,6 +123,8 @@ TEST_F(LoadViews, MasksOfOtherConventionsAreReadOrRefused) {
   EXPECT_EQ(refusal(), (folder_ / "masks/a/5.png").string() + ": its largest value is 1; in a mask 255 means person");
   for (const std::string& name : names) write_png(plain(0), folder_ / "masks" / name);
   EXPECT_EQ(refusal(), given.masks.string() + ": nobody is in any of the 8 masks; 255 means person");
+  for (const std::string& name : names) write_png(plain(255), folder_ / "masks" / name);
+  EXPECT_EQ(refusal(), given.masks.string() + ": the person fills all of the 8 masks; 255 means person, 0 background");
 }
 
 TEST_F(LoadViews, LabelImagesThatAreMissingAreTold) {
@@ -187,7 +197,7 @@ TEST_F(LoadViews, PhonePicturesAreTurnedWithTheirCameras) {
                        static_cast<char>(size & 255) + exif + plain_jpeg.substr(2);
     names.push_back(format("%02d.jpg", i));
     write_file_atomically(folder_ / "images" / names.back(), jpeg);
-    write_png(i % 2 ? plain(255) : plain(255, kWidth, kHeight), folder_ / "masks" / format("%02d.png", i));
+    write_png(i % 2 ? plain(200) : plain(200, kWidth, kHeight), folder_ / "masks" / format("%02d.png", i));
   }
   write_model(names);
   ViewFiles given = files();

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/text.h"
+#include "base/value_range.h"
 #include "livecap/error.h"
 
 namespace livecap {
@@ -112,8 +113,7 @@ Camera load_camera(const std::filesystem::path& path) {
 }
 
 Camera camera_from_fov(int width, int height, double fov_deg) {
-  if (!(fov_deg > 1 && fov_deg < 170))
-    throw ConfigError(format("--fov %g: must be degrees between 1 and 170", fov_deg));
+  require_within("--fov", fov_deg, kFovDeg, "degrees");
   Camera camera;
   camera.width = width;
   camera.height = height;

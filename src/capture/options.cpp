@@ -3,6 +3,7 @@
 
 #include "actor/height_range.h"
 #include "base/text.h"
+#include "base/value_range.h"
 #include "capture/components.h"
 #include "image/video.h"
 #include "livecap/capture.h"
@@ -51,8 +52,7 @@ void CaptureOptions::validate() const {
       !folder.empty() && !std::filesystem::is_directory(folder))
     throw ConfigError("--trace " + trace + ": there is no such folder");
   if (camera.empty() == (fov_deg == 0)) throw ConfigError("give either --camera FILE or --fov DEGREES");
-  if (fov_deg != 0 && !(fov_deg > 1 && fov_deg < 170))
-    throw ConfigError(format("--fov %g: must be between 1 and 170 degrees", fov_deg));
+  if (fov_deg != 0) require_within("--fov", fov_deg, kFovDeg, "degrees");
   if (!background.empty() && background_frames > 0)
     throw ConfigError("give either --background or --background-frames, not both");
   if (background_frames < 0)

@@ -8,6 +8,7 @@
 #include "actor/height_range.h"
 #include "actor/keypoint_offsets.h"
 #include "base/text.h"
+#include "base/value_range.h"
 #include "livecap/error.h"
 #include "meshing/atlas.h"
 #include "synth/actor_model.h"
@@ -99,8 +100,7 @@ double mean_overlap(FramePoser& poser, const std::vector<FitFrame>& frames, cons
 void FitActorOptions::validate() const {
   if (video.empty()) throw ConfigError("actor fit: --video is needed");
   if (camera.empty() == (fov_deg == 0)) throw ConfigError("actor fit: give either --camera or --fov");
-  if (fov_deg != 0 && !(fov_deg > 1 && fov_deg < 170))
-    throw ConfigError(format("--fov %g: must be between 1 and 170 degrees", fov_deg));
+  if (fov_deg != 0) require_within("--fov", fov_deg, kFovDeg, "degrees");
   if (!background.empty() && background_frames > 0)
     throw ConfigError("actor fit: give either --background or --background-frames");
   if (background_frames < 0)

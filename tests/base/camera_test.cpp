@@ -54,6 +54,11 @@ TEST(Camera, IsReadAsItWasWritten) {
   }
 }
 
+TEST(Camera, BothEndsOfTheRangeAreFieldsOfView) {
+  for (const double fov_deg : {1.0, 170.0}) EXPECT_GT(camera_from_fov(640, 480, fov_deg).fx, 0);
+  for (const double fov_deg : {0.9, 170.1}) EXPECT_THROW(camera_from_fov(640, 480, fov_deg), ConfigError);
+}
+
 TEST(Camera, FloorsThatCannotBeAreNamed) {
   const File file;
   const auto refusal = [&](const std::string& floor) {

@@ -96,7 +96,7 @@ void add_actor_views_command(CLI::App& actor, Action& action) {
       "views", "pictures of an actor from all around, with cameras, masks and labels: to try `actor build` on");
   command->fallthrough();
   command->add_option("file", options->actor, "actor.glb or builtin:NAME")->required();
-  command->add_option("--out", options->out, "folder to write")->required();
+  command->add_option("--out", options->out, "folder to write")->required()->check(not_empty());
   command->add_option("--views", options->views.n_views, "how many")
       ->check(between(synth::RehearsalOptions::kViews))
       ->capture_default_str();

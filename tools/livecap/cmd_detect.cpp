@@ -22,6 +22,7 @@
 #include "method_options.h"
 #include "ocl/context.h"
 #include "progress.h"
+#include "value_checks.h"
 
 namespace livecap::tools {
 namespace {
@@ -160,7 +161,7 @@ void add_detect_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("detect", "run the pose network alone over a video");
   command->add_option("--video", options->video, "video file, folder of images, or webcam:N")->required();
   add_camera_options(*command, options->camera, options->fov_deg);
-  command->add_option("--out", options->out, "folder to write")->required();
+  command->add_option("--out", options->out, "folder to write")->required()->check(not_empty());
   add_model_option(*command, options->model);
   add_network_device_option(*command, options->device);
   add_frame_options(*command, options->first, options->frames);

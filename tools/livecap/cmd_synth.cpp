@@ -70,7 +70,7 @@ void add_synth_command(CLI::App& app, Action& action) {
       ->capture_default_str();
   command->add_option("--scenario", synth.scenario, "what makes it difficult: one of " + joined(scenario_names()))
       ->capture_default_str();
-  command->add_option("--out", options->out, "folder to write")->required();
+  command->add_option("--out", options->out, "folder to write")->required()->check(not_empty());
   command->add_option("--frames", synth.n_frames, "frames of the video; 0: until the motions end");
   command->add_option("--empty-frames", synth.empty_frames, "frames with nobody at the start")->capture_default_str();
   command->add_option("--width", synth.width, "px")->capture_default_str();

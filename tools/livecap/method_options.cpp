@@ -13,7 +13,7 @@ CLI::Option* add_height_option(CLI::App& command, double& height_mm, const std::
 }
 
 CLI::Option* add_fov_option(CLI::App& command, double& fov_deg, const std::string& what) {
-  return command.add_option("--fov", fov_deg, what)->check(between({1, 170}, "degrees"));
+  return command.add_option("--fov", fov_deg, what)->check(between(kFovDeg, "degrees"));
 }
 
 void add_camera_options(CLI::App& command, std::string& camera, double& fov_deg) {
@@ -22,7 +22,8 @@ void add_camera_options(CLI::App& command, std::string& camera, double& fov_deg)
 }
 
 std::vector<CLI::Option*> add_background_options(CLI::App& command, std::string& background, int& n_frames) {
-  CLI::Option* picture = command.add_option("--background", background, "picture of the empty scene");
+  CLI::Option* picture =
+      command.add_option("--background", background, "picture of the empty scene")->check(not_empty());
   CLI::Option* frames =
       command.add_option("--background-frames", n_frames, "the first N frames of the video are empty")
           ->check(at_least(1))

@@ -21,6 +21,10 @@ CLI::Validator number_check(const std::string& rule, const std::function<bool(do
 
 }  // namespace
 
+CLI::Validator not_empty() {
+  return CLI::Validator([](const std::string& text) { return text.empty() ? "must not be empty" : ""; }, "");
+}
+
 CLI::Validator above(double bound) {
   return number_check(format("above %g", bound), [bound](double value) { return value > bound; });
 }

@@ -9,7 +9,10 @@
 
 namespace livecap::tools {
 
-// The error of each: "--frames: must be at least 1, not 0".
+// Not "", which a script makes of a variable that is not set.
+CLI::Validator not_empty();
+
+// The error of each number: "--frames: must be at least 1, not 0".
 CLI::Validator above(double bound);
 CLI::Validator at_least(double least);
 CLI::Validator between(const ValueRange& range, const std::string& unit = "");

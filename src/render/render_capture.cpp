@@ -97,7 +97,6 @@ fs::path folder_of(const fs::path& file) {
 
 // A finished picture must not take the place of what it was made from, nor of a picture beside it.
 void require_pictures_apart(const RenderOptions& options, const CaptureFolder& capture) {
-  require_apart(capture_inputs("--capture", options.capture), {options.out});
   std::error_code ignored;
   const bool has_picture = options.background != "video" && options.background != "none";
   for (const std::string& input :
@@ -110,6 +109,7 @@ void require_pictures_apart(const RenderOptions& options, const CaptureFolder& c
     if (fs::path(input).extension() == ".png" && is_same(options.out, folder_of(input)))
       throw ConfigError("--out " + options.out + ": holds " + input + ", an input of this; give another folder");
   }
+  require_apart(capture_inputs("--capture", options.capture), {options.out});
 }
 
 SceneFrame scene_frame(Clip& clip, int64_t row, double share, VideoFrames* video) {

@@ -172,7 +172,6 @@ BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atl
     Eigen::Array3d its_light = Eigen::Array3d::Zero();
     double lit_share = 0;
     for (int k = 0; k < 3; ++k) {
-      its_light += point.weights[k] * light[t[k]];
       if (shares[t[k]].empty()) unlit += point.weights[k] * colors[t[k]];
       for (const auto& [view, weight] : shares[t[k]]) {
         // A view that does not show the whole triangle stands back for the corner's own colour.
@@ -181,13 +180,14 @@ BlendedTexture blend_texture(const meshing::Surface& surface, const meshing::Atl
         Eigen::Vector2d pixel;
         if (whole && views[view].project(point.position, pixel)) {
           lit += share * sample(views[view].image, pixel.x(), pixel.y());
+          its_light += share * light[t[k]];  // a corner that no view sees has none
           lit_share += share;
         } else {
           unlit += share * colors[t[k]];
         }
       }
     }
-    if (lit_share > 0) unlit += lit_share * without_light(lit / lit_share, its_light);
+    if (lit_share > 0) unlit += lit_share * without_light(lit / lit_share, its_light / lit_share);
     return unlit;
   };
   result.image = meshing::bake_texture(surface, atlas, size, color);

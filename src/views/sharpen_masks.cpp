@@ -15,7 +15,7 @@ namespace {
 constexpr double kInside = 0.01, kOutside = 0.015;  // of the person's height: how far a network's outlines are off
 constexpr double kAround = 0.05;                    // of it: what of the picture tells the background's colours
 constexpr int kRounds = 2;
-constexpr double kStillThePerson = 0.85;  // IoU with the network's mask
+constexpr double kStillThePerson = 0.75;  // IoU with the network's mask
 constexpr int kSeed = 1;
 
 }  // namespace

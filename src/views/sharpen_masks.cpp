@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kInside = 0.01, kOutside = 0.015;  // of the person's height: how far a network's outlines are off
 constexpr double kAround = 0.05;                    // of it: what of the picture tells the background's colours
+constexpr int kFewest = 64;                         // px that tell the colours of either
 constexpr int kRounds = 2;
 constexpr double kStillThePerson = 0.75;  // IoU with the network's mask
 constexpr int kSeed = 1;
@@ -38,7 +39,7 @@ ImageGray sharpened_mask(const ImageRgb& picture, const ImageGray& mask) {
   cut.setTo(cv::GC_PR_FGD, person);
   cut.setTo(cv::GC_FGD, inside > kInside * height);
   cut.setTo(cv::GC_BGD, outside > kOutside * height);
-  if (cv::countNonZero(cut == cv::GC_FGD) == 0 || cv::countNonZero(cut == cv::GC_BGD) == 0) return mask;
+  if (cv::countNonZero(cut == cv::GC_FGD) < kFewest || cv::countNonZero(cut == cv::GC_BGD) < kFewest) return mask;
   cv::Mat background_colors, person_colors;
   cv::setRNGSeed(kSeed);  // of this thread; the colours' clusters begin at random
   cv::grabCut(rgb(around), cut, {}, background_colors, person_colors, kRounds, cv::GC_INIT_WITH_MASK);

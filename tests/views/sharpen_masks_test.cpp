@@ -76,12 +76,15 @@ TEST(SharpenMasks, WhoIsNotToBeToldFromTheWallKeepsTheMask) {
   EXPECT_GT(mask_iou(sharpened_mask(figure.picture, figure.network), figure.network), 0.75);
 }
 
-TEST(SharpenMasks, MasksOfNobodyAndOfEverythingStay) {
+TEST(SharpenMasks, MasksOfNobodyOfAFewPixelsAndOfEverythingStay) {
   const Figure figure = draw(0, true);
   for (uint8_t value : {0, 255}) {
     const ImageGray mask{kWide, kHigh, std::vector<uint8_t>(figure.truth.pixels.size(), value)};
     EXPECT_EQ(sharpened_mask(figure.picture, mask).pixels, mask.pixels) << int(value);
   }
+  ImageGray speck{kWide, kHigh, std::vector<uint8_t>(figure.truth.pixels.size())};
+  for (int x : {50, 51, 52}) speck.pixels[kWide * 100 + x] = 255;
+  EXPECT_EQ(sharpened_mask(figure.picture, speck).pixels, speck.pixels) << "GrabCut needs five pixels of each";
 }
 
 TEST(SharpenMasks, ManyViewsAreAsOne) {

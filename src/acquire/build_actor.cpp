@@ -95,11 +95,14 @@ class Builder {
   meshing::Surface& surface() { return result_.actor.surface; }
   void note(const std::string& text) { result_.notes.push_back(text); }
   bool tell(int done, int total) { return !progress_ || progress_(stage_, done, total); }
+  void advance(int done, int total) {
+    if (!tell(done, total)) throw Error("interrupted while " + stage_);
+  }
 
   template <typename Work>
   void stage(const char* name, Work&& work) {
     stage_ = name;
-    if (!tell(0, 1)) throw Error("interrupted while " + stage_);
+    advance(0, 1);
     const Timer timer;
     work();
     result_.stage_s.emplace_back(name, timer.elapsed_ms() / 1000);
@@ -125,10 +128,8 @@ class Builder {
   }
 
   void watch_turn() {
-    TurntableViews turn =
-        read_turntable(network_device_, options_.model, options_.turntable, result_.notes, [&](int done, int total) {
-          if (!tell(done, total)) throw Error("interrupted while " + stage_);
-        });
+    TurntableViews turn = read_turntable(network_device_, options_.model, options_.turntable, result_.notes,
+                                         [&](int done, int total) { advance(done, total); });
     views_ = std::move(turn.views);
     turned_rad_ = std::move(turn.angle_rad);
     assume_height("one camera does not tell how tall somebody is");
@@ -136,7 +137,7 @@ class Builder {
 
   void look_for_person() {
     detections_ = detect_in_views(network_device_, options_.model, views_, [&](int done, int total) {
-      if (!tell(done, total)) throw Error("interrupted while " + stage_);
+      advance(done, total);
       return true;
     });
     for (size_t i = 0; i < views_.size(); ++i) {
@@ -159,9 +160,7 @@ class Builder {
   void sharpen() {
     note(format("%zu of %zu masks are the network's: the shape is coarser than with exact masks", network_masks_.size(),
                 views_.size()));
-    sharpen_masks(views_, network_masks_, [&](int done, int total) {
-      if (!tell(done, total)) throw Error("interrupted while " + stage_);
-    });
+    sharpen_masks(views_, network_masks_, [&](int done, int total) { advance(done, total); });
   }
 
   void find_person() {
@@ -220,7 +219,7 @@ class Builder {
 
   void parse_views() {
     for (size_t i = 0; i < views_.size(); ++i) {
-      if (!tell(static_cast<int>(i), static_cast<int>(views_.size()))) throw Error("interrupted while " + stage_);
+      advance(static_cast<int>(i), static_cast<int>(views_.size()));
       views_[i].labels = parser_->labels(views_[i].image, views_[i].mask);
     }
     parser_.reset();
@@ -351,7 +350,7 @@ class Builder {
   std::unique_ptr<ParsingNetwork> parser_;
   std::vector<View> views_;             // in the rest frame once the person is found
   std::vector<Detections> detections_;  // in the views, until the person is found
-  std::vector<size_t> network_masks_;   // views whose mask is a network's
+  std::vector<size_t> network_masks_;   // views whose mask is a network's, before some are left out
   std::vector<double> turned_rad_;      // of a turntable video's views, as the network sees it
   double given_height_mm_;              // 0: the cameras' world has a unit
   GivenJoints given_joints_;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/fov_range.h"
 #include "base/text.h"
-#include "base/value_range.h"
 #include "livecap/error.h"
 
 namespace livecap {

@@ -12,8 +12,6 @@ struct ValueRange {
   constexpr bool contains(double value) const { return value >= least && value <= most; }  // false for NaN
 };
 
-inline constexpr ValueRange kFovDeg{1, 170};  // of the longer side
-
 // Throws ConfigError: "--grid 50: must be between 3 and 30 mm".
 void require_within(const std::string& option, double value, const ValueRange& range, const std::string& unit = "");
 

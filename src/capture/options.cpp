@@ -2,8 +2,8 @@
 #include <filesystem>
 
 #include "actor/height_range.h"
+#include "base/fov_range.h"
 #include "base/text.h"
-#include "base/value_range.h"
 #include "capture/components.h"
 #include "image/video.h"
 #include "livecap/capture.h"

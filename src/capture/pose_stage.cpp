@@ -48,18 +48,21 @@ PoseStage::Solution PoseStage::solve_anew(const PoseStageInput& input, std::span
   if (!initial) return best;
   best.pose = rounds_.solve_rough(input, *initial);
   if (best.pose.status != SolveStatus::kOk) return best;
+  const auto solve_from = [&](const Pose& start) {
+    return rounds_.solve(input, input.detections, start, nullptr, Rounds::kAll);
+  };
   const Pose rough = best.pose.pose;
-  best = rounds_.solve(input, input.detections, rough, nullptr, Rounds::kAll);
-  for (double lean_rad : leans_rad)
-    keep_better(rounds_.solve(input, input.detections, leant(rough, lean_rad), nullptr, Rounds::kAll), best);
+  best = solve_from(rough);
+  for (double lean_rad : leans_rad) keep_better(solve_from(leant(rough, lean_rad)), best);
   return best;
 }
 
 // One picture hardly tells how far a body leans towards the camera: who leans is also nearer, so as large. Clothes with
 // a pattern match nearly as well from there, and E_temporal then keeps it for a second.
 PoseResult PoseStage::find(const PoseStageInput& input) {
-  const std::vector<double>& leans_rad = options_.starts.leans_rad;
-  Solution found = solve_anew(input, rounds_.matches(input) ? leans_rad : std::vector<double>{});
+  std::span<const double> leans_rad;
+  if (rounds_.matches(input)) leans_rad = options_.starts.leans_rad;
+  Solution found = solve_anew(input, leans_rad);
   if (found.pose.status == SolveStatus::kOk) last_skin_ = std::move(found.skin);
   return found.pose;
 }

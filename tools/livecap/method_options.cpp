@@ -1,5 +1,6 @@
 #include "method_options.h"
 
+#include "base/fov_range.h"
 #include "value_checks.h"
 
 namespace livecap::tools {

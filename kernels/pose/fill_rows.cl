@@ -20,11 +20,11 @@ typedef int8 column_ids_t;
 #define FILL_COLUMNS LC_POSE_FILL_COLUMNS(LC_CPU)
 
 // What is not static PoCL 3.1 calls, arguments in memory; within gauss_newton.cl, where the tests run the bodies for
-// GPUs, it makes wrong code of these when they are.
-#if LC_CPU
-#define COLUMNS_FN static inline
-#else
+// GPUs, it makes wrong code of these when they are. Elsewhere such a function need not exist (C99 6.7.4).
+#if LC_POCL && !LC_CPU
 #define COLUMNS_FN inline
+#else
+#define COLUMNS_FN static inline
 #endif
 
 // Wrench w (6 floats, `stride` apart) turned about the columns. step: layout.h, offset to the first of them.

@@ -3,7 +3,7 @@
 #include "pose/layout.h"
 
 // The tile's place, as first column of its rows and of its columns.
-inline int2 tile_corner(int tile, int n_tiles_per_side) {
+static inline int2 tile_corner(int tile, int n_tiles_per_side) {
   int a = 0;
   while (tile >= n_tiles_per_side - a) {
     tile -= n_tiles_per_side - a;

@@ -1,4 +1,4 @@
-// All kernels of the pose stage as one program, but those that work on slices of vertices (skinned_records.cl) and
+// All kernels of the pose stage as one program, but those that work on slices of vertices (slices.cl) and
 // those for GPUs (gauss_newton.cl).
 #include "pose/point_records.cl"
 //

@@ -2,6 +2,8 @@
 // r in px. Unknown: the vertex V_i (mm). The distance image is stored signed (positive outside the silhouette): its
 // square and the product r J are those of the unsigned transform, and it stays smooth where the contour is crossed. b_i
 // multiplies the gradient only, so that J^T J stays positive.
+#ifndef LC_TERMS_SILHOUETTE_CL
+#define LC_TERMS_SILHOUETTE_CL
 #include "shared/camera.h"
 
 typedef struct {
@@ -39,3 +41,5 @@ LC_FN void silhouette_flat(const REAL* x, const REAL* params, REAL* r, REAL* J) 
   r[0] = row.r;
   for (int j = 0; j < 3; ++j) J[j] = row.J[j];
 }
+
+#endif

@@ -10,7 +10,7 @@
 namespace livecap {
 namespace {
 
-constexpr const char* kSource = "surface/skin.cl";
+constexpr const char* kSource = "surface/slices.cl";
 constexpr size_t kGroup = 64;  // on a GPU
 
 }  // namespace

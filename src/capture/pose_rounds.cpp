@@ -206,7 +206,10 @@ std::optional<PoseRounds::Solution> PoseRounds::solve_ahead(const PoseStageInput
                  .moved = system.moved(),
                  .least_moved_px = k > 0 ? float(round.least_moved_px) : -INFINITY,
                  .state = system.look_state()});
-    if (k == 0 && !solver_.begin_rounds(rounds, known)) return std::nullopt;  // while the device looks
+    if (k == 0) {
+      device_.start();  // and looks while the rounds are prepared
+      if (!solver_.begin_rounds(rounds, known)) return std::nullopt;
+    }
     SeenVertices seen = known;
     seen.contour = &visibility_.contour();
     seen.matches = &matcher_.matches();
@@ -247,6 +250,7 @@ PoseResult PoseRounds::solve_read(PoseInput& solve, bool matches, bool shades, s
   if (matches) matcher_.read_later();
   if (shades) shading_.read_later();
   if (solve.frame) visibility_.read_contour_later();
+  device_.start();
   const PoseSolver::Prepared prepared = solver_.prepare(solve);  // a GPU is still at work on the rest
   if (solve.frame) device_.finish();
   const std::vector<int32_t> contour = solve.frame ? visibility_.contour_found() : std::vector<int32_t>{};

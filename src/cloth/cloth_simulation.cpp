@@ -20,7 +20,7 @@ using Vector3 = Eigen::Vector3d;
 
 static_assert(sizeof(ClothStep) == 24, "as the kernel has it");
 
-constexpr const char *kProgram = "cloth/simulate.cl", *kKernel = "simulate_cloth";
+constexpr const char *kProgram = "cloth/cloth.cl", *kKernel = "simulate_cloth";
 constexpr double kLongestStep = 0.1;  // s, for which a frame's springs are to be stable
 constexpr int kEnds = 6, kRadii = 2;  // values of a limb
 

@@ -29,7 +29,7 @@ FoldedCloth::FoldedCloth(ocl::DeviceContext& device, const Actor& actor, const S
       zero_(device, size_t(3) * n_),
       hung_(device, size_t(3) * n_),
       side_(device, sides(actor)),
-      open_(device, "cloth/open_folds.cl", "open_folds") {
+      open_(device, "cloth/cloth.cl", "open_folds") {
   zero_.fill(0);
 }
 

@@ -8,7 +8,7 @@
 namespace livecap {
 namespace {
 
-constexpr char kDistanceFile[] = "image/distance_field.cl";
+constexpr char kDistanceFile[] = "image/image.cl";
 constexpr int32_t kBand = 64;    // rows of a work-item
 constexpr int32_t kStrip = 512;  // columns of a work-item
 constexpr int kMaxSize = 16000;

@@ -12,7 +12,7 @@
 namespace livecap {
 namespace {
 
-constexpr char kForegroundFile[] = "image/foreground.cl";
+constexpr char kForegroundFile[] = "image/image.cl";
 constexpr int kPad = 48;  // rows and columns around the padded planes: the longest reach of the smoothing and a group
 constexpr float kMaxSmoothPx = 10;
 constexpr size_t kGroup = 16;
@@ -99,7 +99,7 @@ ForegroundSegmenter::ForegroundSegmenter(ocl::DeviceContext& device, ocl::Device
   smoothed_.fill(0);
   n_beyond_ = ocl::Buffer<int32_t>(device, 1);
   crop_steps_ = ocl::Buffer<int32_t>(gate_device, size_t(2) * (width + height));
-  lay_mask_ = ocl::Kernel(gate_device, "image/lay_mask.cl", "lay_mask");
+  lay_mask_ = ocl::Kernel(gate_device, kForegroundFile, "lay_mask");
   coarse_means_ = ocl::Kernel(gate_device, kForegroundFile, "coarse_means");
   foreground_score_ = ocl::Kernel(device, kForegroundFile, "foreground_score");
   network_score_ = ocl::Kernel(device, kForegroundFile, "network_score");

@@ -16,7 +16,8 @@ ActorSight::ActorSight(ocl::DeviceContext& device, const Camera& camera, Skinner
       matcher_(matcher),
       shading_(shading),
       pinhole_(pinhole_arg(camera)) {
-  if (device.is_cpu() || !device.info().has_long_atomics || !matcher.usable() ||
+  // Rounds that look by one launch also choose by one, which needs doubles (kernels/pose/choose.cl).
+  if (device.is_cpu() || !device.info().has_long_atomics || !device.info().has_double || !matcher.usable() ||
       device.info().max_work_group_size < LC_SEE_GROUP ||
       device.info().local_memory_bytes < sizeof(float) * LC_SEE_LOCAL + 64)
     return;

@@ -78,7 +78,7 @@ SkinShading::SkinShading(ocl::DeviceContext& device, const Actor& actor, const C
   is_skin_ = {device, is_skin};
   host_.resize(LC_SKIN * skin_.size());
   samples_ = {device, host_.size()};
-  kernel_ = {device, "match/skin_shading.cl", "skin_brightness"};
+  kernel_ = {device, "match/match.cl", "skin_brightness"};
 }
 
 void SkinShading::measure(const DeviceFrame& frame, const DepthRasterizer& raster, const ocl::Buffer<float>& positions,

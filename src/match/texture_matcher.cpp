@@ -12,6 +12,7 @@
 namespace livecap {
 namespace {
 
+constexpr char kMatchProgram[] = "match/match.cl";
 constexpr int kWidthStep = 16 << LC_MATCH_LEVELS;  // of a box: sixteen pixels divide every level's rows
 constexpr int kBeyond = 32;                        // px around the person in the picture
 constexpr int kMinTexture = 8;                     // px
@@ -119,11 +120,11 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
   actor_ = {device, box};
   depth_ = {device, box};
   camera_ = {device, pyramid_size(w, h)};
-  textured_actor_ = {device, "match/pictures.cl", "textured_actor"};
-  camera_picture_ = {device, "match/pictures.cl", "camera_picture"};
-  normalise_ = {device, "match/normalise.cl", "normalise"};
-  halve_picture_ = {device, "match/pictures.cl", "halve_picture"};
-  match_patches_ = {device, "match/patch_match.cl", "match_patches"};
+  textured_actor_ = {device, kMatchProgram, "textured_actor"};
+  camera_picture_ = {device, kMatchProgram, "camera_picture"};
+  normalise_ = {device, kMatchProgram, "normalise"};
+  halve_picture_ = {device, kMatchProgram, "halve_picture"};
+  match_patches_ = {device, kMatchProgram, "match_patches"};
 }
 
 void TextureMatcher::require_level(int level) {

@@ -106,9 +106,9 @@ Executor::Executor(ocl::DeviceContext& device, const Graph& graph, const std::ve
                   device.info().label() + " allocates");
   offsets_ = plan.offsets;
 
-  convert_u8_ = kernel("nn/elementwise.cl", "convert_u8");
+  convert_u8_ = kernel("convert_u8");
   if (!device.is_cpu()) {
-    run_layers_ = kernel("nn/layers.cl", "run_layers");
+    run_layers_ = kernel("run_layers", "nn/layers.cl");
     groups_ = ocl::GroupsTogether(device, std::numeric_limits<size_t>::max());
   }
   std::vector<float> weights;
@@ -131,7 +131,7 @@ Executor::Executor(ocl::DeviceContext& device, const Graph& graph, const std::ve
   gave_up();
 }
 
-size_t Executor::kernel(const char* file, const char* name) {
+size_t Executor::kernel(const char* name, const char* file) {
   for (size_t i = 0; i < kernels_.size(); ++i) {
     if (kernels_[i].name() == name) return i;
   }
@@ -175,7 +175,7 @@ void Executor::add_step(const Op& op, const std::vector<int64_t>& offsets, std::
     if (!cpu) {
       add_layer(step, pointwise ? NN_POINTWISE : NN_WINDOW);
     } else {
-      step.kernel = kernel("nn/conv2d.cl", narrow ? "conv_narrow" : pointwise ? "conv_pointwise" : "conv_window");
+      step.kernel = kernel(narrow ? "conv_narrow" : pointwise ? "conv_pointwise" : "conv_window");
       const int n_panels = panels(p.out_channels);
       const int tiles =
           pointwise ? (pixels + NN_STRIP - 1) / NN_STRIP : p.out_height * ((p.out_width + NN_TILE - 1) / NN_TILE);
@@ -206,7 +206,7 @@ void Executor::add_step(const Op& op, const std::vector<int64_t>& offsets, std::
                          : p.kernel_h == 5 && p.stride_w == 2                        ? "depthwise_5x5_stride_2"
                                                                                      : "depthwise_any";
       const bool by_row = name != std::string_view("depthwise_any");
-      step.kernel = kernel("nn/depthwise.cl", name);
+      step.kernel = kernel(name);
       p.count = panels(p.out_channels) * (by_row ? p.out_height : pixels);
       step.local = 1;
     } else {
@@ -216,26 +216,26 @@ void Executor::add_step(const Op& op, const std::vector<int64_t>& offsets, std::
   } else if (std::holds_alternative<Add>(op.attributes)) {
     p.residual_offset = static_cast<int>(offsets[op.inputs[1]]);
     if (cpu) {
-      step.kernel = kernel("nn/elementwise.cl", "add");
+      step.kernel = kernel("add");
     } else {
       add_layer(step, NN_ADD);
     }
   } else if (const auto* pool = std::get_if<MaxPool2d>(&op.attributes)) {
     set_window(p, pool->window, pool->kernel_h, pool->kernel_w);
     if (cpu) {
-      step.kernel = kernel("nn/pool.cl", "max_pool");
+      step.kernel = kernel("max_pool");
     } else {
       add_layer(step, NN_MAX_POOL);
     }
   } else if (const auto* mean = std::get_if<AveragePool2d>(&op.attributes)) {
     set_window(p, mean->window, mean->kernel_h, mean->kernel_w);
     p.mode = mean->count_padding;
-    step.kernel = kernel("nn/pool.cl", "average_pool");
+    step.kernel = kernel("average_pool");
   } else if (std::holds_alternative<Mul>(op.attributes)) {
     p.residual_offset = static_cast<int>(offsets[op.inputs[1]]);
-    step.kernel = kernel("nn/elementwise.cl", "mul");
+    step.kernel = kernel("mul");
   } else if (std::holds_alternative<Concat>(op.attributes)) {
-    step.kernel = kernel("nn/elementwise.cl", "concat");
+    step.kernel = kernel("concat");
     for (int index : op.inputs) {
       p.in_offset = static_cast<int>(offsets[index]);
       p.in_channels = graph_.tensors[index].shape[3];
@@ -246,36 +246,36 @@ void Executor::add_step(const Op& op, const std::vector<int64_t>& offsets, std::
     return;
   } else if (std::holds_alternative<Clamp>(op.attributes)) {
     p.slope = 1;
-    step.kernel = kernel("nn/elementwise.cl", "leaky_relu");
+    step.kernel = kernel("leaky_relu");
   } else if (const auto* leaky = std::get_if<LeakyRelu>(&op.attributes)) {
     p.slope = leaky->slope;
-    step.kernel = kernel("nn/elementwise.cl", "leaky_relu");
+    step.kernel = kernel("leaky_relu");
   } else if (const auto* sigmoid = std::get_if<HardSigmoid>(&op.attributes)) {
     p.slope = sigmoid->slope;
     p.offset = sigmoid->offset;
     p.mode = sigmoid->swish;
-    step.kernel = kernel("nn/elementwise.cl", "hard_sigmoid");
+    step.kernel = kernel("hard_sigmoid");
   } else if (std::holds_alternative<Softmax>(op.attributes)) {
     p.count = pixels;
-    step.kernel = kernel("nn/pool.cl", "softmax");
+    step.kernel = kernel("softmax");
   } else if (std::holds_alternative<ArgMax>(op.attributes)) {
     p.count = pixels;
-    step.kernel = kernel("nn/pool.cl", "arg_max");
+    step.kernel = kernel("arg_max");
   } else if (const auto* nearest = std::get_if<ResizeNearest>(&op.attributes)) {
     p.align_corners = nearest->align_corners;
     p.half_pixel_centers = nearest->half_pixel_centers;
     p.mode = static_cast<int>(nearest->rounding);
-    step.kernel = kernel("nn/resize_nearest.cl", "resize_nearest");
+    step.kernel = kernel("resize_nearest");
   } else if (const auto* pad = std::get_if<Pad>(&op.attributes)) {
     p.pad_top = pad->height[0];
     p.pad_left = pad->width[0];
     p.pad_front = pad->channels[0];
-    step.kernel = kernel("nn/elementwise.cl", "pad");
+    step.kernel = kernel("pad");
   } else if (const auto* resize = std::get_if<ResizeBilinear>(&op.attributes)) {
     p.align_corners = resize->align_corners;
     p.half_pixel_centers = resize->half_pixel_centers;
     if (cpu) {
-      step.kernel = kernel("nn/resize.cl", "resize_bilinear");
+      step.kernel = kernel("resize_bilinear");
       p.count = p.out_height;
       step.local = 1;
     } else {
@@ -283,7 +283,7 @@ void Executor::add_step(const Op& op, const std::vector<int64_t>& offsets, std::
     }
   } else if (std::holds_alternative<Logistic>(op.attributes)) {
     if (cpu) {
-      step.kernel = kernel("nn/elementwise.cl", "logistic");
+      step.kernel = kernel("logistic");
     } else {
       add_layer(step, NN_LOGISTIC);
     }
@@ -332,9 +332,11 @@ size_t Executor::launch_layers(size_t first) {
   const int first_layer = steps_[first].layer;
   const int n = static_cast<int>(end - first);
   const int at_once = groups_.work() ? n : 1;
-  // Groups that need not wait for each other may be more than the device has room for.
-  const size_t n_groups = groups_.work() ? groups_.n() : kGroupsAlone * groups_.n();
   for (int i = 0; i < n; i += at_once) {
+    // Groups that need not wait for each other may be more than the device has room for, but not than have work.
+    const NnLayer& layer = layers_[first_layer + i];
+    const size_t most = std::max(1, (layer.op.count * layer.slices + NN_GROUP - 1) / NN_GROUP);
+    const size_t n_groups = groups_.work() ? groups_.n() : std::min(most, kGroupsAlone * groups_.n());
     kernels_[run_layers_].launch(n_groups * NN_GROUP, NN_GROUP, first_layer + i, first_layer + i + at_once,
                                  groups_.arrived(), layers_on_device_, weights_, arena_, groups_.state());
     groups_.launched(at_once - 1);

@@ -59,7 +59,7 @@ class Executor {
     int layer = -1;  // index into layers_, or a kernel of its own
   };
 
-  size_t kernel(const char* file, const char* name);
+  size_t kernel(const char* name, const char* file = "nn/nn.cl");
   void add_step(const Op& op, const std::vector<int64_t>& offsets, std::vector<float>& weights);
   void add_layer(Step& step, int kind);
   size_t launch_layers(size_t first);

@@ -24,7 +24,12 @@ std::string build_log(cl_program program, cl_device_id device) {
 
 }  // namespace
 
-DeviceContext::DeviceContext(const DeviceInfo& info, const std::string& track) : info_(info) {
+DeviceContext::Programs::~Programs() {
+  for (auto& [name, program] : by_name) clReleaseProgram(program);
+}
+
+DeviceContext::DeviceContext(const DeviceInfo& info, const std::string& track)
+    : info_(info), programs_(std::make_shared<Programs>()) {
   cl_int status = CL_SUCCESS;
   const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM,
                                               reinterpret_cast<cl_context_properties>(info.platform), 0};
@@ -34,7 +39,7 @@ DeviceContext::DeviceContext(const DeviceInfo& info, const std::string& track) :
 }
 
 DeviceContext::DeviceContext(const DeviceContext& sibling, SharedMemory, const std::string& track)
-    : info_(sibling.info_), context_(sibling.context_) {
+    : info_(sibling.info_), context_(sibling.context_), programs_(sibling.programs_) {
   check(clRetainContext(context_), "clRetainContext", info_.label());
   open_queue(track);
 }
@@ -54,20 +59,25 @@ DeviceContext::~DeviceContext() {
   if (queue_) clFinish(queue_);
   copies_.reset();
   if (traced_queues > 0) end_queue_trace(queue_);
-  for (auto& [key, program] : programs_) clReleaseProgram(program);
+  programs_.reset();
   if (queue_) clReleaseCommandQueue(queue_);
   if (context_) clReleaseContext(context_);
 }
 
-cl_program DeviceContext::program(const std::string& path, const std::string& extra_options) {
-  const std::string key = path + "\n" + extra_options;
-  if (const auto found = programs_.find(key); found != programs_.end()) return found->second;
+cl_program DeviceContext::program(const std::string& path, const std::string& options) {
+  const std::scoped_lock lock(programs_->mutex);
+  const std::string name = path + "\n" + options;
+  const auto found = programs_->by_name.find(name);
+  return found != programs_->by_name.end() ? found->second : programs_->by_name[name] = build(path, options);
+}
 
+cl_program DeviceContext::build(const std::string& path, const std::string& extra_options) const {
   const std::string source = resolve_kernel_source(path);
   // PoCL's compiler counts its warnings on the user's console (vectors wider than the processor's change an ABI that
   // nobody else uses); house/kernels looks for those that matter.
   const std::string options = std::string("-cl-std=CL1.2 -w -D LC_DEVICE=1 -D LC_CPU=") + (is_cpu() ? "1" : "0") +
                               " -D LC_VECTOR=" + std::to_string(lanes()) +
+                              " -D LC_POCL=" + (info_.is_pocl() ? "1" : "0") +
                               (extra_options.empty() ? "" : " " + extra_options);
   const std::filesystem::path cache_file = program_cache_file(source, options, info_);
   cl_program program = load_cached_program(cache_file, context_, info_.device, options);
@@ -86,14 +96,17 @@ cl_program DeviceContext::program(const std::string& path, const std::string& ex
       throw OclError("clBuildProgram failed: " + status_name(status) + " (kernels/" + path + " on " + info_.label() +
                      ", options " + options + ")\n" + log);
     }
-    if (driver_keeps_programs(info_)) {
+    if (info_.is_pocl()) {
       mark_compiled_program(cache_file);
     } else {
       store_cached_program(cache_file, program);
     }
   }
-  programs_[key] = program;
   return program;
+}
+
+void DeviceContext::start() {
+  if (!is_cpu()) check(clFlush(queue_), "clFlush", info_.label());
 }
 
 void DeviceContext::finish() {

@@ -5,6 +5,7 @@
 
 #include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,8 @@ class DeviceContext {
  public:
   // track: name of the queue in a trace (base/trace.h). Throws OclError when the context or queue cannot be made.
   explicit DeviceContext(const DeviceInfo& info, const std::string& track = "device");
-  // A second queue to the same device and memory: buffers of either may be used by kernels of both, one after the other
-  // (finish() in between).
+  // A second queue to the same device, memory and programs: buffers of either may be used by kernels of both, one after
+  // the other (finish() in between).
   DeviceContext(const DeviceContext& sibling, SharedMemory, const std::string& track = "device");
   ~DeviceContext();
   DeviceContext(const DeviceContext&) = delete;
@@ -37,20 +38,31 @@ class DeviceContext {
   PinnedCopies* copies() const { return copies_.get(); }
 
   // The program of kernels/<path> with these extra options ("-D NAME=1"), built at the first request (from the binary
-  // cache when it has it). LC_DEVICE=1, LC_CPU=0|1, LC_VECTOR=lanes() are defined. Throws OclError with the build log.
+  // cache when it has it). LC_DEVICE=1, LC_CPU=0|1, LC_POCL=0|1, LC_VECTOR=lanes() are defined. Throws OclError with
+  // the build log.
   cl_program program(const std::string& path, const std::string& options = {});
 
+  // So that a GPU begins now what is enqueued: some drivers else wait until somebody waits for it.
+  void start();
   // Waits until everything enqueued has run.
   void finish();
 
  private:
+  // Of a context and its siblings, which may ask for programs at the same time.
+  struct Programs {
+    ~Programs();
+    std::mutex mutex;
+    std::map<std::string, cl_program> by_name;  // path + options
+  };
+
   void open_queue(const std::string& track);
+  cl_program build(const std::string& path, const std::string& options) const;
 
   DeviceInfo info_;
   cl_context context_ = nullptr;
   cl_command_queue queue_ = nullptr;
   std::unique_ptr<PinnedCopies> copies_;
-  std::map<std::string, cl_program> programs_;  // key: path + options
+  std::shared_ptr<Programs> programs_;
 };
 
 // Outcome of one known-answer test of `livecap devices`.

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
 #include <cstdlib>
+#include <functional>
+#include <iterator>
 #include <mutex>
 
 #include "base/log.h"
@@ -66,10 +69,20 @@ DeviceInfo describe(cl_platform_id platform, cl_device_id device) {
   info.max_allocation_bytes = device_value<cl_ulong>(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
   info.local_memory_bytes = device_value<cl_ulong>(device, CL_DEVICE_LOCAL_MEM_SIZE);
   info.max_work_group_size = device_value<size_t>(device, CL_DEVICE_MAX_WORK_GROUP_SIZE);
-  info.has_double = device_value<cl_device_fp_config>(device, CL_DEVICE_DOUBLE_FP_CONFIG) != 0;
-  info.has_long_atomics =
-      device_text(device, CL_DEVICE_EXTENSIONS).find("cl_khr_int64_extended_atomics") != std::string::npos;
+  const std::string extensions = device_text(device, CL_DEVICE_EXTENSIONS);
+  info.has_double = extensions.find("cl_khr_fp64") != std::string::npos;
+  info.has_long_atomics = extensions.find("cl_khr_int64_extended_atomics") != std::string::npos;
   return info;
+}
+
+// Whether kernels can be built for it: it is there, has a compiler, and is of OpenCL 1.2 or later ("OpenCL 1.2 ...").
+bool is_usable(cl_device_id device) {
+  if (!device_value<cl_bool>(device, CL_DEVICE_AVAILABLE) ||
+      !device_value<cl_bool>(device, CL_DEVICE_COMPILER_AVAILABLE))
+    return false;
+  int major = 0, minor = 0;
+  return std::sscanf(device_text(device, CL_DEVICE_VERSION).c_str(), "OpenCL %d.%d", &major, &minor) == 2 &&
+         (major > 1 || (major == 1 && minor >= 2));
 }
 
 // PoCL's platform has its long name in some versions.
@@ -107,8 +120,8 @@ std::vector<size_t> matching_devices(const std::vector<DeviceInfo>& devices, con
 
 // By which its platform is called for short: "pocl", "nvidia", "amd", "intel".
 std::string platform_selector(const DeviceInfo& device) {
+  if (device.is_pocl()) return kPocl;
   const std::string name = lower(device.platform_name);
-  if (name.find(kPoclLongName) != std::string::npos) return kPocl;
   const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0; };
   const auto begin = std::find_if(name.begin(), name.end(), is_letter);
   return {begin, std::find_if_not(begin, name.end(), is_letter)};
@@ -136,6 +149,11 @@ std::vector<cl_device_id> split_in_two(const DeviceInfo& info) {
 }
 
 }  // namespace
+
+bool DeviceInfo::is_pocl() const {
+  const std::string name = lower(platform_name);
+  return name.find(kPocl) != std::string::npos || name.find(kPoclLongName) != std::string::npos;
+}
 
 std::string DeviceInfo::label() const {
   return device_name + " [" + platform_name + "]";
@@ -167,10 +185,11 @@ std::vector<DeviceInfo> list_devices() {
     std::vector<cl_device_id> devices(n_devices);
     check(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, n_devices, devices.data(), nullptr), "clGetDeviceIDs");
     for (cl_device_id device : devices) {
-      DeviceInfo info = describe(platform, device);
-      if (device_value<cl_bool>(device, CL_DEVICE_AVAILABLE) &&
-          device_value<cl_bool>(device, CL_DEVICE_COMPILER_AVAILABLE))
-        result.push_back(std::move(info));
+      try {
+        if (is_usable(device)) result.push_back(describe(platform, device));
+      } catch (const OclError& error) {  // a broken driver beside a good one
+        log_debug(std::string("a device is left out: ") + error.what());
+      }
     }
   }
   return result;
@@ -220,18 +239,25 @@ std::vector<std::string> device_selectors(const std::vector<DeviceInfo>& devices
   return selectors;
 }
 
+DevicePair default_pair(const std::vector<DeviceInfo>& devices) {
+  std::vector<DeviceInfo> candidates;
+  for (const auto kind : {&DeviceInfo::is_gpu, &DeviceInfo::is_cpu}) {
+    if (candidates.empty())
+      std::copy_if(devices.begin(), devices.end(), std::back_inserter(candidates), std::mem_fn(kind));
+  }
+  if (candidates.empty()) candidates = devices;
+  const DeviceInfo& first = candidates.at(0);
+  const auto second = std::find_if(candidates.begin() + 1, candidates.end(),
+                                   [&](const DeviceInfo& device) { return device.platform == first.platform; });
+  return {first, second != candidates.end() ? *second : first};
+}
+
 DevicePair select_device_pair(const std::string& cnn_selector, const std::string& solver_selector) {
   DevicePair pair;
   if (cnn_selector.empty() && solver_selector.empty()) {
-    std::vector<DeviceInfo> candidates;
     const auto devices = list_devices();
-    for (const auto& device : devices) {
-      if (device.is_gpu) candidates.push_back(device);
-    }
-    if (candidates.empty()) candidates = devices;
-    require_any(candidates);
-    pair.cnn = candidates.front();
-    pair.solver = candidates.size() > 1 ? candidates[1] : candidates.front();
+    require_any(devices);
+    pair = default_pair(devices);
   } else {
     pair.cnn = select_device(cnn_selector.empty() ? solver_selector : cnn_selector);
     pair.solver = select_device(solver_selector.empty() ? cnn_selector : solver_selector);

@@ -29,6 +29,7 @@ struct DeviceInfo {
   // Of a CPU: floats in a vector, 16 where they are one of 32 registers (AVX-512), else 8. Kernels see it as LC_VECTOR.
   int cpu_lanes = 8;
 
+  bool is_pocl() const;
   // "device name [platform name]".
   std::string label() const;
 };
@@ -38,7 +39,8 @@ struct DeviceInfo {
 // process; later calls do nothing.
 void prepare_platforms();
 
-// All devices of all platforms in platform order. Empty when there is none.
+// All devices of OpenCL 1.2 or later with a compiler, of all platforms in platform order. Those that do not answer what
+// they are asked are left out. Empty when there is none.
 std::vector<DeviceInfo> list_devices();
 
 // Throws OclError when there is none, which says what to do about it.
@@ -58,9 +60,12 @@ struct DevicePair {
   DeviceInfo solver;
 };
 
-// Chooses both devices. Both selectors empty: the first two GPUs, the network's first; else the one GPU for both, else
-// the first two devices of any kind, or the only one for both. One of them empty: it is taken to be as the other.
-// When both fall on one CPU device with at least two compute units it is split with clCreateSubDevices.
+// Of these: the first two GPUs of one platform, the network's first, or the one GPU for both; without a GPU CPUs
+// likewise, else what there is. Of one platform, since two may offer the same processor. `devices` must not be empty.
+DevicePair default_pair(const std::vector<DeviceInfo>& devices);
+
+// Chooses both devices. Both selectors empty: default_pair. One of them empty: it is taken to be as the other. When
+// both fall on one CPU device with at least two compute units it is split with clCreateSubDevices.
 DevicePair select_device_pair(const std::string& cnn_selector, const std::string& solver_selector);
 
 }  // namespace livecap::ocl

@@ -2,13 +2,15 @@
 
 #include <cstring>
 
+#include "base/text.h"
+#include "livecap/error.h"
 #include "ocl/queue_trace.h"
 #include "ocl/status.h"
 
 namespace livecap::ocl {
 
 Kernel::Kernel(DeviceContext& device, const std::string& path, const std::string& name, const std::string& options)
-    : queue_(device.queue()), name_(name) {
+    : device_(device.info().device), queue_(device.queue()), name_(name) {
   cl_int status = CL_SUCCESS;
   kernel_ = clCreateKernel(device.program(path, options), name.c_str(), &status);
   check(status, "clCreateKernel", name + " of kernels/" + path + " on " + device.info().label());
@@ -22,6 +24,7 @@ Kernel& Kernel::operator=(Kernel&& other) noexcept {
   if (this != &other) {
     if (kernel_) clReleaseKernel(kernel_);
     kernel_ = std::exchange(other.kernel_, nullptr);
+    device_ = other.device_;
     queue_ = std::exchange(other.queue_, nullptr);
     name_ = std::move(other.name_);
     arguments_ = std::move(other.arguments_);
@@ -48,9 +51,15 @@ void Kernel::enqueue(const Range& range) {
   const size_t global[2] = {range.global_x, range.global_y};
   const size_t local[2] = {range.local_x, range.local_y};
   QueueSpan span(queue_, name_.c_str());
-  check(clEnqueueNDRangeKernel(queue_, kernel_, 2, nullptr, global, range.local_x ? local : nullptr, 0, nullptr,
-                               span.event()),
-        "clEnqueueNDRangeKernel", name_);
+  const cl_int status = clEnqueueNDRangeKernel(queue_, kernel_, 2, nullptr, global, range.local_x ? local : nullptr, 0,
+                                               nullptr, span.event());
+  if (status == CL_INVALID_WORK_GROUP_SIZE) {
+    size_t most = 0;
+    clGetKernelWorkGroupInfo(kernel_, device_, CL_KERNEL_WORK_GROUP_SIZE, sizeof(most), &most, nullptr);
+    throw OclError(format("%s: needs work-groups of %zu; this device has at most %zu for it", name_.c_str(),
+                          range.local_x * range.local_y, most));
+  }
+  if (status != CL_SUCCESS) check(status, "clEnqueueNDRangeKernel", name_);
 }
 
 }  // namespace livecap::ocl

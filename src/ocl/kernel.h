@@ -1,5 +1,5 @@
 // A kernel of a program, launched with its arguments in one call:
-//   Kernel skin(device, "surface/skin.cl", "skin_vertices");
+//   Kernel skin(device, "surface/slices.cl", "skin_vertices");
 //   skin.launch(n, 64, n, rest, weights, out);
 #pragma once
 
@@ -74,6 +74,7 @@ class Kernel {
   void enqueue(const Range& range);
 
   cl_kernel kernel_ = nullptr;
+  cl_device_id device_ = nullptr;
   cl_command_queue queue_ = nullptr;
   std::string name_;
   // What each argument was set to last, byte for byte: drivers take long to set them. Good as long as no buffer is

@@ -1,7 +1,5 @@
 #include "ocl/program_cache.h"
 
-#include <algorithm>
-#include <cctype>
 #include <cstdlib>
 #include <fstream>
 #include <vector>
@@ -80,12 +78,6 @@ void store_cached_program(const std::filesystem::path& file, cl_program program)
   } catch (const std::exception& e) {
     log_debug(std::string("program cache: ") + e.what());
   }
-}
-
-bool driver_keeps_programs(const DeviceInfo& device) {
-  std::string name = device.platform_name;
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
-  return name.find("portable computing") != std::string::npos;
 }
 
 void mark_compiled_program(const std::filesystem::path& file) noexcept {

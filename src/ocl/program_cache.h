@@ -23,11 +23,9 @@ cl_program load_cached_program(const std::filesystem::path& file, cl_context con
 // Never throws; a failure leaves the cache as it was.
 void store_cached_program(const std::filesystem::path& file, cl_program program) noexcept;
 
-// Whether the driver caches what it builds from source itself: PoCL does. Asked for a binary it would compile every
-// kernel once more for any work-group size, which no launch uses: half of the time of a first run.
-bool driver_keeps_programs(const DeviceInfo& device);
-
-// For such a driver: an empty file instead of the binary, so that later runs are not announced as the first.
+// PoCL caches what it builds from source itself. Asked for a binary it would compile every kernel once more for any
+// work-group size, which no launch uses: half of the time of a first run. So an empty file stands for its binary, and
+// later runs are not announced as the first.
 void mark_compiled_program(const std::filesystem::path& file) noexcept;
 bool is_compiled_program(const std::filesystem::path& file) noexcept;
 

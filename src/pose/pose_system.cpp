@@ -17,7 +17,7 @@ namespace livecap {
 namespace {
 
 constexpr const char* kProgram = "pose/pose.cl";
-constexpr const char* kSkinnedProgram = "pose/skinned_records.cl";
+constexpr const char* kSkinnedProgram = "pose/slices.cl";
 constexpr const char* kGpuProgram = "pose/gauss_newton.cl";
 constexpr const char* kChoiceProgram = "pose/choose.cl";
 constexpr int kTile = 8;
@@ -32,10 +32,10 @@ void require(bool ok, const std::string& message) {
   if (!ok) throw LogicError("pose: " + message);
 }
 
-// Of a work-group that takes steps by itself, and a few integers.
-size_t local_bytes(const PoseLayout& layout) {
+// Of a work-group on a GPU, and a few integers.
+size_t local_bytes(const PoseLayout& layout, bool takes_steps) {
   return sizeof(float) * (LC_POSE_ROWS_SIZE(layout) + LC_POSE_NEAR_SIZE(layout)) +
-         sizeof(double) * LC_POSE_LOCAL(layout) + 64;
+         sizeof(double) * (takes_steps ? LC_POSE_LOCAL(layout) : 1) + 64;
 }
 
 void check_actor(const Actor& actor, const SkinWeights& skin) {
@@ -114,7 +114,14 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
     const auto parts = [](size_t n_rows) { return round_up(n_rows, LC_POSE_GROUP_ROWS) / LC_POSE_GROUP_ROWS; };
     const size_t most_parts = parts(n_point_rows_) + parts(n_contour) + parts(2 * n_matches) + parts(n_shaded);
     groups_ = ocl::GroupsTogether(device, most_parts);
-    takes_steps_ = device.info().has_double && local_bytes(layout_) <= device.info().local_memory_bytes;
+    const uint64_t local = device.info().local_memory_bytes;
+    if (local_bytes(layout_, false) > local)
+      throw OclError(
+          format("%d bones with %d degrees of freedom need %zu bytes of local memory in the pose stage; %s has "
+                 "%llu",
+                 layout_.n_bones, layout_.n_unknowns, local_bytes(layout_, false), device.info().label().c_str(),
+                 static_cast<unsigned long long>(local)));
+    takes_steps_ = device.info().has_double && local_bytes(layout_, true) <= local;
     chain_ = ocl::Buffer<double>(device, chain_constants(layout_, points_));
     parts_ = ocl::Buffer<uint64_t>(device, most_parts * gram_.size());
     sums_ = ocl::Buffer<uint64_t>(device, 2 * gram_.size());

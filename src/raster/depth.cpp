@@ -14,7 +14,7 @@
 namespace livecap {
 namespace {
 
-constexpr char kFile[] = "raster/depth.cl";
+constexpr char kFile[] = "raster/raster.cl";
 constexpr int kMaxBands = 32;
 constexpr size_t kLocal = 64;  // on a GPU
 

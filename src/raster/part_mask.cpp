@@ -11,7 +11,7 @@
 namespace livecap {
 namespace {
 
-constexpr char kPartFile[] = "raster/part_mask.cl";
+constexpr char kPartFile[] = "raster/raster.cl";
 constexpr size_t kLocalX = 16;
 
 bool has_any(const std::string& name, std::initializer_list<const char*> words) {

@@ -12,7 +12,7 @@
 namespace livecap {
 namespace {
 
-constexpr char kVisibilityFile[] = "raster/visibility.cl";
+constexpr char kVisibilityFile[] = "raster/raster.cl";
 constexpr size_t kVisibilityGroup = 64;  // on a GPU
 
 // Vertices of edges that belong to one triangle only.

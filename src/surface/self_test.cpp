@@ -5,6 +5,7 @@
 
 #include "geometry/pinhole_arg.h"
 #include "ocl/lanes.h"
+#include "surface/programs.h"
 #include "surface/sell.h"
 #include "surface/surface_solver.h"
 
@@ -42,7 +43,7 @@ class Bench {
   }
 
  private:
-  ocl::Kernel kernel(const char* file, const char* name) { return {device_, std::string("surface/") + file, name}; }
+  ocl::Kernel kernel(const char* file, const char* name) { return {device_, file, name}; }
   // Planes of one constant each.
   Floats constant(const Floats& values) const {
     Floats out(values.size() * stride_, 0.0f);
@@ -81,7 +82,7 @@ class Bench {
     ocl::Buffer<float> planes(device_, constant({7, 7, 7}));
     ocl::Buffer<float> also(device_, constant(Floats(3, -1))), third(device_, constant(Floats(3, -1))),
         none(device_, 1);
-    kernel("pack.cl", "pack_planes")
+    kernel(kSurfaceProgram, "pack_planes")
         .launch(ocl::Range{(size_t(rows_) + 63) / 64 * 64, 3, 64, 1}, graph_.n, rows_, stride_, order, packed, packed,
                 packed, packed, planes, also, third, none);
     Floats found = at(planes, 1, 3);
@@ -89,7 +90,7 @@ class Bench {
       for (const float x : at(*filled, 1, 3)) found.push_back(x);
     expect("pack_planes", found, {100, 0, 1000, 100, 0, 1000, 100, 0, 1000});
     ocl::Buffer<float> out(device_, 9);
-    ocl::Kernel unpack = kernel("pack.cl", "unpack_planes");
+    ocl::Kernel unpack = kernel(kSurfaceProgram, "unpack_planes");
     const ocl::Buffer<float> start(device_, Floats(9, 5.0f));
     unpack.launch(graph_.n, 64, graph_.n, stride_, order, ocl::Buffer<float>(device_, Floats(4, 0.0f)), planes, start,
                   out);
@@ -108,7 +109,7 @@ class Bench {
     const ocl::Buffer<uint8_t> rgb(device_, image);
     const float inv_sigma2 = 1.0f / (1.7f * 1.7f);
     ocl::Buffer<float> out(device_, 9);
-    kernel("photo_system.cl", "sample_colors")
+    kernel(kSurfaceProgram, "sample_colors")
         .launch(1, 1, 1, kWidth, kHeight, 4, inv_sigma2, rgb, ocl::Buffer<float>(device_, Floats{16, 16}), out);
     const Floats sample = out.read_all();
     expect("sample_colors", {sample[0], sample[1], sample[2], sample[4], sample[6], sample[7]},
@@ -118,7 +119,7 @@ class Bench {
     const float inv = 1 / 255.0f;
     ocl::Buffer<float> blocks(device_, constant(Floats(6, 7))), rhs(device_, constant({7, 7, 7})),
         energy(device_, constant({7}));
-    kernel("photo_system.cl", "photo_system")
+    kernel(kSurfaceProgram, "photo_system")
         .launch(rows_, device_.is_cpu() ? 1 : 64, graph_.n, rows_, stride_, kWidth, kHeight, 4, inv_sigma2, 100.0f,
                 0.5f, PinholeArg{100, 100, 16, 16}, ocl::Buffer<int32_t>(device_, graph_.order),
                 ocl::Buffer<int32_t>(device_, std::vector<int32_t>{1, 0, 0}), rgb,
@@ -138,7 +139,7 @@ class Bench {
     // d = x - 19: vertex 1 projects to x = 26 (100 px focal at 1 m, 100 mm), 7 px outside.
     Floats distance;
     for (int k = 0; k < kWidth * kHeight; ++k) distance.push_back(float(k % kWidth) - 19);
-    kernel("silhouette_system.cl", "silhouette_system")
+    kernel(kSurfaceProgram, "silhouette_system")
         .launch(rows_, 64, graph_.n, rows_, stride_, kWidth, kHeight, 10.0f, 0, PinholeArg{100, 100, 16, 16},
                 ocl::Buffer<int32_t>(device_, graph_.order),
                 ocl::Buffer<int32_t>(device_, std::vector<int32_t>{0, 1, 0}),
@@ -170,7 +171,7 @@ class Bench {
     const ocl::Buffer<float> depth_weights(device_, graph_.planes(Floats(3, 8.0f), 1));
     ocl::Buffer<float> blocks = zero(6), rhs = zero(3), inverse = zero(6), z = zero(3), p = zero(7), step = zero(3);
     ocl::Buffer<float> products = zero(1), energies = zero(5), edges(device_, 3 * size_t(graph_.n_entries));
-    kernel("regularizer_system.cl", "regularizer_system")
+    kernel(kSurfaceSlicesProgram, "regularizer_system")
         .launch(lane_items_, lane_local(), rows_, stride_, 0.5f, 10.0f, 30.0f, 0.25f, 0.0f, 0.5f, offsets, neighbors,
                 weights, lengths, depth_weights, planes(vertices_), planes(skinned), planes(previous), planes(previous),
                 blocks, rhs, edges, inverse, z, p, step, products, energies);
@@ -186,15 +187,15 @@ class Bench {
     ocl::Buffer<float> image = zero(3);
     if (device_.is_cpu()) {
       p.fill(0.0f);
-      kernel("pcg.cl", "turn_direction")
+      kernel(kSurfaceSlicesProgram, "turn_direction")
           .launch(lane_items_, lane_local(), rows_, stride_, zero(1), planes(direction), p);
-      kernel("pcg.cl", "apply_system")
+      kernel(kSurfaceSlicesProgram, "apply_system")
           .launch(lane_items_, lane_local(), rows_, stride_, 10.0f, offsets, neighbors, weights, edges, blocks, p,
                   image, products);
     } else {
       ocl::Buffer<float> z_in = planes(direction), both = zero(6), scalars = zero(1), parts = zero(2);
       ocl::GroupsTogether one(device_, 1);
-      kernel("pcg_phases.cl", "pcg_phases")
+      kernel(kSurfaceSlicesProgram, "pcg_phases")
           .launch(256, 256, 0, 1, one.arrived(), 0, rows_, stride_, 10.0f, offsets, neighbors, weights, edges, blocks,
                   inverse, products, both, image, step, rhs, z_in, parts, scalars, one.state());
     }
@@ -214,17 +215,17 @@ class Bench {
     totals.fill(0.0f);
     Floats energies;
     for (int k = 0; k < 5 * 80; ++k) energies.push_back(float(k % 5 * (1 + k / 80)));
-    kernel("pcg.cl", "sum_energies")
+    kernel(kSurfaceSlicesProgram, "sum_energies")
         .launch(7 * sum_items_, sum_items_, 80, 80, products, ocl::Buffer<float>(device_, Floats(80, 1)),
                 ocl::Buffer<float>(device_, energies), totals);
     expect("sum_energies", totals.read_all(), {160, 80, 160, 320, 480, 640, 800});
     if (!device_.is_cpu()) return;
-    kernel("pcg.cl", "start_scalars").launch(sum_items_, sum_items_, kCount, 1, products, scalars);
+    kernel(kSurfaceSlicesProgram, "start_scalars").launch(sum_items_, sum_items_, kCount, 1, products, scalars);
     expect("start_scalars", scalars.read_all(), {320, 0, 0, 0});
     scalars.write(Floats{80, 0, 0, 0});
-    kernel("pcg.cl", "alpha_scalar").launch(sum_items_, sum_items_, kCount, products, scalars);
+    kernel(kSurfaceSlicesProgram, "alpha_scalar").launch(sum_items_, sum_items_, kCount, products, scalars);
     expect("alpha_scalar", scalars.read_all(), {80, 0.25f, 0, 0});
-    kernel("pcg.cl", "beta_scalar").launch(sum_items_, sum_items_, kCount, products, scalars);
+    kernel(kSurfaceSlicesProgram, "beta_scalar").launch(sum_items_, sum_items_, kCount, products, scalars);
     expect("beta_scalar", scalars.read_all(), {320, 0.25f, 4, 0});
   }
 
@@ -240,12 +241,12 @@ class Bench {
     ocl::GroupsTogether one(device_, 1);
     const ocl::Buffer<int32_t> offsets(device_, std::vector<int32_t>(graph_.slice_offsets.size(), 0));  // no links
     const auto phase = [&](int first) {
-      kernel("pcg_phases.cl", "pcg_phases")
+      kernel(kSurfaceSlicesProgram, "pcg_phases")
           .launch(256, 256, first, first + 1, one.arrived(), 0, rows_, stride_, 0.0f, offsets, offsets, inverse,
                   inverse, inverse, inverse, products, p, q, step, r, z, parts, failed, one.state());
     };
     if (device_.is_cpu()) {
-      kernel("pcg.cl", "advance")
+      kernel(kSurfaceSlicesProgram, "advance")
           .launch(lane_items_, lane_local(), rows_, stride_, scalars, inverse, p, q, step, r, z, products);
     } else {
       phase(1);
@@ -257,7 +258,7 @@ class Bench {
     found.push_back(at(products, 2, 1)[0]);
     expect("advance", found, {2, 5, 6, 0.5f, 0.5f, 0.5f, 1.5f});
     if (device_.is_cpu()) {
-      kernel("pcg.cl", "turn_direction").launch(lane_items_, lane_local(), rows_, stride_, scalars, z, p);
+      kernel(kSurfaceSlicesProgram, "turn_direction").launch(lane_items_, lane_local(), rows_, stride_, scalars, z, p);
     } else {
       phase(2);
     }
@@ -266,7 +267,8 @@ class Bench {
     found.resize(3);
     expect("turn_direction", found, {3.5f, 6.5f, 9.5f});
     ocl::Buffer<float> v = planes({10, 20, 30});
-    kernel("pcg.cl", "move_vertices").launch(lane_items_, lane_local(), rows_, stride_, 2.5f, planes({3, 4, 0}), v);
+    kernel(kSurfaceSlicesProgram, "move_vertices")
+        .launch(lane_items_, lane_local(), rows_, stride_, 2.5f, planes({3, 4, 0}), v);
     expect("move_vertices", at(v, 2, 3), {11.5f, 22, 30});
   }
 
@@ -276,7 +278,7 @@ class Bench {
     for (int k = 0; k < kWidth * kHeight; ++k) distance.push_back(float(k % kWidth) - 24);
     const ocl::Buffer<int32_t> order(device_, graph_.order);
     ocl::Buffer<float> moves(device_, constant({7, 7})), rings(device_, constant({7})), vertices(device_, vertices_);
-    kernel("snap_targets.cl", "snap_targets")
+    kernel(kSurfaceProgram, "snap_targets")
         .launch(rows_, 64, graph_.n, rows_, stride_, kWidth, kHeight, 3.0f, 15.0f, 0, PinholeArg{100, 100, 16, 16},
                 order, ocl::Buffer<float>(device_, graph_.planes({2, 2, 50}, 1)),
                 ocl::Buffer<int32_t>(device_, std::vector<int32_t>{0, 1, 1}),
@@ -289,12 +291,12 @@ class Bench {
     ocl::Buffer<float> spread_moves(device_, constant({7, 7})), spread_rings(device_, constant({7}));
     ocl::GroupsTogether one(device_, 1);
     const auto round = [&](int number, int n_rings) {
-      kernel("snap_warp.cl", "snap_rounds")
+      kernel(kSurfaceSlicesProgram, "snap_rounds")
           .launch(lane_items_, lane_local(), number, number + 1, one.arrived(), rows_, stride_, n_rings, offsets,
                   neighbors, rings, spread_rings, moves, spread_moves, one.state());
     };
     if (device_.is_cpu()) {
-      kernel("snap_warp.cl", "snap_spread")
+      kernel(kSurfaceSlicesProgram, "snap_spread")
           .launch(lane_items_, lane_local(), rows_, stride_, 1.0f, 0.75f, offsets, neighbors, rings, moves,
                   spread_rings, spread_moves);
     } else {
@@ -304,14 +306,14 @@ class Bench {
            {at(spread_moves, 0, 2)[0], at(spread_rings, 0, 1)[0], at(spread_moves, 2, 2)[0], at(spread_rings, 2, 1)[0]},
            {-15, 1, 0, 2000});
     if (device_.is_cpu()) {
-      kernel("snap_warp.cl", "snap_relax")
+      kernel(kSurfaceSlicesProgram, "snap_relax")
           .launch(lane_items_, lane_local(), rows_, stride_, 1.0f, offsets, neighbors, spread_rings, spread_moves,
                   moves);
     } else {
       round(1, 1);
     }
     expect("snap_relax", {at(moves, 0, 2)[0], at(moves, 1, 2)[0], at(moves, 2, 2)[0]}, {-10, -20, 0});
-    kernel("snap_targets.cl", "snap_apply")
+    kernel(kSurfaceProgram, "snap_apply")
         .launch(graph_.n, 64, graph_.n, stride_, 1.0f, order, spread_rings, moves, vertices);
     expect("snap_apply", vertices.read_all(), {-10, 0, 1000, 80, 0, 1000, 0, 100, 1000});
   }

@@ -6,6 +6,7 @@
 
 #include "base/round_up.h"
 #include "livecap/error.h"
+#include "surface/programs.h"
 
 namespace livecap {
 namespace {
@@ -36,14 +37,14 @@ Snapper::Snapper(ocl::DeviceContext& device, const Actor& actor, std::shared_ptr
   moves_.fill(0.0f);
   rings_after_.fill(0.0f);
   moves_after_.fill(0.0f);
-  targets_ = {device, "surface/snap_targets.cl", "snap_targets"};
-  apply_ = {device, "surface/snap_targets.cl", "snap_apply"};
+  targets_ = {device, kSurfaceProgram, "snap_targets"};
+  apply_ = {device, kSurfaceProgram, "snap_apply"};
   if (is_cpu_) {
-    spread_ = {device, "surface/snap_warp.cl", "snap_spread"};
-    relax_ = {device, "surface/snap_warp.cl", "snap_relax"};
+    spread_ = {device, kSurfaceSlicesProgram, "snap_spread"};
+    relax_ = {device, kSurfaceSlicesProgram, "snap_relax"};
     return;
   }
-  rounds_ = {device, "surface/snap_warp.cl", "snap_rounds"};
+  rounds_ = {device, kSurfaceSlicesProgram, "snap_rounds"};
   groups_ = ocl::GroupsTogether(device, round_up(domain_->graph.n_rows, kLocal) / kLocal);
   // Over zeros: shows whether it works, and compiles it.
   warp_in_rounds();

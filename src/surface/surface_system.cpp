@@ -7,6 +7,7 @@
 #include "base/round_up.h"
 #include "livecap/error.h"
 #include "surface/layout.h"
+#include "surface/programs.h"
 
 namespace livecap {
 namespace {
@@ -106,25 +107,25 @@ SurfaceSystem::SurfaceSystem(ocl::DeviceContext& device, const Actor& actor, con
   row_local_ = 64;
   sum_items_ = cpu ? 1 : std::min<size_t>(256, device.info().max_work_group_size);
 
-  pack_ = {device, "surface/pack.cl", "pack_planes"};
-  unpack_ = {device, "surface/pack.cl", "unpack_planes"};
-  photo_ = {device, "surface/photo_system.cl", "photo_system"};
-  silhouette_ = {device, "surface/silhouette_system.cl", "silhouette_system"};
-  regularizer_ = {device, "surface/regularizer_system.cl", "regularizer_system"};
-  sum_energies_ = {device, "surface/pcg.cl", "sum_energies"};
-  move_ = {device, "surface/pcg.cl", "move_vertices"};
+  pack_ = {device, kSurfaceProgram, "pack_planes"};
+  unpack_ = {device, kSurfaceProgram, "unpack_planes"};
+  photo_ = {device, kSurfaceProgram, "photo_system"};
+  silhouette_ = {device, kSurfaceProgram, "silhouette_system"};
+  regularizer_ = {device, kSurfaceSlicesProgram, "regularizer_system"};
+  sum_energies_ = {device, kSurfaceSlicesProgram, "sum_energies"};
+  move_ = {device, kSurfaceSlicesProgram, "move_vertices"};
   if (cpu) {
-    start_scalars_ = {device, "surface/pcg.cl", "start_scalars"};
-    alpha_ = {device, "surface/pcg.cl", "alpha_scalar"};
-    beta_ = {device, "surface/pcg.cl", "beta_scalar"};
-    apply_ = {device, "surface/pcg.cl", "apply_system"};
-    advance_ = {device, "surface/pcg.cl", "advance"};
-    turn_ = {device, "surface/pcg.cl", "turn_direction"};
+    start_scalars_ = {device, kSurfaceSlicesProgram, "start_scalars"};
+    alpha_ = {device, kSurfaceSlicesProgram, "alpha_scalar"};
+    beta_ = {device, kSurfaceSlicesProgram, "beta_scalar"};
+    apply_ = {device, kSurfaceSlicesProgram, "apply_system"};
+    advance_ = {device, kSurfaceSlicesProgram, "advance"};
+    turn_ = {device, kSurfaceSlicesProgram, "turn_direction"};
     alone_ = device.info().compute_units == 1;
-    if (alone_) all_iterations_ = {device, "surface/pcg.cl", "all_iterations"};
+    if (alone_) all_iterations_ = {device, kSurfaceSlicesProgram, "all_iterations"};
     return;
   }
-  phases_ = {device, "surface/pcg_phases.cl", "pcg_phases"};
+  phases_ = {device, kSurfaceSlicesProgram, "pcg_phases"};
   const size_t most = round_up(domain_->graph.n_rows, kPhasesLocal) / kPhasesLocal;
   groups_ = ocl::GroupsTogether(device, std::min(most, kPhasesLocal));  // a work-item loads each group's part
   // Over zeros: shows whether it works, and compiles it.

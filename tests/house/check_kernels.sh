@@ -8,7 +8,7 @@ clang=$(command -v clang-14 || command -v clang || true)
 
 lint() {
   local options=(-x cl -cl-std=CL1.2 -fsyntax-only -Xclang -finclude-default-header -Xclang -fdeclare-opencl-builtins
-    -target spir64 -Wall -Wextra -Werror -Wno-unused-function -D LC_DEVICE=1 -I kernels)
+    -target spir64 -Wall -Wextra -Werror -Wno-unused-function -D LC_DEVICE=1 -D LC_POCL=0 -I kernels)
   local lanes
   for lanes in 1 8 16; do
     "$clang" "${options[@]}" -D LC_CPU=$((lanes > 1)) -D LC_VECTOR=$lanes "$1" ||

@@ -90,7 +90,7 @@ TEST(Context, LaterTransfersMayBeLarge) {
 TEST(Context, KernelsSeeTheArgumentsOfEachLaunch) {
   test::on_every_device([](ocl::DeviceContext& device) {
     constexpr int kWidth = 20;
-    ocl::Kernel overlaps(device, "raster/depth.cl", "row_overlaps");
+    ocl::Kernel overlaps(device, "raster/raster.cl", "row_overlaps");
     const ocl::Buffer<int32_t> ids(device, std::vector<int32_t>(kWidth, 0));
     const auto first = std::make_unique<ocl::Buffer<uint8_t>>(device, std::vector<uint8_t>(kWidth, 255));
     auto second = std::make_unique<ocl::Buffer<uint8_t>>(device, std::vector<uint8_t>(kWidth, 0));

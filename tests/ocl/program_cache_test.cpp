@@ -44,7 +44,7 @@ TEST(ProgramCache, KeepsBinariesOnlyWhereTheDriverDoesNot) {
     int n_files = 0;
     for (const auto& entry : fs::directory_iterator(folder.path())) {
       ++n_files;
-      EXPECT_EQ(fs::file_size(entry.path()) == 0, ocl::driver_keeps_programs(device.info()));
+      EXPECT_EQ(fs::file_size(entry.path()) == 0, device.info().is_pocl());
       EXPECT_TRUE(ocl::is_compiled_program(entry.path()));
     }
     EXPECT_EQ(n_files, 1);
@@ -54,9 +54,9 @@ TEST(ProgramCache, KeepsBinariesOnlyWhereTheDriverDoesNot) {
 TEST(ProgramCache, PoclIsKnownByItsPlatformsName) {
   ocl::DeviceInfo device;
   device.platform_name = "Portable Computing Language";
-  EXPECT_TRUE(ocl::driver_keeps_programs(device));
+  EXPECT_TRUE(device.is_pocl());
   device.platform_name = "NVIDIA CUDA";
-  EXPECT_FALSE(ocl::driver_keeps_programs(device));
+  EXPECT_FALSE(device.is_pocl());
 }
 
 TEST(ProgramCache, BinariesComeBackAndDamagedOnesAreDropped) {

@@ -213,7 +213,7 @@ TEST(SurfaceSystem, ColorsAtIntegerPositionsAreOpenCvGaussianBlur) {
     const int n = w * h;
     const ocl::Buffer<float> at(device, positions);
     ocl::Buffer<float> out(device, size_t(9) * n);
-    ocl::Kernel kernel(device, "surface/photo_system.cl", "sample_colors");
+    ocl::Kernel kernel(device, "surface/surface.cl", "sample_colors");
     cv::Mat real;
     image.convertTo(real, CV_64FC3, 1 / 255.0);
     for (const int size : {1, 3, 9, 15}) {
@@ -241,7 +241,7 @@ TEST(SurfaceSystem, ColorsAreContinuousBetweenPixels) {
       positions.insert(positions.end(), {150.5f + 0.01f * float(k), 100.25f + 0.01f * float(k)});
     const ocl::Buffer<float> at(device, positions);
     ocl::Buffer<float> out(device, 9 * 400);
-    ocl::Kernel kernel(device, "surface/photo_system.cl", "sample_colors");
+    ocl::Kernel kernel(device, "surface/surface.cl", "sample_colors");
     for (const int size : {3, 9, 15}) {
       const double sigma = gaussian_sigma(size);
       kernel.launch(400, 1, 400, s.camera.width, s.camera.height, size / 2, float(1 / (sigma * sigma)), rgb, at, out);

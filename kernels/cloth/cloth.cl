@@ -1,0 +1,3 @@
+// All kernels of this folder as one program.
+#include "cloth/open_folds.cl"
+#include "cloth/simulate.cl"

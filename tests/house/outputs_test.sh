@@ -1,33 +1,9 @@
 #!/usr/bin/env bash
 # outputs_test.sh LIVECAP: where results go, and what becomes of them when a run is stopped, nobody reads or nothing can
 # be written.
-set -uo pipefail
 livecap=$1
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-cd "$dir" || exit 1
-failures=0
-cases=0
+source "$(dirname "${BASH_SOURCE[0]}")/cases.sh"
 
-# check WHAT CONDITION...: one case; shows what was last said when the condition fails.
-check() {
-  local what=$1
-  shift
-  cases=$((cases + 1))
-  "$@" && return
-  echo "FAILED: $what"
-  sed 's/^/  | /' err.txt | head -5
-  failures=$((failures + 1))
-}
-# refused PATTERN ARGS...: exit code 2 and one line of error that has every word of PATTERN.
-refused() {
-  local pattern=$1 got word
-  shift
-  timeout 120 "$livecap" "$@" >out.txt 2>err.txt
-  got=$?
-  for word in $pattern; do grep '^error: ' err.txt | grep -qF -- "$word" || got="$got, '$word' is not named"; done
-  check "livecap $*: $got" test "$got" = 2 -a "$(grep -c '^error: ' err.txt)" = 1
-}
 # started ARGS...: runs in the background as $pid, and catches signals when this returns.
 started() {
   "$livecap" "$@" >out.txt 2>err.txt &
@@ -67,8 +43,8 @@ for what in 'eval --capture good --truth seq/truth --html' 'export --capture goo
   rm -f pipe.glb through
 done
 mkfifo pipe.mp4 pipe.bvh
-refused 'pipe.mp4 pipe' render --capture good --out pipe.mp4
-refused 'pipe.bvh pipe' export --capture good --out pipe.bvh
+expect 2 'pipe.mp4 pipe' render --capture good --out pipe.mp4
+expect 2 'pipe.bvh pipe' export --capture good --out pipe.bvh
 check 'pipes that are refused' test -p pipe.mp4 -a -p pipe.bvh
 mkdir below
 for file in page.html film.mp4; do ln -s "below/$file" "$file"; done
@@ -80,22 +56,22 @@ check 'links' test -L page.html -a -L film.mp4 -a -s below/page.html -a -s below
 before=$(sums)
 for file in good/report.json good/joints.csv good/vertices.pc2 good/actor.glb seq/truth/joints.json seq/actor.glb \
   seq/truth/masks/000003.png; do
-  refused "$file overwritten --html" "${eval[@]}" --html "$file"
-  refused "$file overwritten --out" "${eval[@]}" --out "$file"
+  expect 2 "$file overwritten --html" "${eval[@]}" --html "$file"
+  expect 2 "$file overwritten --out" "${eval[@]}" --out "$file"
 done
 ln -s good/frames.csv frames.html
-refused 'overwritten' "${eval[@]}" --html frames.html
-refused 'both.html two --html' "${eval[@]}" --html both.html --out both.html
-refused 'seq/actor.glb overwritten --html' actor compare builtin:trousers seq/actor.glb --html seq/actor.glb
-refused 'good/vertices.pc2 overwritten' export --capture good --out good/vertices.pc2
-refused 'up.glb two' export --capture good --out up.glb --out ./up.glb
+expect 2 'overwritten' "${eval[@]}" --html frames.html
+expect 2 'both.html two --html' "${eval[@]}" --html both.html --out both.html
+expect 2 'seq/actor.glb overwritten --html' actor compare builtin:trousers seq/actor.glb --html seq/actor.glb
+expect 2 'good/vertices.pc2 overwritten' export --capture good --out good/vertices.pc2
+expect 2 'up.glb two' export --capture good --out up.glb --out ./up.glb
 ln -s good/report.json film2.mp4
-refused 'report.json overwritten' render --capture good --out film2.mp4
+expect 2 'report.json overwritten' render --capture good --out film2.mp4
 check 'inputs are what they were' test "$before" = "$(sums)"
 
 # A device that is always full, where one can be made.
 if mknod full.html c 1 7 2>/dev/null && : 2>/dev/null >full.html; then
-  refused 'full.html written' "${eval[@]}" --html full.html
+  expect 2 'full.html written' "${eval[@]}" --html full.html
   check 'a device stays one' test -c full.html
   "$livecap" "${eval[@]}" --json >full.html 2>err.txt
   check 'standard output on a full disk' test "$?" = 2 -a "$(grep -c '^error: standard output' err.txt)" = 1
@@ -130,19 +106,19 @@ check 'render of a killed run' test -s killed.png
 "$livecap" "${eval[@]/good/killed}" >out.txt 2>err.txt
 check 'eval of a killed run' grep -q vertex out.txt
 mkdir moved nothing && mv seq moved
-refused 'seq/camera.json good/report.json --camera --video' render --capture good --out film.mp4
-refused 'seq/video.mp4 good/report.json --video' render --capture good --out film.mp4 --camera moved/seq/camera.json
+expect 2 'seq/camera.json good/report.json --camera --video' render --capture good --out film.mp4
+expect 2 'seq/video.mp4 good/report.json --video' render --capture good --out film.mp4 --camera moved/seq/camera.json
 mv moved/seq .
-refused 'nothing: no capture folder joints.csv' render --capture nothing --out film.mp4
+expect 2 'nothing: no capture folder joints.csv' render --capture nothing --out film.mp4
 
 # Before the work, not after it.
-refused 'below folder' bench --sequence seq --trace below
-refused 'seq/video.mp4 overwritten --trace' bench --sequence seq --trace seq/video.mp4
+expect 2 'below folder' bench --sequence seq --trace below
+expect 2 'seq/video.mp4 overwritten --trace' bench --sequence seq --trace seq/video.mp4
 # A variable of a script that was never set.
-refused '--out: empty' synth --out ''
-refused '--out: empty' actor views seq/actor.glb --out ''
-refused '--out: empty' detect --video seq/video.mp4 --fov 60 --out ''
-refused '--background: empty' capture --video seq/video.mp4 --fov 60 --actor seq/actor.glb --out result --background ''
+expect 2 '--out: empty' synth --out ''
+expect 2 '--out: empty' actor views seq/actor.glb --out ''
+expect 2 '--out: empty' detect --video seq/video.mp4 --fov 60 --out ''
+expect 2 '--background: empty' capture --video seq/video.mp4 --fov 60 --actor seq/actor.glb --out result --background ''
 
 # A home that cannot be written to is no reason to have no device; a cache folder of the user's is named.
 unset POCL_CACHE_DIR
@@ -154,5 +130,4 @@ fi
 POCL_CACHE_DIR=$dir/out.txt/kcache "$livecap" devices --no-test >list.txt 2>err.txt
 check "the user's cache folder" grep -q 'out.txt/kcache, where PoCL .* cannot be written' err.txt
 
-echo "$cases cases, $failures failures"
-[[ $failures -eq 0 ]]
+ended

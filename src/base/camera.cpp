@@ -12,6 +12,7 @@ namespace livecap {
 namespace {
 
 constexpr double kUnitNormal = 1e-3;
+constexpr double kNarrowestDeg = 0.1;  // the longest telephoto lenses see half a degree
 // A camera may look down steeply or be held on its side, but nobody films upside down: such a normal's sign is wrong.
 constexpr double kDownY = 0.5;
 // Of a camera above its floor. Metres are the likeliest mistake.
@@ -19,6 +20,25 @@ constexpr double kLowestMm = 50, kHighestMm = 20000;
 
 double length_of(const std::array<double, 3>& v) {
   return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+double degrees(double tangent) {
+  return std::atan(tangent) * 180 / M_PI;
+}
+
+// Intrinsics in mm, in shares of the picture or of another picture's size are numbers as well.
+void validate_angles(const Camera& c) {
+  const double side = degrees(std::max(std::max(std::abs(c.cx), std::abs(c.width - 1 - c.cx)) / c.fx,
+                                       std::max(std::abs(c.cy), std::abs(c.height - 1 - c.cy)) / c.fy));
+  const double whole = 2 * degrees(0.5 * std::max(c.width / c.fx, c.height / c.fy));
+  if (side <= 0.5 * kFovDeg.most && whole >= kNarrowestDeg) return;
+  const std::string angle =
+      side > 0.5 * kFovDeg.most
+          ? format("reaches %.4g degrees to a side of its axis, more than %g", side, 0.5 * kFovDeg.most)
+          : format("is %.2g degrees wide, less than %g", whole, kNarrowestDeg);
+  throw ConfigError(
+      format("camera: a picture of %dx%d with fx %g, fy %g, cx %g, cy %g ", c.width, c.height, c.fx, c.fy, c.cx, c.cy) +
+      angle + "; all of them are in pixels of that picture");
 }
 
 void validate(const FloorPlane& floor) {
@@ -51,6 +71,7 @@ void Camera::validate() const {
   if (!(fx > 0) || !(fy > 0) || !std::isfinite(fx) || !std::isfinite(fy))
     throw ConfigError(format("camera: focal length fx %g, fy %g must be positive pixels", fx, fy));
   if (!std::isfinite(cx) || !std::isfinite(cy)) throw ConfigError("camera: principal point cx, cy is not finite");
+  validate_angles(*this);
   for (double k : distortion) {
     if (!std::isfinite(k)) throw ConfigError("camera: a distortion coefficient is not finite");
   }

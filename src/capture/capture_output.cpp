@@ -25,6 +25,9 @@ constexpr const char* kFinalFiles[] = {"capture.glb", "report.json", "overlay.mp
 constexpr const char* kGrowingFiles[] = {"actor.glb",  "camera.json", "vertices.pc2", "motion.bvh",
                                          "frames.csv", "joints.csv",  "angles.csv",   "detections.jsonl"};
 
+// Of a picture, beside the person; shadows and somebody else make less.
+constexpr double kOtherScene = 0.12;
+
 std::vector<std::string> stage_names() {
   std::vector<std::string> names;
   for (int i = 0; i < kStageCount; ++i) names.emplace_back(stage_name(static_cast<CaptureStage>(i)));
@@ -107,6 +110,7 @@ void CaptureOutput::write_row(const FrameReport& report) {
 
 FrameReport CaptureOutput::publish(WorkItem& item) {
   n_in_empty_ += item.detections.person && item.report.index < options_.background_frames;
+  if (is_tracked(item.report.status) && item.gate.change.sigma > 0) changed_.push_back(item.gate.change.changed);
   for (FrameReport& dropped : item.dropped_before) {
     Detections nobody;
     nobody.frame_index = dropped.index;
@@ -161,6 +165,15 @@ CaptureReport CaptureOutput::finish(const ocl::DevicePair& devices, const std::s
   if (first_to_last_ms_ > 0) report.fps = 1000.0 * static_cast<double>(n_after_first_) / first_to_last_ms_;
   if (n_in_empty_ > 0)
     report.warnings.push_back(not_empty_warning(options_.video, n_in_empty_, options_.background_frames));
+  if (const double changed = median(changed_); changed > kOtherScene)
+    report.warnings.push_back(
+        (options_.background.empty()
+             ? options_.video + format(": its first %d frames differ", options_.background_frames)
+             : options_.background + ": differs") +
+        format(
+            " from the video in %.0f %% of what is beside the person: not the empty scene as this camera sees it, or "
+            "in another light; the masks are worse for it",
+            100 * changed));
   if (report.tracked == 0) report.warnings.push_back(options_.video + ": nobody was tracked in any frame");
 
   if (overlay_) {

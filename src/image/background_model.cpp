@@ -18,6 +18,7 @@ constexpr int kGainStep = 6;
 constexpr int kGainDarkest = 24, kGainBrightest = 235;
 constexpr float kTypicalValue = 128;
 constexpr int kGainMinPixels = 200;
+constexpr float kChangedSteps = 25;
 constexpr float kGainLimit = 0.35f;  // more than this is not drift but another scene
 
 float squared(float x) {
@@ -206,7 +207,26 @@ FrameChange BackgroundModel::estimate_change(const ImageRgb& frame, const ImageG
     ++n_squares;
   }
   if (n_squares > 0) change.sigma = static_cast<float>(std::sqrt(squares / static_cast<double>(n_squares)));
+  change.changed = changed_share(frame, ignore, ignore_step, change.gain);
   return change;
+}
+
+float BackgroundModel::changed_share(const ImageRgb& frame, const ImageGray& ignore, int ignore_step,
+                                     const std::array<float, 3>& gain) const {
+  int n = 0, n_changed = 0;
+  const float* mean = gain_means_.data();
+  for (int y = 0; y < height_; y += kGainStep) {
+    const uint8_t* ignored = ignore.empty() ? nullptr : &ignore.pixels[size_t(y / ignore_step) * ignore.width];
+    for (int x = 0; x < width_; x += kGainStep, mean += 3) {
+      if (ignored && ignored[x / ignore_step]) continue;
+      const uint8_t* pixel = &frame.pixels[3 * (size_t(y) * width_ + x)];
+      ++n;
+      n_changed += std::abs(pixel[0] - gain[0] * mean[0]) > kChangedSteps ||
+                   std::abs(pixel[1] - gain[1] * mean[1]) > kChangedSteps ||
+                   std::abs(pixel[2] - gain[2] * mean[2]) > kChangedSteps;
+    }
+  }
+  return n > 0 ? float(n_changed) / float(n) : 0;
 }
 
 float BackgroundModel::least_variance(const FrameChange& change) const {

@@ -54,6 +54,25 @@ TEST(Camera, IsReadAsItWasWritten) {
   }
 }
 
+// Focal lengths in mm, in shares of the picture, or of another picture than the principal point.
+TEST(Camera, IntrinsicsInOtherUnitsAreRefused) {
+  const auto refused = [](double fx, double fy, double cx, double cy, const std::string& what) {
+    Camera wrong{540, 960, fx, fy, cx, cy, {}};
+    try {
+      wrong.validate();
+      ADD_FAILURE() << fx << " " << cx << " is accepted";
+    } catch (const ConfigError& error) {
+      EXPECT_NE(std::string(error.what()).find(what), std::string::npos) << error.what();
+    }
+  };
+  refused(1.87, 1.05, 0.5, 0.5, "to a side of its axis, more than 85");
+  refused(35, 35, 269.5, 479.5, "pixels of that picture");
+  refused(1010, 1009, 269.5, 26950, "cy 26950");
+  refused(1e6, 1e6, 269.5, 479.5, "degrees wide, less than 0.1");
+  Camera cut_out{540, 960, 4000, 4000, -3500, 1200, {}};  // of a larger picture
+  EXPECT_NO_THROW(cut_out.validate());
+}
+
 TEST(Camera, BothEndsOfTheRangeAreFieldsOfView) {
   for (const double fov_deg : {1.0, 170.0}) EXPECT_GT(camera_from_fov(640, 480, fov_deg).fx, 0);
   for (const double fov_deg : {0.9, 170.1}) EXPECT_THROW(camera_from_fov(640, 480, fov_deg), ConfigError);

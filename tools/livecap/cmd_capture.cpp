@@ -24,13 +24,15 @@ void print_summary(const CaptureReport& report) {
   std::printf("frames      %lld, tracked %lld, damaged %lld, dropped %lld\n", static_cast<long long>(report.frames),
               static_cast<long long>(report.tracked), static_cast<long long>(report.damaged),
               static_cast<long long>(report.dropped));
-  std::printf("speed       %.1f fps, latency %.0f ms (median)\n", report.fps, report.latency_ms);
-  std::printf("silhouette  %.3f IoU with the segmented picture (mean over tracked frames)\n", report.mean_iou);
-  std::printf("stages     ");
-  for (int i = 0; i < kStageCount; ++i) {
-    std::printf(" %s %.1f", stage_name(static_cast<CaptureStage>(i)), report.stage_median_ms[i]);
+  if (report.tracked > 0) {  // else there is nothing to measure
+    std::printf("speed       %.1f fps, latency %.0f ms (median)\n", report.fps, report.latency_ms);
+    std::printf("silhouette  %.3f IoU with the segmented picture (mean over tracked frames)\n", report.mean_iou);
+    std::printf("stages     ");
+    for (int i = 0; i < kStageCount; ++i) {
+      std::printf(" %s %.1f", stage_name(static_cast<CaptureStage>(i)), report.stage_median_ms[i]);
+    }
+    std::printf(" ms (medians)\n");
   }
-  std::printf(" ms (medians)\n");
   for (const std::string* path : {&report.glb, &report.pc2, &report.bvh, &report.overlay, &report.report}) {
     if (!path->empty()) std::printf("wrote       %s\n", path->c_str());
   }

@@ -2,6 +2,7 @@
 // distance instead of a bit, so that the surface lies between the nodes).
 #ifdef LC_DEVICE
 
+#include "acquire/layout.h"
 #include "shared/camera.h"
 
 typedef struct {
@@ -16,7 +17,7 @@ typedef struct {
   float step;    // mm
 } CarveGrid;
 
-// One view. largest[3*i..]: the three largest distances of node i to a view's cone so far, mm, positive outside,
+// One view. largest[LC_CARVE_KEPT*i..]: the largest distances of node i to a view's cone so far, mm, positive outside,
 // descending. n_seen[i]: views whose picture holds the node.
 kernel void carve_view(int n, CarveGrid grid, CarveView view, int width, int height,
                        global const float* restrict signed_distance,  // [w*h] px, positive outside
@@ -36,21 +37,24 @@ kernel void carve_view(int n, CarveGrid grid, CarveView view, int width, int hei
   global const float* row = signed_distance + v0 * width + u0;
   const float px_distance =
       (1.0f - fv) * ((1.0f - fu) * row[0] + fu * row[1]) + fv * ((1.0f - fu) * row[width] + fu * row[width + 1]);
-  const float mm = px_distance * cz / view.pinhole.fx;
+  float mm = px_distance * cz / view.pinhole.fx;
   n_seen[i] += 1;
-  const float a = largest[3 * i], b = largest[3 * i + 1], c = largest[3 * i + 2];
-  largest[3 * i] = fmax(a, mm);
-  largest[3 * i + 1] = fmax(b, fmin(a, mm));
-  largest[3 * i + 2] = fmax(c, fmin(b, mm));
+  for (int k = 0; k < LC_CARVE_KEPT; ++k) {
+    const float kept = largest[LC_CARVE_KEPT * i + k];
+    largest[LC_CARVE_KEPT * i + k] = fmax(kept, mm);
+    mm = fmin(kept, mm);
+  }
 }
 
-// The hull's distance: the largest one after `n_ignored` views were overruled (0, 1 or 2), between -limit and limit; a
-// node seen by less than min_views is outside.
-kernel void carve_result(int n, int n_ignored, int min_views, float limit, global const float* restrict largest,
-                         global const int* restrict n_seen, global float* restrict distance) {
+// The hull's distance: the largest one after `n_ignored` views were overruled, below row y = n_low of the grid
+// `n_ignored_low` (less than LC_CARVE_KEPT), between -limit and limit; a node seen by less than min_views is outside.
+kernel void carve_result(int n, CarveGrid grid, int n_ignored, int n_low, int n_ignored_low, int min_views, float limit,
+                         global const float* restrict largest, global const int* restrict n_seen,
+                         global float* restrict distance) {
   const int i = get_global_id(0);
   if (i >= n) return;
-  distance[i] = n_seen[i] < min_views ? limit : clamp(largest[3 * i + n_ignored], -limit, limit);
+  const int overruled = i / grid.nx % grid.ny < n_low ? n_ignored_low : n_ignored;
+  distance[i] = n_seen[i] < min_views ? limit : clamp(largest[LC_CARVE_KEPT * i + overruled], -limit, limit);
 }
 
 #endif

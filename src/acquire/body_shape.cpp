@@ -20,13 +20,14 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kSearchGridMm = 30;
+constexpr double kAboveAnklesMm = 25;  // a shoe reaches
 constexpr double kScanGridMm = 7;
 constexpr size_t kMostTriangles = 500000;  // thinned one edge at a time, which takes 8 s
 
 }  // namespace
 
 BodyShape carve_body(ocl::DeviceContext& device, const std::vector<View>& views, const SpaceKeypoints& keypoints,
-                     double grid_mm, int n_ignored, std::vector<std::string>& notes) {
+                     double grid_mm, int n_ignored, int n_ignored_feet, std::vector<std::string>& notes) {
   Vector3d low = Vector3d::Constant(1e9), high = -low;
   for (const SpacePoint& point : keypoints) {
     if (!point.found) continue;
@@ -37,6 +38,8 @@ BodyShape carve_body(ocl::DeviceContext& device, const std::vector<View>& views,
   high += Vector3d(250, 400, 420);
   HullOptions hull;
   hull.n_ignored = n_ignored;
+  hull.n_ignored_low = n_ignored_feet;
+  hull.low_mm = (keypoints[kLeftAnkle].position.y() + keypoints[kRightAnkle].position.y()) / 2 + kAboveAnklesMm;
   // Coarsely first: where the body is. A node farther than half a cell's diagonal from the hull has none of it in its
   // cell.
   BodyShape shape;

@@ -24,9 +24,9 @@ struct BodyShape {
 };
 
 // The hull of the views' masks (in the rest frame, mm) around the keypoints, on a grid of grid_mm. n_ignored: how many
-// of them a point may be outside of, 0 to 2. Throws ConfigError, OclError.
+// of them a point may be outside of, n_ignored_feet of the feet, 0 to 5. Throws ConfigError, OclError.
 BodyShape carve_body(ocl::DeviceContext& device, const std::vector<View>& views, const SpaceKeypoints& keypoints,
-                     double grid_mm, int n_ignored, std::vector<std::string>& notes);
+                     double grid_mm, int n_ignored, int n_ignored_feet, std::vector<std::string>& notes);
 
 // Of a scan in one piece, in the rest frame, mm: as it is when it is closed and clean, else as a solid on a grid.
 // Throws ConfigError.

@@ -226,9 +226,11 @@ class Builder {
   }
 
   void carve() {
-    // A network's masks may lack a shoe; of those by the background one may have a hole.
+    // A network's masks may lack a shoe, and several of them part of one; of those by the background one may have a
+    // hole.
     const int n_ignored = !network_masks_.empty() ? 2 : turned_rad_.empty() ? 0 : 1;
-    shape_ = carve_body(device_, views_, keypoints_, options_.grid_mm, n_ignored, result_.notes);
+    const int n_ignored_feet = !network_masks_.empty() ? 5 : n_ignored;
+    shape_ = carve_body(device_, views_, keypoints_, options_.grid_mm, n_ignored, n_ignored_feet, result_.notes);
   }
 
   void take_scan() {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "acquire/layout.h"
 #include "base/text.h"
 #include "geometry/pinhole_arg.h"
 #include "image/silhouette.h"
@@ -39,7 +40,9 @@ CarveView carve_view(const View& view) {
 }  // namespace
 
 void HullOptions::validate() const {
-  if (n_ignored < 0 || n_ignored > 2) throw ConfigError(format("hull: %d views ignored; must be 0, 1 or 2", n_ignored));
+  for (const int n : {n_ignored, n_ignored_low})
+    if (n < 0 || n >= LC_CARVE_KEPT)
+      throw ConfigError(format("hull: %d views ignored; must be 0 to %d", n, LC_CARVE_KEPT - 1));
   if (!(limit_mm > 0) || !(min_seen >= 0 && min_seen <= 1))
     throw ConfigError("hull: limit or min_seen is not a length or share");
 }
@@ -49,7 +52,7 @@ void carve_hull(ocl::DeviceContext& device, const std::vector<View>& views, cons
   options.validate();
   const size_t n = volume.size();
   ocl::Kernel carve(device, "acquire/carve.cl", "carve_view"), result(device, "acquire/carve.cl", "carve_result");
-  ocl::Buffer<float> largest(device, 3 * n), distance(device, n);
+  ocl::Buffer<float> largest(device, LC_CARVE_KEPT * n), distance(device, n);
   ocl::Buffer<int32_t> seen(device, n);
   largest.fill(-static_cast<float>(options.limit_mm));
   seen.fill(0);
@@ -71,7 +74,8 @@ void carve_hull(ocl::DeviceContext& device, const std::vector<View>& views, cons
     ++used;
   }
   if (used == 0) throw ConfigError("hull: no view has a silhouette");
-  result.launch(n, 64, static_cast<int>(n), options.n_ignored,
+  const double n_low = std::clamp(std::ceil((options.low_mm - volume.low.y()) / volume.step), 0.0, double(volume.ny));
+  result.launch(n, 64, static_cast<int>(n), grid, options.n_ignored, static_cast<int>(n_low), options.n_ignored_low,
                 std::max(1, static_cast<int>(std::ceil(options.min_seen * used))), static_cast<float>(options.limit_mm),
                 largest, seen, distance);
   volume.distance.resize(n);

@@ -10,9 +10,11 @@
 namespace livecap::acquire {
 
 struct HullOptions {
-  int n_ignored = 0;       // views that may be overruled at a point: 0, 1 or 2
+  int n_ignored = 0;       // views that may be overruled at a point, 0 to 5
   double limit_mm = 60;    // distances are cut there
   double min_seen = 0.35;  // share of the views whose picture must hold a point
+  double low_mm = -1e9;    // below it, along y,
+  int n_ignored_low = 0;   // so many views may be overruled
 
   void validate() const;  // throws ConfigError
 };

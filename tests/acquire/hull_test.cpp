@@ -74,6 +74,16 @@ TEST(Hull, OfACapsuleIsTheCapsule) {
     options.n_ignored = 0;
     acquire::carve_hull(device, broken, options, volume);
     EXPECT_GT(volume.at(b), 0);
+    // Several such views, overruled below a height alone.
+    for (const int i : {2, 11, 20, 29}) std::fill(broken[i].mask.pixels.begin(), broken[i].mask.pixels.end(), 0);
+    for (const int i : {2, 11, 20, 29}) broken[i].mask.pixels[0] = 255;
+    options.n_ignored_low = 5;
+    for (const double low_mm : {b.y() - 50, b.y() + 50}) {
+      options.low_mm = low_mm;
+      acquire::carve_hull(device, broken, options, volume);
+      EXPECT_LT(volume.at(a), 0);
+      EXPECT_EQ(volume.at(b) < 0, low_mm > b.y());
+    }
     EXPECT_THROW(acquire::carve_hull(device, std::vector<View>{}, options, volume), ConfigError);
   });
 }

@@ -102,7 +102,7 @@ configure() {
   [[ $home == "$root" ]] || rm -rf "$build/CMakeCache.txt" "$build/CMakeFiles"  # nothing yet, or of another folder
   # Always, because it takes no time and notices rooms that came or went.
   cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE="${LIVECAP_BUILD_TYPE:-Release}" \
-    -DCMAKE_UNITY_BUILD="${LIVECAP_UNITY:-ON}" >/dev/null
+    -DCMAKE_UNITY_BUILD="${LIVECAP_UNITY:-ON}" ${LIVECAP_TESTS:+-DLIVECAP_BUILD_TESTS=ON} >/dev/null
 }
 
 ensure_packages

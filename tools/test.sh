@@ -11,5 +11,5 @@ set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 export LIVECAP_BUILD_DIR=${LIVECAP_BUILD_DIR:-$root/build}
-"$root/tools/setup.sh" all
+LIVECAP_TESTS=1 "$root/tools/setup.sh" all  # with the tests, if it was configured without
 exec ctest --test-dir "$LIVECAP_BUILD_DIR" --output-on-failure --no-tests=error --parallel "$(nproc)" "$@"

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "base/log.h"
 #include "base/number_text.h"
 #include "base/text.h"
 #include "livecap/error.h"
@@ -30,10 +31,13 @@ std::vector<std::string> split(const std::string& line) {
 }
 
 // Plain comma-separated values, the first line names the columns. A last line without a line feed was cut off by a
-// crash and is left out.
+// crash and is left out, with a warning.
 Table read_table(const std::filesystem::path& path) {
   const std::string bytes = read_file(path);
-  std::istringstream in(bytes.substr(0, bytes.rfind('\n') == std::string::npos ? 0 : bytes.rfind('\n')));
+  const size_t n_whole = bytes.rfind('\n') + 1;  // 0 where there is none
+  if (n_whole > 0 && n_whole < bytes.size())
+    log_warning(path.string() + ": the last line has no line feed: it was cut off, and is left out");
+  std::istringstream in(bytes.substr(0, n_whole));
   Table table;
   for (std::string line; std::getline(in, line);) {
     if (table.columns.empty()) {

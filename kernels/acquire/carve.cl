@@ -47,14 +47,17 @@ kernel void carve_view(int n, CarveGrid grid, CarveView view, int width, int hei
 }
 
 // The hull's distance: the largest one after `n_ignored` views were overruled, below row y = n_low of the grid
-// `n_ignored_low` (less than LC_CARVE_KEPT), between -limit and limit; a node seen by less than min_views is outside.
+// `n_ignored_low` (less than LC_CARVE_KEPT), between -limit and limit; a node seen by less than min_views, or by none
+// that is not overruled, is outside.
 kernel void carve_result(int n, CarveGrid grid, int n_ignored, int n_low, int n_ignored_low, int min_views, float limit,
                          global const float* restrict largest, global const int* restrict n_seen,
                          global float* restrict distance) {
   const int i = get_global_id(0);
   if (i >= n) return;
   const int overruled = i / grid.nx % grid.ny < n_low ? n_ignored_low : n_ignored;
-  distance[i] = n_seen[i] < min_views ? limit : clamp(largest[LC_CARVE_KEPT * i + overruled], -limit, limit);
+  distance[i] = n_seen[i] < min_views || n_seen[i] <= overruled
+                    ? limit
+                    : clamp(largest[LC_CARVE_KEPT * i + overruled], -limit, limit);
 }
 
 #endif

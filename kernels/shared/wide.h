@@ -4,7 +4,7 @@
 #ifndef LC_SHARED_WIDE_H
 #define LC_SHARED_WIDE_H
 
-#if LC_CPU
+#if LC_CPU && LC_POCL
 typedef float16 __attribute__((aligned(4))) UnalignedFloat16;
 typedef float8 __attribute__((aligned(4))) UnalignedFloat8;
 typedef int16 __attribute__((aligned(4))) UnalignedInt16;

@@ -110,7 +110,8 @@ void CaptureOutput::write_row(const FrameReport& report) {
 
 FrameReport CaptureOutput::publish(WorkItem& item) {
   n_in_empty_ += item.detections.person && item.report.index < options_.background_frames;
-  if (is_tracked(item.report.status) && item.gate.change.sigma > 0) changed_.push_back(item.gate.change.changed);
+  if (is_tracked(item.report.status) && item.gate.has_network)  // which tells what the person is
+    changed_.push_back(item.gate.change.changed);
   for (FrameReport& dropped : item.dropped_before) {
     Detections nobody;
     nobody.frame_index = dropped.index;

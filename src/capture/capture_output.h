@@ -71,8 +71,9 @@ class CaptureOutput {
   std::optional<Pose> held_pose_;
   std::vector<CapturedFrame> poses_;
   std::vector<FrameReport> reports_;
-  int n_in_empty_ = 0;           // frames called empty in which the network sees a person
-  std::vector<double> changed_;  // shares of tracked frames that differ from it beside the person
+  int n_in_empty_ = 0;  // frames called empty in which the network sees a person
+  // Of each tracked frame: the share of what is beside the person that differs from the background.
+  std::vector<double> changed_;
   std::optional<Timer> since_first_;
   double first_to_last_ms_ = 0;
   int64_t n_after_first_ = 0;

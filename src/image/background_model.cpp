@@ -18,7 +18,7 @@ constexpr int kGainStep = 6;
 constexpr int kGainDarkest = 24, kGainBrightest = 235;
 constexpr float kTypicalValue = 128;
 constexpr int kGainMinPixels = 200;
-constexpr float kChangedSteps = 25;
+constexpr float kChangedSteps = 25;  // more than noise, compression and edges that move by a pixel mostly make
 constexpr float kGainLimit = 0.35f;  // more than this is not drift but another scene
 
 float squared(float x) {
@@ -69,6 +69,20 @@ MiddleHalf middle_half(const float* values, int n) {
   sum = std::accumulate(low.begin() + first, low.end(), sum);
   if (low_bin != high_bin) sum = std::accumulate(high.begin(), high.end(), sum);
   return {static_cast<float>(sum / (n - 2 * quarter)), low[first], highest};
+}
+
+// Calls f(pixel, mean) for every pixel that is looked at. means: of these pixels, row by row.
+template <typename F>
+void for_each_sample(const ImageRgb& frame, const std::vector<float>& means, const ImageGray& ignore, int ignore_step,
+                     F&& f) {
+  const float* mean = means.data();
+  for (int y = 0; y < frame.height; y += kGainStep) {
+    const uint8_t* ignored = ignore.empty() ? nullptr : &ignore.pixels[size_t(y / ignore_step) * ignore.width];
+    for (int x = 0; x < frame.width; x += kGainStep, mean += 3) {
+      if (ignored && ignored[x / ignore_step]) continue;
+      f(&frame.pixels[3 * (size_t(y) * frame.width + x)], mean);
+    }
+  }
 }
 
 }  // namespace
@@ -179,20 +193,14 @@ FrameChange BackgroundModel::estimate_change(const ImageRgb& frame, const ImageG
   const size_t most = gain_means_.size() / 3;  // per channel
   std::vector<float> ratios[3] = {std::vector<float>(most), std::vector<float>(most), std::vector<float>(most)};
   int n[3] = {};
-  const float* mean = gain_means_.data();
-  for (int y = 0; y < height_; y += kGainStep) {
-    const uint8_t* ignored = ignore.empty() ? nullptr : &ignore.pixels[size_t(y / ignore_step) * ignore.width];
-    for (int x = 0; x < width_; x += kGainStep, mean += 3) {
-      if (ignored && ignored[x / ignore_step]) continue;
-      const uint8_t* pixel = &frame.pixels[3 * (size_t(y) * width_ + x)];
-      for (int c = 0; c < 3; ++c) {
-        // Written in any case and kept where it counts: no branch that cannot be foreseen.
-        ratios[c][n[c]] = pixel[c] / mean[c];
-        n[c] += mean[c] >= kGainDarkest && mean[c] <= kGainBrightest && pixel[c] >= kGainDarkest &&
-                pixel[c] <= kGainBrightest;
-      }
+  for_each_sample(frame, gain_means_, ignore, ignore_step, [&](const uint8_t* pixel, const float* mean) {
+    for (int c = 0; c < 3; ++c) {
+      // Written in any case and kept where it counts: no branch that cannot be foreseen.
+      ratios[c][n[c]] = pixel[c] / mean[c];
+      n[c] += mean[c] >= kGainDarkest && mean[c] <= kGainBrightest && pixel[c] >= kGainDarkest &&
+              pixel[c] <= kGainBrightest;
     }
-  }
+  });
   double squares = 0;
   size_t n_squares = 0;
   for (int c = 0; c < 3; ++c) {
@@ -207,26 +215,19 @@ FrameChange BackgroundModel::estimate_change(const ImageRgb& frame, const ImageG
     ++n_squares;
   }
   if (n_squares > 0) change.sigma = static_cast<float>(std::sqrt(squares / static_cast<double>(n_squares)));
-  change.changed = changed_share(frame, ignore, ignore_step, change.gain);
-  return change;
-}
-
-float BackgroundModel::changed_share(const ImageRgb& frame, const ImageGray& ignore, int ignore_step,
-                                     const std::array<float, 3>& gain) const {
-  int n = 0, n_changed = 0;
-  const float* mean = gain_means_.data();
-  for (int y = 0; y < height_; y += kGainStep) {
-    const uint8_t* ignored = ignore.empty() ? nullptr : &ignore.pixels[size_t(y / ignore_step) * ignore.width];
-    for (int x = 0; x < width_; x += kGainStep, mean += 3) {
-      if (ignored && ignored[x / ignore_step]) continue;
-      const uint8_t* pixel = &frame.pixels[3 * (size_t(y) * width_ + x)];
-      ++n;
-      n_changed += std::abs(pixel[0] - gain[0] * mean[0]) > kChangedSteps ||
-                   std::abs(pixel[1] - gain[1] * mean[1]) > kChangedSteps ||
-                   std::abs(pixel[2] - gain[2] * mean[2]) > kChangedSteps;
+  int n_all = 0, n_changed = 0;
+  for_each_sample(frame, gain_means_, ignore, ignore_step, [&](const uint8_t* pixel, const float* mean) {
+    bool changed = false;
+    for (int c = 0; c < 3; ++c) {
+      // How bright what was white is in less light is not known.
+      if (mean[c] > kGainBrightest && change.gain[c] < 1) continue;
+      changed |= std::abs(pixel[c] - std::min(255.0f, change.gain[c] * mean[c])) > kChangedSteps;
     }
-  }
-  return n > 0 ? float(n_changed) / float(n) : 0;
+    ++n_all;
+    n_changed += changed;
+  });
+  if (n_all > 0) change.changed = float(n_changed) / float(n_all);
+  return change;
 }
 
 float BackgroundModel::least_variance(const FrameChange& change) const {

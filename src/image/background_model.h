@@ -25,7 +25,7 @@ struct BackgroundOptions {
 struct FrameChange {
   std::array<float, 3> gain = {1, 1, 1};  // brightness relative to the plate, per channel
   float sigma = 0;                        // noise that is left, 8-bit steps
-  float changed = 0;                      // share of the pixels that differ by more than noise and edges do
+  float changed = 0;                      // share of the pixels that differ by more than 25 steps all the same
 };
 
 class BackgroundModel {
@@ -64,8 +64,6 @@ class BackgroundModel {
     float variance;
     float weight;  // 0 = unused
   };
-  float changed_share(const ImageRgb& frame, const ImageGray& ignore, int ignore_step,
-                      const std::array<float, 3>& gain) const;
   void learn(Gaussian* mixture, const uint8_t* pixel, float rate) const;
   void finish_training();
 

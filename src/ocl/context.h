@@ -48,7 +48,7 @@ class DeviceContext {
   void finish();
 
  private:
-  // Of a context and its siblings, which may ask for programs at the same time.
+  // Of a context and its siblings, which may ask for programs at the same time; they wait while one is built.
   struct Programs {
     ~Programs();
     std::mutex mutex;

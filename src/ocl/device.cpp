@@ -85,6 +85,16 @@ bool is_usable(cl_device_id device) {
          (major > 1 || (major == 1 && minor >= 2));
 }
 
+void add_usable_devices(cl_platform_id platform, std::vector<DeviceInfo>& result) {
+  cl_uint n_devices = 0;
+  const cl_int found = clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &n_devices);
+  if (found != CL_SUCCESS || n_devices == 0) return;  // a driver without hardware is not an error
+  std::vector<cl_device_id> devices(n_devices);
+  check(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, n_devices, devices.data(), nullptr), "clGetDeviceIDs");
+  for (cl_device_id device : devices)
+    if (is_usable(device)) result.push_back(describe(platform, device));
+}
+
 // PoCL's platform has its long name in some versions.
 const std::string kPocl = "pocl";
 const std::string kPoclLongName = "portable computing";
@@ -179,17 +189,10 @@ std::vector<DeviceInfo> list_devices() {
   check(clGetPlatformIDs(n_platforms, platforms.data(), nullptr), "clGetPlatformIDs");
   std::vector<DeviceInfo> result;
   for (cl_platform_id platform : platforms) {
-    cl_uint n_devices = 0;
-    const cl_int found = clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &n_devices);
-    if (found != CL_SUCCESS || n_devices == 0) continue;  // a driver without hardware is not an error
-    std::vector<cl_device_id> devices(n_devices);
-    check(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, n_devices, devices.data(), nullptr), "clGetDeviceIDs");
-    for (cl_device_id device : devices) {
-      try {
-        if (is_usable(device)) result.push_back(describe(platform, device));
-      } catch (const OclError& error) {  // a broken driver beside a good one
-        log_debug(std::string("a device is left out: ") + error.what());
-      }
+    try {
+      add_usable_devices(platform, result);
+    } catch (const OclError& error) {  // a broken driver beside a good one
+      log_warning(std::string("an OpenCL driver is left out: ") + error.what());
     }
   }
   return result;
@@ -207,6 +210,7 @@ void require_any(const std::vector<DeviceInfo>& devices) {
 DeviceInfo select_device(const std::string& selector) {
   const auto devices = list_devices();
   require_any(devices);
+  if (selector.empty()) return default_pair(devices).cnn;
   std::string name = lower(selector);
   size_t index = 0;
   if (const size_t colon = name.rfind(':'); colon != std::string::npos) {

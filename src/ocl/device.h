@@ -39,14 +39,14 @@ struct DeviceInfo {
 // process; later calls do nothing.
 void prepare_platforms();
 
-// All devices of OpenCL 1.2 or later with a compiler, of all platforms in platform order. Those that do not answer what
-// they are asked are left out. Empty when there is none.
+// All devices of OpenCL 1.2 or later with a compiler, of all platforms in platform order. What does not answer what it
+// is asked is left out, with a warning. Empty when there is none.
 std::vector<DeviceInfo> list_devices();
 
 // Throws OclError when there is none, which says what to do about it.
 void require_any(const std::vector<DeviceInfo>& devices);
 
-// selector: "" (first GPU, else the first of another type), "cpu", "gpu", "cpu:1", "gpu:1", or a case-insensitive
+// selector: "" (the network's of default_pair), "cpu", "gpu", "cpu:1", "gpu:1", or a case-insensitive
 // substring of the platform name with an optional index ("pocl", "nvidia:0"). Throws ConfigError listing what would be
 // valid, OclError when there is no device at all.
 DeviceInfo select_device(const std::string& selector);

@@ -56,10 +56,11 @@ void Kernel::enqueue(const Range& range) {
   if (status == CL_INVALID_WORK_GROUP_SIZE) {
     size_t most = 0;
     clGetKernelWorkGroupInfo(kernel_, device_, CL_KERNEL_WORK_GROUP_SIZE, sizeof(most), &most, nullptr);
-    throw OclError(format("%s: needs work-groups of %zu; this device has at most %zu for it", name_.c_str(),
-                          range.local_x * range.local_y, most));
+    if (most > 0 && range.local_x * range.local_y > most)
+      throw OclError(format("%s: needs work-groups of %zu; this device has at most %zu for it", name_.c_str(),
+                            range.local_x * range.local_y, most));
   }
-  if (status != CL_SUCCESS) check(status, "clEnqueueNDRangeKernel", name_);
+  check(status, "clEnqueueNDRangeKernel", name_);
 }
 
 }  // namespace livecap::ocl

@@ -49,6 +49,23 @@ TEST(BackgroundModel, WhatIsOtherIsToldByItsShare) {
   EXPECT_EQ(change(wall(1, kWallWidth / 2), person).changed, 0);
 }
 
+// A window is white in any light, and how white it would be in less of it nobody knows.
+TEST(BackgroundModel, WhiteStaysWhite) {
+  for (const float gain : {0.85f, 1.2f}) {
+    ImageRgb plate = wall(1), frame = wall(gain);
+    for (ImageRgb* image : {&plate, &frame}) std::fill_n(image->pixels.begin(), image->pixels.size() / 3, 255);
+    BackgroundModel model;
+    model.train(plate);
+    EXPECT_EQ(model.estimate_change(frame, {}, 1).changed, 0) << gain;
+  }
+}
+
+TEST(BackgroundModel, ABlackPlateIsAnotherScene) {
+  BackgroundModel model;
+  model.train({kWallWidth, kWallHeight, std::vector<uint8_t>(size_t(3) * kWallWidth * kWallHeight, 0)});
+  EXPECT_EQ(model.estimate_change(wall(1), {}, 1).changed, 1);
+}
+
 TEST(BackgroundModel, AnotherLightIsNoDrift) {
   EXPECT_EQ(change(wall(1.9f)).changed, 1);
 }

@@ -23,6 +23,20 @@ TEST(Context, DefaultPairIsTwoContexts) {
   EXPECT_NE(pair.cnn.device, pair.solver.device);
 }
 
+TEST(Context, SiblingsShareTheirPrograms) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    auto first = std::make_unique<ocl::DeviceContext>(device.info());
+    auto sibling = std::make_unique<ocl::DeviceContext>(*first, ocl::SharedMemory{});
+    EXPECT_EQ(first->program("surface/surface.cl"), sibling->program("surface/surface.cl"));
+    first.reset();
+    ocl::Buffer<int32_t> order(*sibling, std::vector<int32_t>{0});
+    ocl::Buffer<float> packed(*sibling, std::vector<float>{1, 2, 3}), planes(*sibling, 3);
+    ocl::Kernel pack(*sibling, "surface/surface.cl", "pack_planes");
+    pack.launch(ocl::Range{1, 1, 1, 1}, 1, 1, 1, order, packed, packed, packed, packed, planes, planes, planes, planes);
+    EXPECT_EQ(planes.read_all(), (std::vector<float>{1, 2, 3}));
+  });
+}
+
 TEST(Context, BuffersKeepWhatIsWritten) {
   test::on_every_device([](ocl::DeviceContext& device) {
     for (size_t n : {0u, 1u, 63u, 64u, 65u}) {

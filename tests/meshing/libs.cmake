@@ -1,1 +1,1 @@
-target_link_libraries(test_meshing PRIVATE livecap_scan)
+target_link_libraries(test_meshing PRIVATE livecap_scan livecap_openmesh)

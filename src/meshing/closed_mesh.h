@@ -11,8 +11,8 @@ template <class Traits>
 class ClosedMesh : public OpenMesh::TriMesh_ArrayKernelT<Traits> {
  public:
   // Instead of the library's, which Debian compiles with assertions: these cost half of a decimation. The link
-  // condition: what is beside both ends are the tips of the edge's two triangles, and nothing else; and no tip loses its
-  // third edge, as those of a tetrahedron would, which a small hollow can become.
+  // condition: what is beside both ends are the tips of the edge's two triangles, and nothing else; and no tip loses
+  // its third edge, as those of a tetrahedron would, which a small hollow can become.
   bool is_collapse_ok(OpenMesh::HalfedgeHandle edge) {
     const auto other = this->opposite_halfedge_handle(edge);
     const auto from = this->from_vertex_handle(edge), to = this->to_vertex_handle(edge);

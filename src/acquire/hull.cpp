@@ -28,6 +28,7 @@ struct CarveGrid {
   float step;
 };
 static_assert(sizeof(CarveGrid) == 28);
+static_assert(HullOptions::kMostIgnored + 1 == LC_CARVE_KEPT);
 
 CarveView carve_view(const View& view) {
   CarveView arg;
@@ -41,8 +42,8 @@ CarveView carve_view(const View& view) {
 
 void HullOptions::validate() const {
   for (const int n : {n_ignored, n_ignored_low})
-    if (n < 0 || n >= LC_CARVE_KEPT)
-      throw ConfigError(format("hull: %d views ignored; must be 0 to %d", n, LC_CARVE_KEPT - 1));
+    if (n < 0 || n > kMostIgnored)
+      throw ConfigError(format("hull: %d views ignored; must be 0 to %d", n, kMostIgnored));
   if (!(limit_mm > 0) || !(min_seen >= 0 && min_seen <= 1))
     throw ConfigError("hull: limit or min_seen is not a length or share");
 }

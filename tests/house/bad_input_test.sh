@@ -278,6 +278,9 @@ cp -r good bare && rm bare/joints.csv
 expect 2 'bare: joints.csv' eval --capture bare --truth seq/truth
 cp good/joints.csv bare && sed -i '4s/,[^,]*$/,abc/' bare/joints.csv
 expect 2 'bare/joints.csv line 4 "abc" number' eval --capture bare --truth seq/truth
+cp good/joints.csv bare && truncate -s -9 bare/joints.csv  # as a crash leaves it
+timeout 120 "$livecap" eval --capture bare --truth seq/truth >out.txt 2>err.txt
+check 'a last line that was cut off is told and left out' grep -q '^warning: bare/joints.csv: the last line' err.txt
 mkdir -p tenth  # ten points, no sample
 printf 'POINTCACHE2\0\1\0\0\0\12\0\0\0\0\0\0\0\0\0\200\77\0\0\0\0' >tenth/vertices.pc2
 expect 2 'tenth/vertices.pc2 10 points' eval --capture good --truth tenth

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "base/detections.h"
 #include "base/image_rgb.h"
 #include "geometry/mesh.h"
 #include "geometry/skeleton.h"
-#include "livecap/detections.h"
 
 namespace livecap {
 

@@ -1,4 +1,4 @@
-#include "livecap/detections.h"
+#include "base/detections.h"
 
 namespace livecap {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "base/detections.h"
 #include "detect/pose_detector.h"
 #include "livecap/camera.h"
-#include "livecap/detections.h"
 #include "ocl/context.h"
 
 namespace livecap {

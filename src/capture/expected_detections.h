@@ -2,8 +2,8 @@
 #pragma once
 
 #include "actor/actor.h"
+#include "base/detections.h"
 #include "livecap/camera.h"
-#include "livecap/detections.h"
 
 namespace livecap {
 

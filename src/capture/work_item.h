@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/detections.h"
 #include "base/image_rgb.h"
 #include "base/timer.h"
 #include "capture/tracker.h"
@@ -11,7 +12,6 @@
 #include "image/foreground.h"
 #include "image/silhouette.h"
 #include "livecap/capture.h"
-#include "livecap/detections.h"
 
 namespace livecap {
 

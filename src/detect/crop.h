@@ -1,10 +1,10 @@
 // The rotated square of the picture that the network sees, sampling it, and warping its mask back.
 #pragma once
 
+#include "base/detections.h"
 #include "base/image_rgb.h"
 #include "image/affine_warp.h"
 #include "image/crop_mask.h"
-#include "livecap/detections.h"
 
 namespace livecap::detect {
 

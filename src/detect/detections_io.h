@@ -7,7 +7,7 @@
 #include <fstream>
 #include <vector>
 
-#include "livecap/detections.h"
+#include "base/detections.h"
 
 namespace livecap::detect {
 

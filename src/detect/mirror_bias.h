@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "livecap/detections.h"
+#include "base/detections.h"
 
 namespace livecap::detect {
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/detections.h"
 #include "base/image_rgb.h"
 #include "detect/blazepose.h"
 #include "detect/jump_gate.h"
@@ -15,7 +16,6 @@
 #include "detect/posture.h"
 #include "detect/side_tracker.h"
 #include "livecap/camera.h"
-#include "livecap/detections.h"
 
 namespace livecap::detect {
 

@@ -7,7 +7,7 @@
 
 #include <array>
 
-#include "livecap/detections.h"
+#include "base/detections.h"
 
 namespace livecap::detect {
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "actor/actor.h"
+#include "base/detections.h"
 #include "eval/body_points.h"
 #include "eval/capture_folder.h"
 #include "eval/evaluate.h"
@@ -16,7 +17,6 @@
 #include "eval/motion_metrics.h"
 #include "eval/pose_metrics.h"
 #include "eval/true_mesh.h"
-#include "livecap/detections.h"
 
 namespace livecap {
 

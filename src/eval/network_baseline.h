@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "actor/actor.h"
+#include "base/detections.h"
 #include "livecap/camera.h"
-#include "livecap/detections.h"
 
 namespace livecap {
 

@@ -7,10 +7,10 @@
 
 #include "actor/actor.h"
 #include "actor/skinner.h"
+#include "base/detections.h"
 #include "image/device_frame.h"
 #include "image/silhouette.h"
 #include "livecap/camera.h"
-#include "livecap/detections.h"
 #include "pose/pose_solver.h"
 #include "raster/depth.h"
 #include "raster/visibility.h"

@@ -4,12 +4,12 @@
 // made on the host.
 #pragma once
 
+#include "base/detections.h"
 #include "base/image_rgb.h"
 #include "image/background_model.h"
 #include "image/crop_mask.h"
 #include "image/device_frame.h"
 #include "image/person_gate.h"
-#include "livecap/detections.h"
 #include "ocl/kernel.h"
 
 namespace livecap {

@@ -1,9 +1,9 @@
 // What is decided about connected pieces of the person's mask, after what was decided about single pixels.
 #pragma once
 
+#include "base/detections.h"
 #include "base/image_rgb.h"
 #include "image/foreground.h"
-#include "livecap/detections.h"
 
 namespace livecap {
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <functional>
 #include <iterator>
+#include <map>
 #include <mutex>
 
 #include "base/log.h"
@@ -145,9 +146,13 @@ std::string valid_selectors(const std::vector<DeviceInfo>& devices) {
   return text;
 }
 
-// Splits a CPU device into two equal sub-devices. Empty when the driver cannot.
+// Splits a CPU device into two equal sub-devices, once: they live as long as the process. Empty when the driver cannot.
 std::vector<cl_device_id> split_in_two(const DeviceInfo& info) {
+  static std::mutex mutex;
+  static std::map<cl_device_id, std::vector<cl_device_id>> halves;
   if (info.compute_units < 2) return {};
+  const std::scoped_lock lock(mutex);
+  if (const auto found = halves.find(info.device); found != halves.end()) return found->second;
   const cl_device_partition_property properties[] = {
       CL_DEVICE_PARTITION_EQUALLY, static_cast<cl_device_partition_property>(info.compute_units / 2), 0};
   std::vector<cl_device_id> parts(info.compute_units);
@@ -155,7 +160,7 @@ std::vector<cl_device_id> split_in_two(const DeviceInfo& info) {
   const cl_int status = clCreateSubDevices(info.device, properties, info.compute_units, parts.data(), &count);
   if (status != CL_SUCCESS || count < 2) return {};
   parts.resize(2);
-  return parts;
+  return halves[info.device] = parts;
 }
 
 }  // namespace

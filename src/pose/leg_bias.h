@@ -6,8 +6,8 @@
 #include <array>
 
 #include "actor/actor.h"
+#include "base/detections.h"
 #include "geometry/skeleton.h"
-#include "livecap/detections.h"
 #include "pose/leg_exchange.h"
 
 namespace livecap {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "actor/actor.h"
+#include "base/detections.h"
 #include "geometry/skeleton.h"
 #include "livecap/camera.h"
-#include "livecap/detections.h"
 
 namespace livecap {
 

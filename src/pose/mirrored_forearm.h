@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "actor/actor.h"
-#include "livecap/detections.h"
+#include "base/detections.h"
 
 namespace livecap {
 

@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "actor/actor.h"
+#include "base/detections.h"
 #include "livecap/camera.h"
-#include "livecap/detections.h"
 #include "pose/pose_options.h"
 
 namespace livecap {

@@ -1,7 +1,7 @@
 // How large the person is in a picture: what a 2D error is small or large against.
 #pragma once
 
-#include "livecap/detections.h"
+#include "base/detections.h"
 
 namespace livecap {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-#include "livecap/detections.h"
+#include "base/detections.h"
 
 namespace livecap {
 

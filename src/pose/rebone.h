@@ -7,7 +7,7 @@
 #include <array>
 
 #include "actor/actor.h"
-#include "livecap/detections.h"
+#include "base/detections.h"
 
 namespace livecap {
 

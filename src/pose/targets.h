@@ -6,9 +6,9 @@
 #include <array>
 
 #include "actor/actor.h"
+#include "base/detections.h"
 #include "geometry/skeleton.h"
 #include "livecap/camera.h"
-#include "livecap/detections.h"
 #include "pose/pose_options.h"
 #include "pose/rebone.h"
 

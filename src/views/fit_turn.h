@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "livecap/detections.h"
+#include "base/detections.h"
 #include "views/turn_bundle.h"
 #include "views/view.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "livecap/detections.h"
+#include "base/detections.h"
 #include "ocl/context.h"
 #include "views/view.h"
 

@@ -3,8 +3,8 @@
 
 #include <random>
 
+#include "base/detections.h"
 #include "livecap/camera.h"
-#include "livecap/detections.h"
 #include "pose/targets.h"
 #include "support/test_actor.h"
 

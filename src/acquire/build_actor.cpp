@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 #include "acquire/body_shape.h"
@@ -77,10 +78,10 @@ class Builder {
       std::vector<SeenOutline> seen;
       stage("outlines", [&] {
         seen = seen_outlines(views_);
-        fit_outlines(device_, views_, seen, ankles_mm(), surface());
+        fit_outlines(device_, views_, seen, lowest_fitted_mm(), surface());
       });
       stage("fairing", [&] { fair_surface(seen, shape_.volume, shape_.solid(), ankles_mm(), surface()); });
-      stage("outlines again", [&] { fit_outlines(device_, views_, seen, ankles_mm(), surface()); });
+      stage("outlines again", [&] { fit_outlines(device_, views_, seen, lowest_fitted_mm(), surface()); });
     }
     stage("joints", [&] { place(); });
     stage("skin weights", [&] { result_.actor.weights = heat_weights(surface(), result_.joints, shape_.volume); });
@@ -256,7 +257,12 @@ class Builder {
     frame_ = composed(down, frame_);
   }
 
-  // Shoes stay as the hull has them: captures of bent legs need them so (docs/experiments_actor.md, "An even mesh").
+  // Of pictures shoes stay as the hull has them: captures of bent legs need them so (docs/experiments_actor.md, "An
+  // even mesh"). A turn's hull lacks 3 % of them.
+  double lowest_fitted_mm() const {
+    return turned_rad_.empty() ? ankles_mm() : -std::numeric_limits<double>::infinity();
+  }
+
   double ankles_mm() const { return (keypoints_[kLeftAnkle].position.y() + keypoints_[kRightAnkle].position.y()) / 2; }
 
   void refine() {

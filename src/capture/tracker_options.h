@@ -34,7 +34,7 @@ struct PoseSharesOptions {
   // frame either.
   float foot_share = 40;
   // The same of an actor whose shape is rough: a shoe that is 5 mm too short is a foot 80 mm too near, at 4 m.
-  float rough_foot_share = 1;
+  float rough_foot_share = 8;
 
   void validate() const;  // throws ConfigError
 };

@@ -8,6 +8,7 @@
 
 #include "image/foreground.h"
 #include "image/mask_iou.h"
+#include "views/foot_masks.h"
 
 namespace livecap {
 
@@ -19,6 +20,7 @@ constexpr int kSomewhatPerson = 25;      // of 255
 constexpr size_t kLeastSamples = 3, kMostSamples = 15;
 constexpr double kBrightness = 0.8;   // of a place's samples, from dark to bright: the others may be in the shadow
 constexpr double kFillPx = 6;         // what nobody saw so near to what somebody saw looks the same
+constexpr int kMaskRounds = 3;        // the network's, then from colours, then with floor where there was shadow
 constexpr double kSamePerson = 0.85;  // IoU with the network's masks, in the mean
 
 // How far each pixel is from where the person may be, px, at most 255; 0 there, and everywhere if the mask is empty.
@@ -87,7 +89,8 @@ bool mask_by_background(ocl::DeviceContext& device, std::vector<View>& views) {
   for (const View& view : views) masks.push_back(view.mask);
   DeviceFrame frame(device, width, height);
   double agreement = 0, n_seen = 0;
-  for (const bool first : {true, false}) {
+  for (int round = 0; round < kMaskRounds; ++round) {
+    const bool first = round == 0;
     const TurnBackground background = find_background(views, masks, first ? kNetworkMargin : kMargin);
     BackgroundModel model;
     model.train(background.plate);
@@ -100,6 +103,7 @@ bool mask_by_background(ocl::DeviceContext& device, std::vector<View>& views) {
       // What nobody ever saw is inside of the person; with the wide margin of the first round also beside them.
       for (size_t p = 0; p < network.pixels.size(); ++p)
         if (background.known.pixels[p] == 0) masks[i].pixels[p] = !first || network.pixels[p] > 127 ? 255 : 0;
+      if (!first) cut_feet_from_shadows(background.plate, background.known, views[i].image, masks[i]);
       agreement += mask_iou(masks[i], network);
       ++n_seen;
     }

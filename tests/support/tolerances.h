@@ -97,6 +97,9 @@ inline constexpr double kForegroundIou = 0.97;
 inline constexpr int kForegroundDifferentPx = 4;
 // The recorded sequence with a blurred mask as the gate.
 inline constexpr double kRecordedForegroundIou = 0.97;
+// views/foot_masks: of the lowest seventh of a drawn person, as cut and as the difference to the empty floor has it.
+inline constexpr double kCutFeetIou = 0.93;
+inline constexpr double kUncutFeetIou = 0.8;
 // A term's residual in float: the terms subtract numbers of up to 5000 (mm, px), whose rounding is 2.4e-4 each.
 inline constexpr double kTermResidual = 1e-3;
 // A row of the pose stage's J on the device against double, relative to its largest entry: about 100 float operations

@@ -8,10 +8,10 @@
 
 namespace livecap {
 
-// Cuts the feet, which are the lowest eighth of the mask, out of their shadows: a minimum cut (Boykov and Jolly,
+// Cuts the feet, the lowest 12 % of the mask, out of their shadows: a minimum cut (Boykov and Jolly,
 // "Interactive graph cuts for optimal boundary and region segmentation of objects in N-D images", 2001), after which
-// more of the floor tells how dark it is, a few times over. plate: the empty scene; known: where that is right (0: not,
-// and the mask stays there). All of one size; a mask without anybody stays.
+// more of the floor tells how dark it is, a few times over. plate: the empty scene; known: where that is right (0: not;
+// whom the mask has there stays). All of one size; a mask without anybody stays.
 void cut_feet_from_shadows(const ImageRgb& plate, const ImageGray& known, const ImageRgb& image, ImageGray& mask);
 
 }  // namespace livecap

@@ -6,6 +6,7 @@
 #include "livecap/error.h"
 #include "ocl/kernel_source.h"
 #include "ocl/program_cache.h"
+#include "ocl/program_twins.h"
 #include "ocl/queue_trace.h"
 #include "ocl/status.h"
 
@@ -25,7 +26,10 @@ std::string build_log(cl_program program, cl_device_id device) {
 }  // namespace
 
 DeviceContext::Programs::~Programs() {
-  for (auto& [name, program] : by_name) clReleaseProgram(program);
+  for (auto& [name, built] : by_name) {
+    if (built.program) clReleaseProgram(built.program);
+    if (built.twin >= 0) give_back_twin(name, built.twin);
+  }
 }
 
 DeviceContext::DeviceContext(const DeviceInfo& info, const std::string& track)
@@ -67,8 +71,10 @@ DeviceContext::~DeviceContext() {
 cl_program DeviceContext::program(const std::string& path, const std::string& options) {
   const std::scoped_lock lock(programs_->mutex);
   const std::string name = path + "\n" + options;
-  const auto found = programs_->by_name.find(name);
-  return found != programs_->by_name.end() ? found->second : programs_->by_name[name] = build(path, options);
+  BuiltProgram& built = programs_->by_name[name];
+  if (built.program) return built.program;
+  if (info_.is_pocl() && built.twin < 0) built.twin = take_twin(name);
+  return built.program = build(path, built.twin > 0 ? options + " -D LC_TWIN=" + std::to_string(built.twin) : options);
 }
 
 cl_program DeviceContext::build(const std::string& path, const std::string& extra_options) const {

@@ -48,11 +48,15 @@ class DeviceContext {
   void finish();
 
  private:
+  struct BuiltProgram {
+    cl_program program = nullptr;
+    int twin = -1;  // of PoCL (ocl/program_twins.h)
+  };
   // Of a context and its siblings, which may ask for programs at the same time; they wait while one is built.
   struct Programs {
     ~Programs();
     std::mutex mutex;
-    std::map<std::string, cl_program> by_name;  // path + options
+    std::map<std::string, BuiltProgram> by_name;  // path + options
   };
 
   void open_queue(const std::string& track);

@@ -187,6 +187,9 @@ void prepare_platforms() {
 
 std::vector<DeviceInfo> list_devices() {
   prepare_platforms();
+  // Loaders and drivers start at the first of these calls, and several do not when asked by two threads at a time.
+  static std::mutex mutex;
+  const std::scoped_lock lock(mutex);
   cl_uint n_platforms = 0;
   const cl_int status = clGetPlatformIDs(0, nullptr, &n_platforms);
   if (status != CL_SUCCESS || n_platforms == 0) return {};

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
+#include <thread>
+#include <vector>
 
 #include "livecap/error.h"
 #include "ocl/buffer.h"
@@ -34,6 +37,31 @@ TEST(Context, SiblingsShareTheirPrograms) {
     ocl::Kernel pack(*sibling, "surface/surface.cl", "pack_planes");
     pack.launch(ocl::Range{1, 1, 1, 1}, 1, 1, 1, order, packed, packed, packed, packed, planes, planes, planes, planes);
     EXPECT_EQ(planes.read_all(), (std::vector<float>{1, 2, 3}));
+  });
+}
+
+// PoCL's assertion (ocl/program_twins.h) ended half of all processes with two captures.
+TEST(Context, TwoMayRunTheSameKernelsOverDifferentSizes) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const auto run = [&](int n) {
+      ocl::DeviceContext own(device.info());
+      std::vector<float> values(3 * size_t(n), 2.0f);
+      std::vector<int32_t> rows(n);
+      std::iota(rows.begin(), rows.end(), 0);
+      const ocl::Buffer<int32_t> order(own, rows);
+      const ocl::Buffer<float> packed(own, values);
+      ocl::Buffer<float> planes(own, values.size());
+      ocl::Kernel pack(own, "surface/surface.cl", "pack_planes");
+      for (int round = 0; round < 2000 * n; round += 1 + n / 2)
+        pack.launch(ocl::Range{1 + size_t(round) % n, 1, 1, 1}, n, n, n, order, packed, packed, packed, packed, planes,
+                    planes, planes, planes);
+      pack.launch(ocl::Range{size_t(n), 1, 1, 1}, n, n, n, order, packed, packed, packed, packed, planes, planes,
+                  planes, planes);
+      EXPECT_EQ(planes.read_all(), values);
+    };
+    std::vector<std::thread> threads;
+    for (int n : {3, 50, 7, 400}) threads.emplace_back(run, n);
+    for (std::thread& thread : threads) thread.join();
   });
 }
 

@@ -30,6 +30,7 @@ typedef struct {
 // match; correlation of the two patches; px^2 that the vertex stands for, of every visible one, matched or not.
 #define LC_MATCH 8
 #define LC_MATCH_WEIGHT_PX 5
+#define LC_MATCH_CORRELATION 6
 #define LC_MATCH_SEEN_PX 7
 
 // How bright a vertex of skin is, in floats: its normal, brightness by albedo, px^2 that it stands for (0 = not seen,

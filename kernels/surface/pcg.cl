@@ -48,15 +48,16 @@ static float sum_plane(global const float* restrict values, int n, local float* 
 
 // The sum kernels run as one work-group (of one work-item on a CPU) for each sum.
 
-// totals [7]: sums of two planes and of the five of `regularizer`.
+// totals [8]: sums of three planes and of the five of `regularizer`.
 kernel void sum_energies(int n_rows, int stride, global const float* restrict photo,
-                         global const float* restrict silhouette, global const float* restrict regularizer,
-                         global float* restrict totals) {
+                         global const float* restrict silhouette, global const float* restrict match,
+                         global const float* restrict regularizer, global float* restrict totals) {
 #if !LC_CPU
   local float scratch[256];
 #endif
   const int k = get_group_id(0);
-  const float sum = SUM_PLANE(k == 0 ? photo : k == 1 ? silhouette : regularizer + (k - 2) * stride, n_rows);
+  global const float* plane = k == 0 ? photo : k == 1 ? silhouette : k == 2 ? match : regularizer + (k - 3) * stride;
+  const float sum = SUM_PLANE(plane, n_rows);
   if (get_local_id(0) == 0) totals[k] = sum;
 }
 

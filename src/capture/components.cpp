@@ -13,6 +13,7 @@ namespace {
 float* surface_weight(SurfaceOptions& options, const std::string& name) {
   if (name == "photo") return &options.w_photo;
   if (name == "surface_silhouette") return &options.w_silhouette;
+  if (name == "surface_match") return &options.w_match;
   if (name == "smooth") return &options.w_smooth;
   if (name == "edge") return &options.w_edge;
   if (name == "depth") return &options.w_depth;

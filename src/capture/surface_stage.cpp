@@ -42,6 +42,12 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
   for (int i = 0; i < actor.n_vertices(); ++i)
     share[i] = actor.rigidity[i] <= options.max_carried_rigidity ? options.carried_share : 0.0f;
   carried_share_ = ocl::Buffer<float>(device, share);
+  if (!options.enable_surface || options.surface.w_match <= 0 || options.cloth_match_levels.empty()) return;
+  for (int i = 0; i < actor.n_vertices(); ++i) share[i] = hangs(actor, i) ? 1.0f : 0.0f;
+  if (std::count(share.begin(), share.end(), 1.0f) == 0) return;
+  hangs_ = ocl::Buffer<float>(device, share);
+  cloth_matcher_.emplace(device, actor, camera, options.match, kClothMatchProgram);
+  if (!cloth_matcher_->usable()) cloth_matcher_.reset();
 }
 
 void SurfaceStage::reset() {
@@ -56,26 +62,45 @@ void SurfaceStage::skin_template(const Pose& pose) {
   template_skinner_.skin(zero_, vertices_);
 }
 
-// From the skinned template with the displacement on it to the vertices.
-void SurfaceStage::launch(const DeviceFrame& picture) {
-  skinner_.normals(start_, normals_);
-  rasterizer_.render(start_, camera_);
-  visibility_.find_visible_and_contour(start_, normals_, rasterizer_);
-  if (options_.part_mask) part_mask_.update(rasterizer_);
-  const ocl::Buffer<uint8_t>* part_image = options_.part_mask ? &part_mask_.part_image() : nullptr;
-  const ocl::Buffer<int32_t>* vertex_part = options_.part_mask ? &part_mask_.vertex_part() : nullptr;
+// What the camera sees of these vertices, and what they are drawn to.
+SurfaceInput SurfaceStage::seen_from(const ocl::Buffer<float>& vertices, const DeviceFrame& picture) {
+  skinner_.normals(vertices, normals_);
+  rasterizer_.render(vertices, camera_);
+  visibility_.find_visible_and_contour(vertices, normals_, rasterizer_);
+  return {.frame = picture,
+          .skinned = skinned_,
+          .start = vertices,
+          .previous = n_history_ >= 1 ? &start_ : nullptr,
+          .before_previous = n_history_ >= 2 ? &before_ : nullptr,
+          .visible = visibility_.visible(),
+          .contour_flag = visibility_.contour(),
+          .normals = normals_,
+          .part_image = options_.part_mask ? &part_mask_.part_image() : nullptr,
+          .vertex_part = options_.part_mask ? &part_mask_.vertex_part() : nullptr};
+}
 
-  solver_.launch(SurfaceInput{.frame = picture,
-                              .skinned = skinned_,
-                              .start = start_,
-                              .previous = n_history_ >= 1 ? &start_ : nullptr,
-                              .before_previous = n_history_ >= 2 ? &before_ : nullptr,
-                              .visible = visibility_.visible(),
-                              .contour_flag = visibility_.contour(),
-                              .normals = normals_,
-                              .part_image = part_image,
-                              .vertex_part = vertex_part});
-  vertices_.copy_from(solver_.vertices());
+// From the skinned template with the displacement on it to the vertices. Colours tell the right place from a few px
+// away, patches from a dozen: what hangs is matched before each of the later steps.
+void SurfaceStage::launch(const DeviceFrame& picture, const PixelBox& person) {
+  const std::vector<int>& levels = options_.cloth_match_levels;
+  const size_t n_matched = cloth_matcher_ ? levels.size() : 0;
+  const std::span<const int> steps = options_.surface.gaussian_kernels;
+  const size_t n_first = steps.size() - n_matched;
+  const auto solve = [&](const SurfaceInput& input, size_t begin, size_t count) {
+    solver_.launch(input, steps.subspan(begin, count));
+    if (begin + count == steps.size()) solver_.measure(input);
+    vertices_.copy_from(solver_.vertices());
+  };
+  const SurfaceInput seen = seen_from(start_, picture);
+  if (options_.part_mask) part_mask_.update(rasterizer_);
+  solve(seen, 0, n_first);
+  if (n_matched > 0) cloth_matcher_->set_picture(picture, person, *std::min_element(levels.begin(), levels.end()));
+  for (size_t k = 0; k < n_matched; ++k) {
+    SurfaceInput matched = seen_from(vertices_, picture);
+    cloth_matcher_->match(rasterizer_, vertices_, normals_, visibility_.visible(), hangs_, levels[k]);
+    matched.matches = &cloth_matcher_->matches();
+    solve(matched, n_first + k, 1);
+  }
   if (!options_.snapping) return;
   skinner_.normals(vertices_, normals_);
   rasterizer_.render_depth(vertices_, camera_);
@@ -83,8 +108,8 @@ void SurfaceStage::launch(const DeviceFrame& picture) {
   snapper_.snap(SnapInput{.frame = picture,
                           .contour_flag = visibility_.contour(),
                           .normals = normals_,
-                          .part_image = part_image,
-                          .vertex_part = vertex_part},
+                          .part_image = seen.part_image,
+                          .vertex_part = seen.vertex_part},
                 vertices_);
 }
 
@@ -100,7 +125,7 @@ void SurfaceStage::place(const PosedSkeleton& posed, std::span<const float> dual
   if (cloth_) cloth_->step(posed, seconds, skinned_, start_, before_);
 }
 
-double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* picture) {
+double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* picture, const PixelBox& person) {
   const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);
   const std::vector<float> dual_quats = hanging_.dual_quats(posed);
   skinner_.set_pose(dual_quats);
@@ -117,7 +142,7 @@ double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* p
   }
   std::optional<SurfaceResult> surface;
   for (bool whole = false; !whole;) {
-    launch(*picture);
+    launch(*picture, person);
     surface = solver_.result();
     const bool cloth_gave_up = cloth_ && cloth_->gave_up();
     if (cloth_gave_up) place(posed, dual_quats, seconds);

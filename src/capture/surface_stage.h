@@ -12,7 +12,9 @@
 #include "cloth/folded_cloth.h"
 #include "cloth/hanging_cloth.h"
 #include "image/device_frame.h"
+#include "image/person_gate.h"
 #include "livecap/camera.h"
+#include "match/texture_matcher.h"
 #include "raster/depth.h"
 #include "raster/part_mask.h"
 #include "raster/visibility.h"
@@ -28,9 +30,9 @@ class SurfaceStage {
   SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const TrackerOptions& options,
                DepthRasterizer& rasterizer, SurfaceVisibility& visibility);
 
-  // picture: nullptr where nothing is segmented: the template then, skinned and its cloth simulated. time_s: of the
-  // frame, for how cloth swings. Returns the energy.
-  double solve(const Pose& pose, double time_s, const DeviceFrame* picture);
+  // picture: nullptr where nothing is segmented: the template then, skinned and its cloth simulated. person: the box
+  // around the silhouette. time_s: of the frame, for how cloth swings. Returns the energy.
+  double solve(const Pose& pose, double time_s, const DeviceFrame* picture, const PixelBox& person);
 
   // The skinned template instead of a solve.
   void skin_template(const Pose& pose);
@@ -43,7 +45,8 @@ class SurfaceStage {
 
  private:
   void place(const PosedSkeleton& posed, std::span<const float> dual_quats, double seconds);
-  void launch(const DeviceFrame& picture);
+  void launch(const DeviceFrame& picture, const PixelBox& person);
+  SurfaceInput seen_from(const ocl::Buffer<float>& vertices, const DeviceFrame& picture);
 
   ocl::DeviceContext& device_;
   const Actor& actor_;
@@ -60,11 +63,13 @@ class SurfaceStage {
   PartMask part_mask_;
   SurfaceSolver solver_;
   Snapper snapper_;
+  std::optional<TextureMatcher> cloth_matcher_;  // where something hangs that has a texture
 
   ocl::Buffer<float> displacement_rest_;         // d-hat, rest frame; zero before the first surface
   ocl::Buffer<float> before_displacement_rest_;  // the same of the frame before
   ocl::Buffer<float> zero_;                      // [3n] always zero
   ocl::Buffer<float> carried_share_;             // [n] share of each vertex's displacement that is carried on
+  ocl::Buffer<float> hangs_;                     // [n] 1 of what hangs, else 0
   ocl::Buffer<float> start_;                     // V^S + d^S
   ocl::Buffer<float> skinned_;                   // V^S
   ocl::Buffer<float> normals_;

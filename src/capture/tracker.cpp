@@ -142,7 +142,7 @@ void Tracker::solve_surface(const TrackInput& given, TrackResult& result) {
   const DeviceFrame* picture = given.silhouette.empty() ? nullptr : &frame_of(given);
   if (options_.enable_surface) {
     if (result.status == TrackStatus::kInitialized) surface_stage_.reset();
-    result.surface_energy = surface_stage_.solve(result.pose, given.time_s, picture);
+    result.surface_energy = surface_stage_.solve(result.pose, given.time_s, picture, given.silhouette.box);
   } else {
     surface_stage_.skin_template(result.pose);
   }

@@ -27,6 +27,11 @@ void share(const char* field, double value) {
   require(value >= 0 && value <= 1, field, value, "from 0 to 1");
 }
 
+void require_levels(const char* field, const std::vector<int>& levels) {
+  for (int level : levels)
+    require(level >= 0 && level <= LC_MATCH_LEVELS, field, level, format("in 0..%d", LC_MATCH_LEVELS));
+}
+
 void factor_of_guessed(const char* field, double value) {
   require(value > 0 && value <= kMostGuessedFactor, field, value, format("above 0 and at most %g", kMostGuessedFactor));
 }
@@ -43,8 +48,7 @@ void PoseSharesOptions::validate() const {
 }
 
 void PoseRoundsOptions::validate() const {
-  for (int level : match_levels)
-    require(level >= 0 && level <= LC_MATCH_LEVELS, "rounds.match_levels", level, format("in 0..%d", LC_MATCH_LEVELS));
+  require_levels("rounds.match_levels", match_levels);
   not_negative("rounds.refining_rounds", refining_rounds);
   not_negative("rounds.settled_round_px", settled_round_px);
   not_negative("rounds.settled_step_px", settled_step_px);
@@ -80,6 +84,10 @@ void TrackerOptions::validate() const {
   starts.validate();
   not_negative("max_carried_rigidity", max_carried_rigidity);
   share("carried_share", carried_share);
+  require_levels("cloth_match_levels", cloth_match_levels);
+  if (cloth_match_levels.size() > surface.gaussian_kernels.size())
+    throw ConfigError(format("tracker option cloth_match_levels has %zu levels; surface.gaussian_kernels has %zu",
+                             cloth_match_levels.size(), surface.gaussian_kernels.size()));
   not_negative("lost_error_fraction", lost_error_fraction);
   not_negative("max_doubtful_frames", max_doubtful_frames);
   not_negative("max_missed_frames", max_missed_frames);

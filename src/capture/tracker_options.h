@@ -139,6 +139,10 @@ struct TrackerOptions {
   // (the paper: nothing); that helped one of three sequences with ground truth and left the others as they were.
   float max_carried_rigidity = 3;
   float carried_share = 0.9f;
+  // Before the last steps of stage II what hangs of an actor with a texture is matched with the picture at these
+  // resolutions (half of it per level), from where the step before left it; at most as many as there are steps. What
+  // lies on the body is where the pose has it.
+  std::vector<int> cloth_match_levels = {2, 1};
 
   // A pose whose mean keypoint error exceeds this fraction of the person's height in the picture is not believed: the
   // frame is solved again from the detections alone, and lost when that does not help.

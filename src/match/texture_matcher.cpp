@@ -12,7 +12,6 @@
 namespace livecap {
 namespace {
 
-constexpr char kMatchProgram[] = "match/match.cl";
 constexpr int kWidthStep = 16 << LC_MATCH_LEVELS;  // of a box: sixteen pixels divide every level's rows
 constexpr int kBeyond = 32;                        // px around the person in the picture
 constexpr int kMinTexture = 8;                     // px
@@ -75,7 +74,7 @@ void MatchOptions::validate() const {
 }
 
 TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
-                               const MatchOptions& options)
+                               const MatchOptions& options, const char* program)
     : options_(options),
       width_(camera.width),
       height_(camera.height),
@@ -120,11 +119,11 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
   actor_ = {device, box};
   depth_ = {device, box};
   camera_ = {device, pyramid_size(w, h)};
-  textured_actor_ = {device, kMatchProgram, "textured_actor"};
-  camera_picture_ = {device, kMatchProgram, "camera_picture"};
-  normalise_ = {device, kMatchProgram, "normalise"};
-  halve_picture_ = {device, kMatchProgram, "halve_picture"};
-  match_patches_ = {device, kMatchProgram, "match_patches"};
+  textured_actor_ = {device, program, "textured_actor"};
+  camera_picture_ = {device, program, "camera_picture"};
+  normalise_ = {device, program, "normalise"};
+  halve_picture_ = {device, program, "halve_picture"};
+  match_patches_ = {device, program, "match_patches"};
 }
 
 void TextureMatcher::require_level(int level) {
@@ -169,7 +168,7 @@ void TextureMatcher::set_box(const DeviceFrame& frame, const PixelBox& person) {
           int(round_up(person.height() + 2 * kBeyond, 4))};
 }
 
-void TextureMatcher::set_picture(const DeviceFrame& frame, const PixelBox& person) {
+void TextureMatcher::set_picture(const DeviceFrame& frame, const PixelBox& person, int finest) {
   set_box(frame, person);
   if (box_.width == 0) return;
   camera_picture_.launch(ocl::Range{size_t(box_.width / 16), size_t(box_.height), 1, 1}, box_, width_, height_,
@@ -177,7 +176,7 @@ void TextureMatcher::set_picture(const DeviceFrame& frame, const PixelBox& perso
   for (int level = 0; level <= LC_MATCH_LEVELS; ++level) {
     const MatchBox box = level_box(level);
     const int offset = level_offset(level);
-    normalise(level, offset, camera_);
+    if (level >= finest) normalise(level, offset, camera_);
     if (level == LC_MATCH_LEVELS) break;
     halve_picture_.launch(ocl::Range{size_t(box.width / 16), size_t(box.height / 2), 1, 1}, box.width, box.width / 2,
                           box.height / 2, offset, offset + box.width * box.height, light_, weight_);

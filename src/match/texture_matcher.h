@@ -24,6 +24,9 @@
 
 namespace livecap {
 
+inline constexpr char kMatchProgram[] = "match/match.cl";
+inline constexpr char kClothMatchProgram[] = "match/match_cloth.cl";
+
 struct MatchOptions {
   int iterations = 4;
   float variance_floor = 5e-4f;  // of luminance in [0,1]: contrast below is noise
@@ -43,14 +46,17 @@ struct Matches {
 
 class TextureMatcher {
  public:
-  // Keeps no reference to the actor. camera: undistorted.
-  TextureMatcher(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const MatchOptions& options);
+  // Keeps no reference to the actor. camera: undistorted. program: kMatchProgram, or another one of the same kernels
+  // for a second matcher whose queue works beside the first one's (ocl/program_twins.h).
+  TextureMatcher(ocl::DeviceContext& device, const Actor& actor, const Camera& camera, const MatchOptions& options,
+                 const char* program = kMatchProgram);
 
   // False for an actor without texture: then nothing is ever matched.
   bool usable() const { return texture_width_ > 0; }
 
-  // person: the box around the silhouette. Enqueued, nothing blocks. Throws LogicError for a frame of another size.
-  void set_picture(const DeviceFrame& frame, const PixelBox& person);
+  // person: the box around the silhouette. finest: level of the finest matches to come. Enqueued, nothing blocks.
+  // Throws LogicError for a frame of another size.
+  void set_picture(const DeviceFrame& frame, const PixelBox& person, int finest = 0);
   // The same without looking at the picture, for ActorSight.
   void set_box(const DeviceFrame& frame, const PixelBox& person);
 

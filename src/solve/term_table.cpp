@@ -17,6 +17,7 @@ constexpr Term kTerms[] = {
     {"rest", TermStage::kPose, 1, 1, 1, 0, reference::rest_flat, "check_rest"},
     {"photo", TermStage::kSurface, 3, 3, 19, 1e4, reference::photo_flat, "check_photo"},
     {"surface_silhouette", TermStage::kSurface, 1, 3, 10, 600, reference::silhouette_flat, "check_silhouette"},
+    {"surface_match", TermStage::kSurface, 2, 3, 9, 0, reference::match_flat, "check_match"},
     {"smooth", TermStage::kSurface, 3, 6, 6, 10, reference::smooth_flat, "check_smooth"},
     {"edge", TermStage::kSurface, 1, 6, 1, 30, reference::edge_flat, "check_edge"},
     {"depth", TermStage::kSurface, 1, 3, 3, 0, reference::depth_flat, "check_depth"},

@@ -1,6 +1,6 @@
 // The energy terms of the method, one row each: the paper's eleven ("Skeletal Pose Estimation" and "Non-rigid Surface
-// Registration"), E_match, E_shading, E_floor, E_rest and E_depth. A row says what a term's flat function takes and
-// gives; everything that holds for all terms (tests, device checks, ablation by name) loops over this table.
+// Registration"), E_match of both, E_shading, E_floor, E_rest and E_depth. A row says what a term's flat function takes
+// and gives; everything that holds for all terms (tests, device checks, ablation by name) loops over this table.
 //
 // Adding a term: kernels/terms/<file>.cl with <file>_row and <file>_flat, a line in src/geometry/reference.h, a line in
 // kernels/tools/term_check.cl, and a row here.

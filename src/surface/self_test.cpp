@@ -211,14 +211,14 @@ class Bench {
     for (int k = 0; k < kCount; ++k) values[k] = float(k % 5);
     const ocl::Buffer<float> products(device_, values);  // sum 320
     ocl::Buffer<float> scalars(device_, Floats{9, 9, 9, 1});
-    ocl::Buffer<float> totals(device_, 7);
+    ocl::Buffer<float> totals(device_, 8);
     totals.fill(0.0f);
     Floats energies;
     for (int k = 0; k < 5 * 80; ++k) energies.push_back(float(k % 5 * (1 + k / 80)));
     kernel(kSurfaceSlicesProgram, "sum_energies")
-        .launch(7 * sum_items_, sum_items_, 80, 80, products, ocl::Buffer<float>(device_, Floats(80, 1)),
-                ocl::Buffer<float>(device_, energies), totals);
-    expect("sum_energies", totals.read_all(), {160, 80, 160, 320, 480, 640, 800});
+        .launch(8 * sum_items_, sum_items_, 80, 80, products, ocl::Buffer<float>(device_, Floats(80, 1)),
+                ocl::Buffer<float>(device_, Floats(80, 3)), ocl::Buffer<float>(device_, energies), totals);
+    expect("sum_energies", totals.read_all(), {160, 80, 240, 160, 320, 480, 640, 800});
     if (!device_.is_cpu()) return;
     kernel(kSurfaceSlicesProgram, "start_scalars").launch(sum_items_, sum_items_, kCount, 1, products, scalars);
     expect("start_scalars", scalars.read_all(), {320, 0, 0, 0});

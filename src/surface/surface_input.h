@@ -19,6 +19,8 @@ struct SurfaceInput {
   const ocl::Buffer<float>* previous = nullptr;
   // [3n] likewise of t-2; null: no E_acceleration.
   const ocl::Buffer<float>* before_previous = nullptr;
+  // [LC_MATCH*n] what a TextureMatcher found from `start`; null: no E_match.
+  const ocl::Buffer<float>* matches = nullptr;
   const ocl::Buffer<int>& visible;                   // [n] not 0: takes part in E_photo
   const ocl::Buffer<int>& contour_flag;              // [n] not 0: takes part in E_silhouette
   const ocl::Buffer<float>& normals;                 // [3n] outward, of start
@@ -32,6 +34,7 @@ struct SurfaceOptions {
   // the mean IoU rose by 0.001 to 0.02 on the three sequences with ground truth it was tried on, the vertex error
   // stayed.
   float w_silhouette = 4000.0f;
+  float w_match = 1000.0f;      // px. Times the correlation of the two patches
   float constant_rigidity = 0;  // > 0: s_ij of every edge, instead of its vertices' labels'
   float w_smooth = 10.0f;       // mm, as the following
   float w_edge = 30.0f;
@@ -61,12 +64,13 @@ struct SurfaceOptions {
 struct SurfaceEnergies {
   double photo = 0;
   double silhouette = 0;  // sum of w r^2 over contour vertices with b_i != 0
+  double match = 0;
   double smooth = 0;
   double edge = 0;
   double depth = 0;
   double velocity = 0;
   double acceleration = 0;
-  double total() const { return photo + silhouette + smooth + edge + depth + velocity + acceleration; }
+  double total() const { return photo + silhouette + match + smooth + edge + depth + velocity + acceleration; }
 };
 
 enum class SurfaceStatus {

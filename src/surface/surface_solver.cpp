@@ -6,16 +6,19 @@ SurfaceSolver::SurfaceSolver(ocl::DeviceContext& device, const Actor& actor, con
                              const SurfaceOptions& options)
     : options_(options), system_(device, actor, camera, options), vertices_(device, 3 * size_t(actor.n_vertices())) {}
 
-void SurfaceSolver::launch(const SurfaceInput& input) {
+void SurfaceSolver::launch(const SurfaceInput& input, std::span<const int> gaussian_kernels) {
   system_.begin(input);
-  for (const int kernel : options_.gaussian_kernels) {
+  for (const int kernel : gaussian_kernels) {
     system_.linearize(input, kernel);
     system_.iterate_pcg(options_.pcg_iterations);
     system_.move();
   }
+  system_.finish(input, vertices_);
+}
+
+void SurfaceSolver::measure(const SurfaceInput& input) {
   system_.linearize(input, options_.gaussian_kernels.back());
   system_.sum_energies();
-  system_.finish(input, vertices_);
 }
 
 std::optional<SurfaceResult> SurfaceSolver::result() {
@@ -30,7 +33,8 @@ std::optional<SurfaceResult> SurfaceSolver::result() {
 SurfaceResult SurfaceSolver::solve(const SurfaceInput& input) {
   std::optional<SurfaceResult> solved;
   while (!solved) {
-    launch(input);
+    launch(input, options_.gaussian_kernels);
+    measure(input);
     solved = result();
   }
   return *solved;

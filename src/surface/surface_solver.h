@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "surface/surface_system.h"
@@ -23,11 +24,13 @@ class SurfaceSolver {
   SurfaceSolver(ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
                 const SurfaceOptions& options = {});
 
-  // Enqueues everything. Throws LogicError for buffers of a wrong size.
-  void launch(const SurfaceInput& input);
-  // What was launched last; blocks once. Nothing where the device did not do all of it: launch again.
+  // A step at each of these Gaussian levels, enqueued. Throws LogicError for buffers of a wrong size.
+  void launch(const SurfaceInput& input, std::span<const int> gaussian_kernels);
+  // The energies of the vertices of the last launch, enqueued. input: of that launch.
+  void measure(const SurfaceInput& input);
+  // What was launched and measured last; blocks once. Nothing where the device did not do all of it: launch again.
   std::optional<SurfaceResult> result();
-  // Both.
+  // All three, at the levels of the options.
   SurfaceResult solve(const SurfaceInput& input);
   // Of the last launch, for what is enqueued behind it.
   const ocl::Buffer<float>& vertices() const { return vertices_; }

@@ -6,6 +6,7 @@
 
 #include "base/round_up.h"
 #include "livecap/error.h"
+#include "match/layout.h"
 #include "surface/layout.h"
 #include "surface/programs.h"
 
@@ -40,6 +41,7 @@ double gaussian_sigma(int kernel_size) {
 void SurfaceOptions::validate() const {
   require_weight(w_photo, "w_photo");
   require_weight(w_silhouette, "w_silhouette");
+  require_weight(w_match, "w_match");
   require_weight(w_smooth, "w_smooth");
   require_weight(w_edge, "w_edge");
   require_weight(w_depth, "w_depth");
@@ -111,6 +113,7 @@ SurfaceSystem::SurfaceSystem(ocl::DeviceContext& device, const Actor& actor, con
   unpack_ = {device, kSurfaceProgram, "unpack_planes"};
   photo_ = {device, kSurfaceProgram, "photo_system"};
   silhouette_ = {device, kSurfaceProgram, "silhouette_system"};
+  match_ = {device, kSurfaceProgram, "match_system"};
   regularizer_ = {device, kSurfaceSlicesProgram, "regularizer_system"};
   sum_energies_ = {device, kSurfaceSlicesProgram, "sum_energies"};
   move_ = {device, kSurfaceSlicesProgram, "move_vertices"};
@@ -140,6 +143,7 @@ void SurfaceSystem::begin(const SurfaceInput& input) {
   require_size(input.start, 3 * n, "surface: start");
   if (input.previous) require_size(*input.previous, 3 * n, "surface: previous");
   if (input.before_previous) require_size(*input.before_previous, 3 * n, "surface: before_previous");
+  if (input.matches) require_size(*input.matches, LC_MATCH * n, "surface: matches");
   require_size(input.visible, n, "surface: visible");
   require_size(input.contour_flag, n, "surface: contour_flag");
   require_size(input.normals, 3 * n, "surface: normals");
@@ -161,6 +165,7 @@ void SurfaceSystem::begin(const SurfaceInput& input) {
                skinned_, previous_, before_);
   w_velocity_ = input.previous ? options_.w_velocity : 0.0f;
   w_acceleration_ = input.previous && input.before_previous ? options_.w_acceleration : 0.0f;
+  if (!input.matches) data_energies_[2].fill(0.0f);
   first_ = true;
 }
 
@@ -176,6 +181,10 @@ void SurfaceSystem::linearize(const SurfaceInput& input, int gaussian_kernel) {
                      has_parts, domain_->camera, domain_->order, input.contour_flag, input.normals,
                      input.frame.signed_distance, has_parts ? *input.part_image : no_parts_,
                      has_parts ? *input.vertex_part : input.contour_flag, v_, blocks_, residual_, data_energies_[1]);
+  if (input.matches) {
+    match_.launch(n_rows, row_local_, n, n_rows, stride, options_.w_match, domain_->camera, domain_->order,
+                  *input.matches, v_, blocks_, residual_, data_energies_[2]);
+  }
   // Without an earlier frame the term is off; its positions must still be finite.
   const ocl::Buffer<float>& previous = w_velocity_ > 0 || w_acceleration_ > 0 ? previous_ : v_;
   const ocl::Buffer<float>& before = w_acceleration_ > 0 ? before_ : v_;
@@ -267,18 +276,19 @@ SurfaceEnergies SurfaceSystem::energies() {
 
 void SurfaceSystem::sum_energies() {
   sum_energies_.launch(totals_.size() * sum_items_, sum_items_, domain_->graph.n_rows, domain_->graph.stride,
-                       data_energies_[0], data_energies_[1], regularizer_energies_, totals_);
+                       data_energies_[0], data_energies_[1], data_energies_[2], regularizer_energies_, totals_);
 }
 
 SurfaceEnergies SurfaceSystem::summed_energies() const {
   const auto& totals = totals_read_;
   return {.photo = totals[0],
           .silhouette = totals[1],
-          .smooth = totals[2],
-          .edge = totals[3],
-          .depth = totals[6],
-          .velocity = totals[4],
-          .acceleration = totals[5]};
+          .match = totals[2],
+          .smooth = totals[3],
+          .edge = totals[4],
+          .depth = totals[7],
+          .velocity = totals[5],
+          .acceleration = totals[6]};
 }
 
 std::vector<float> SurfaceSystem::from_planes(const ocl::Buffer<float>& planes, int width) const {

@@ -76,12 +76,12 @@ class SurfaceSystem {
   ocl::Buffer<float> direction_;                                // likewise; surface/direction.h, on GPUs twice
   ocl::Buffer<float> edges_;                                    // [3*n_entries]
   ocl::Buffer<float> products_;                                 // 1 plane
-  ocl::Buffer<float> data_energies_[2], regularizer_energies_;  // 1, 1, 5 planes
+  ocl::Buffer<float> data_energies_[3], regularizer_energies_;  // 1, 1, 1, 5 planes
   ocl::Buffer<float> scalars_;                                  // [4]
-  std::array<float, 7> totals_read_{};
-  ocl::Buffer<float> totals_;  // [7]
+  std::array<float, 8> totals_read_{};
+  ocl::Buffer<float> totals_;  // [8]
 
-  ocl::Kernel pack_, unpack_, photo_, silhouette_, regularizer_;
+  ocl::Kernel pack_, unpack_, photo_, silhouette_, match_, regularizer_;
   ocl::Kernel sum_energies_, move_;
   ocl::Kernel start_scalars_, alpha_, beta_, apply_, advance_, turn_;  // CPUs
   bool alone_ = false;  // a CPU with one compute unit: all iterations in one launch

@@ -67,6 +67,12 @@ std::vector<Field> fields() {
        },
        {0, LC_MATCH_LEVELS},
        {-1, LC_MATCH_LEVELS + 1}},
+      {"cloth_match_levels",
+       [](TrackerOptions& o, double value) {
+         o.cloth_match_levels = {0, int(value)};
+       },
+       {0, LC_MATCH_LEVELS},
+       {-1, LC_MATCH_LEVELS + 1}},
       count(LC_FIELD(rounds.refining_rounds)),
       length(LC_FIELD(rounds.settled_round_px)),
       length(LC_FIELD(rounds.settled_step_px)),

@@ -283,6 +283,8 @@ std::map<std::string_view, Restatement> restatements() {
                     .symmetry = along_ray,
                     .kinks = {}};
 
+  table["surface_match"] = table["match"];
+
   // As a quadratic form: (n, 1)^T M (n, 1) with the light's coefficients in M.
   const auto expected_brightness = [](const Instance& i) {
     const auto& l = i.params;

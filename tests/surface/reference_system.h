@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "match/layout.h"
 #include "surface/scene.h"
 
 namespace livecap::test {
@@ -113,6 +114,19 @@ inline ReferenceSystem reference_system(const Scene& s, const SurfaceOptions& o,
         for (int a = 0; a < 3; ++a) J.emplace_back(k, 3 * i + a, w * b * (g.x() * D(0, a) + g.y() * D(1, a)));
         out.energies.silhouette += o.w_silhouette * d * d;
       }
+    }
+    if (!s.matches.empty() && s.matches[LC_MATCH * i + LC_MATCH_WEIGHT_PX] > 0) {
+      const float* m = &s.matches[LC_MATCH * i];
+      Eigen::Matrix2d root;
+      root << m[2], m[3], 0, m[4];
+      const double w = std::sqrt(double(o.w_match) * m[LC_MATCH_CORRELATION]);
+      const Eigen::Vector2d r = w * root * (uv - Eigen::Vector2d(m[0], m[1]));
+      const Eigen::Matrix<double, 2, 3> R = w * root * D;
+      for (int k = 0; k < 2; ++k) {
+        const int at = row(r[k]);
+        for (int a = 0; a < 3; ++a) J.emplace_back(at, 3 * i + a, R(k, a));
+      }
+      out.energies.match += r.squaredNorm();
     }
     if (!hangs(s.actor, i)) {
       const Eigen::Vector3d skinned = point(s.skinned, i), ray = skinned.normalized();

@@ -121,6 +121,7 @@ struct Scene {
   std::vector<float> skinned, start, previous, before, normals;
   std::vector<int> visible, contour, vertex_part;
   std::vector<uint8_t> part_image;
+  std::vector<float> matches;  // [LC_MATCH*n] or empty
 
   int n() const { return actor.n_vertices(); }
   std::array<double, 2> project(const std::vector<float>& v, int i) const {
@@ -201,7 +202,8 @@ class DeviceScene {
         visible(device, s.visible),
         contour(device, s.contour),
         vertex_part(device, s.vertex_part),
-        part_image(device, s.part_image) {
+        part_image(device, s.part_image),
+        matches(device, s.matches) {
     frame.upload(s.silhouette, s.image);
   }
   SurfaceInput input(bool temporal = true, bool parts = true) const {
@@ -210,6 +212,7 @@ class DeviceScene {
             .start = start,
             .previous = temporal ? &previous : nullptr,
             .before_previous = temporal ? &before : nullptr,
+            .matches = matches.size() > 0 ? &matches : nullptr,
             .visible = visible,
             .contour_flag = contour,
             .normals = normals,
@@ -221,6 +224,7 @@ class DeviceScene {
   ocl::Buffer<float> skinned, start, previous, before, normals;
   ocl::Buffer<int> visible, contour, vertex_part;
   ocl::Buffer<uint8_t> part_image;
+  ocl::Buffer<float> matches;
 };
 
 }  // namespace livecap::test

@@ -33,6 +33,19 @@ Scene busy_scene(const Mesh& mesh = test::icosphere(3, 300, {40, -30, 2000})) {
   }
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 320; ++x) s.part_image[size_t(y) * 320 + x] = x < 150 ? 1 : (x < 200 ? 2 : 0);
+  s.matches.assign(LC_MATCH * s.n(), 0.0f);
+  for (int i = 0; i < s.n(); ++i) {
+    if (i % 7 < 3) continue;
+    const auto [u, v] = s.project(s.start, i);
+    const float numbers[] = {float(u) + 8 * uniform(random) - 4,
+                             float(v) + 8 * uniform(random) - 4,
+                             uniform(random),
+                             uniform(random) - 0.5f,
+                             uniform(random),
+                             3 * uniform(random),
+                             0.5f + 0.5f * uniform(random)};
+    std::copy(std::begin(numbers), std::end(numbers), &s.matches[LC_MATCH * i]);
+  }
   test::add_noise(s.start, 12, 1);
   test::add_noise(s.skinned, 5, 2);
   test::add_noise(s.previous, 15, 3);
@@ -70,13 +83,11 @@ TEST(SurfaceSystem, GradientProductAndEnergiesEqualAnAssembledJacobian) {
         system.linearize(d.input(), kernel);
         EXPECT_LT(relative_error(system.right_hand_side(), expected.rhs), test::kSurfaceSystem) << kernel;
         const SurfaceEnergies e = system.energies();
-        const double pairs[][2] = {{e.photo, expected.energies.photo},
-                                   {e.silhouette, expected.energies.silhouette},
-                                   {e.smooth, expected.energies.smooth},
-                                   {e.edge, expected.energies.edge},
-                                   {e.depth, expected.energies.depth},
-                                   {e.velocity, expected.energies.velocity},
-                                   {e.acceleration, expected.energies.acceleration}};
+        const double pairs[][2] = {
+            {e.photo, expected.energies.photo},       {e.silhouette, expected.energies.silhouette},
+            {e.match, expected.energies.match},       {e.smooth, expected.energies.smooth},
+            {e.edge, expected.energies.edge},         {e.depth, expected.energies.depth},
+            {e.velocity, expected.energies.velocity}, {e.acceleration, expected.energies.acceleration}};
         for (const auto& [found, wanted] : pairs) {
           EXPECT_GT(wanted, 0);
           EXPECT_NEAR(found, wanted, test::kSurfaceSystem * wanted);
@@ -94,7 +105,7 @@ TEST(SurfaceSystem, EachTermAloneEqualsTheAssembledJacobian) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const Scene s = busy_scene();
     const test::DeviceScene d(device, s);
-    for (int term = 0; term < 7; ++term) {
+    for (int term = 0; term < 8; ++term) {
       SurfaceOptions o = smooth_options();
       const SurfaceOptions all = o;
       o.w_photo = term == 0 ? all.w_photo : 0;
@@ -102,6 +113,7 @@ TEST(SurfaceSystem, EachTermAloneEqualsTheAssembledJacobian) {
       o.w_smooth = term == 2 ? all.w_smooth : 0;
       o.w_edge = term == 3 ? all.w_edge : 0;
       o.w_depth = term == 6 ? all.w_depth : 0;
+      o.w_match = term == 7 ? all.w_match : 0;
       o.w_velocity = term == 4 ? all.w_velocity : 0;
       o.w_acceleration = term == 5 ? all.w_acceleration : 0;
       SurfaceSystem system(device, s.actor, s.camera, o);

@@ -4,14 +4,15 @@
 livecap=$1
 source "$(dirname "${BASH_SOURCE[0]}")/cases.sh"
 
-# started ARGS...: runs in the background as $pid, and catches signals when this returns.
+# started ARGS...: runs in the background as $pid, and catches signals when this returns. Until it is the program, $pid is
+# this shell's copy, which has this shell's handlers and ignores an interrupt.
 started() {
   "$livecap" "$@" >out.txt 2>err.txt &
   pid=$!
   local i caught
   for ((i = 0; i < 600; ++i)); do
     caught=$(sed -n 's/^SigCgt:\t//p' "/proc/$pid/status")
-    ((0x${caught:-0} & 2)) && return
+    [[ /proc/$pid/exe -ef $livecap ]] && ((0x${caught:-0} & 2)) && return
     sleep 0.1
   done
 }

@@ -1,6 +1,7 @@
-// PoCL (3.1, 5.0) finds the loaded code of a kernel by what it was built from, and ends the process with an assertion
-// (pocl_release_dlhandle_cache) when two queues run it at the same time over ranges of different sizes. So programs of
-// one text that are alive at the same time, of captures beside each other, differ by a definition that says nothing.
+// PoCL (seen with 3.1) finds the loaded code of a kernel by what it was built from, and ends the process with an
+// assertion (pocl_release_dlhandle_cache) when two queues run it at the same time over ranges of different sizes. So
+// programs of one text that are alive at the same time, of captures beside each other, differ by a definition that says
+// nothing.
 #pragma once
 
 #include <string>

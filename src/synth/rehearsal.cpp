@@ -10,6 +10,7 @@
 #include "image/image_io.h"
 #include "livecap/error.h"
 #include "meshing/surface_parts.h"
+#include "synth/numbered_files.h"
 #include "synth/random.h"
 #include "synth/renderer.h"
 
@@ -18,6 +19,8 @@ namespace livecap::synth {
 namespace {
 
 using Eigen::Vector3d;
+
+constexpr char kPictureName[] = "%03d.png";
 
 ActorModel subject_of(const Actor& actor) {
   ActorModel subject;
@@ -149,13 +152,15 @@ void write_rehearsal(const Actor& actor, const RehearsalOptions& options, const 
                                             static_cast<int>(p / options.width), options.seed);
       mask.pixels[p] = 2 * layer.covered[p] >= kSamples ? 255 : 0;
     }
-    const std::string name = format("%03d.png", i);
+    const std::string name = format(kPictureName, i);
     write_png(expose(linear, options.width, options.height, {options.blur_px, options.noise, 1, options.seed + i}),
               folder / "images" / name);
     write_png(mask, folder / "masks" / name);
     write_png(label_image(view, subject), folder / "labels" / name);
     poses += colmap_pose(view, i, options.unit_mm);
   }
+  for (const char* name : {"images", "masks", "labels"})
+    remove_numbered_from(options.n_views, folder / name, kPictureName);
   const Camera camera = camera_from_fov(options.width, options.height, options.fov_deg);
   write_file_atomically(folder / "cameras.txt",
                         format("# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]\n1 PINHOLE %d %d %.9f %.9f %.9f %.9f\n",

@@ -16,6 +16,7 @@
 #include "synth/actor_model.h"
 #include "synth/cloth.h"
 #include "synth/motion.h"
+#include "synth/numbered_files.h"
 #include "synth/renderer.h"
 #include "synth/scenario.h"
 #include "synth/synth.h"
@@ -25,6 +26,8 @@ namespace livecap {
 namespace {
 
 using namespace synth;
+
+constexpr char kMaskName[] = "%06d.png";
 
 View make_view(const SynthOptions& options) {
   View view;
@@ -336,7 +339,7 @@ SynthReport write_sequence(const SynthOptions& options, const std::filesystem::p
     const Picture picture = take_picture(view, lighting, plate, moment, sensor);
     render_ms += timer.elapsed_ms();
     video.write(picture.rgb);
-    write_png(picture.mask, masks / format("%06d.png", report.n_frames));
+    write_png(picture.mask, masks / format(kMaskName, report.n_frames));
     const Performance now = picture.shows_person ? moment.people.front().performance : Performance{};
     truth.append(view, now.vertices);
     joints["frames"].push_back(picture.shows_person ? joints_row(view, now.pose) : nlohmann::json());
@@ -345,6 +348,7 @@ SynthReport write_sequence(const SynthOptions& options, const std::filesystem::p
         swing.push_back(static_cast<float>((now.vertices[i] - now.skinned[i]).norm()));
     ++report.n_frames;
   }
+  remove_numbered_from(report.n_frames, masks, kMaskName);
   video.close();
   truth.close();
   write_file_atomically(folder / "truth" / "joints.json", joints.dump());

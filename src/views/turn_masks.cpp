@@ -86,29 +86,34 @@ TurnBackground find_background(const std::vector<View>& views, const std::vector
 bool mask_by_background(ocl::DeviceContext& device, std::vector<View>& views) {
   const int width = views.front().image.width, height = views.front().image.height;
   std::vector<ImageGray> masks;
-  for (const View& view : views) masks.push_back(view.mask);
+  std::vector<size_t> seen;  // views that show somebody
+  for (const View& view : views) {
+    if (!bounding_box(view.mask).empty()) seen.push_back(masks.size());
+    masks.push_back(view.mask);
+  }
   DeviceFrame frame(device, width, height);
-  double agreement = 0, n_seen = 0;
   for (int round = 0; round < kMaskRounds; ++round) {
     const bool first = round == 0;
     const TurnBackground background = find_background(views, masks, first ? kNetworkMargin : kMargin);
     BackgroundModel model;
     model.train(background.plate);
     ForegroundSegmenter segmenter(device, model, width, height);
-    agreement = n_seen = 0;
-    for (size_t i = 0; i < views.size(); ++i) {
+    for (size_t i : seen) {
       const ImageGray& network = views[i].mask;
-      if (bounding_box(network).empty()) continue;
       segmenter.segment(views[i].image, PersonMask{width, height, network.pixels}, frame, masks[i]);
       // What nobody ever saw is inside of the person; with the wide margin of the first round also beside them.
       for (size_t p = 0; p < network.pixels.size(); ++p)
         if (background.known.pixels[p] == 0) masks[i].pixels[p] = !first || network.pixels[p] > 127 ? 255 : 0;
-      if (!first) cut_feet_from_shadows(background.plate, background.known, views[i].image, masks[i]);
-      agreement += mask_iou(masks[i], network);
-      ++n_seen;
     }
+    if (first) continue;
+    cv::parallel_for_({0, static_cast<int>(seen.size())}, [&](const cv::Range& range) {
+      for (int k = range.start; k < range.end; ++k)
+        cut_feet_from_shadows(background.plate, background.known, views[seen[k]].image, masks[seen[k]]);
+    });
   }
-  if (!(agreement > kSamePerson * n_seen)) return false;
+  double agreement = 0;
+  for (size_t i : seen) agreement += mask_iou(masks[i], views[i].mask);
+  if (!(agreement > kSamePerson * static_cast<double>(seen.size()))) return false;
   for (size_t i = 0; i < views.size(); ++i) views[i].mask = std::move(masks[i]);
   return true;
 }

@@ -150,13 +150,22 @@ std::vector<int> choose_turn(const std::vector<TurnSample>& samples, int n_views
   const int n = static_cast<int>(seen.size());
   if (!anybody) throw ConfigError(what + ": the network sees nobody in its frames");
   if (n == 0) throw ConfigError(what + ": no frame shows all of the person, from head to feet and with both arms");
+  const int n_missing = static_cast<int>(samples.size()) - n;
+  const auto require_whole_person = [&] {  // where too little of a turn is seen
+    if (n_missing > kMostNotWhole * static_cast<double>(samples.size()))
+      throw ConfigError(what + format(": the person leaves the picture: %d of %zu frames do not show all of them, from "
+                                      "head to feet and with both arms",
+                                      n_missing, samples.size()));
+  };
   std::vector<double> turned = unwrapped(samples, seen);
   const auto [low, high] = std::minmax_element(turned.begin(), turned.end());
-  if (*high - *low < kStillTurn)
+  if (*high - *low < kStillTurn) {
+    require_whole_person();
     throw ConfigError(what +
                       format(": the person does not turn (%.0f degrees); one full turn before a static camera is "
                              "needed",
                              (*high - *low) / kDegree));
+  }
   const double sign = high > low ? 1 : -1;
   for (double& angle : turned) angle *= sign;
 
@@ -170,12 +179,8 @@ std::vector<int> choose_turn(const std::vector<TurnSample>& samples, int n_views
       if (angle > most || shorter) most = angle, begin = i, end = j;
       if (angle >= kFullTurn) break;
     }
-  const int n_missing = static_cast<int>(samples.size()) - n;
   if (most < kNearlyFull) {
-    if (n_missing > kMostNotWhole * static_cast<double>(samples.size()))
-      throw ConfigError(what + format(": the person leaves the picture: %d of %zu frames do not show all of them, from "
-                                      "head to feet and with both arms",
-                                      n_missing, samples.size()));
+    require_whole_person();
     throw ConfigError(what + format(": the person turns by only %.0f degrees; a full turn is needed", most / kDegree));
   }
   double highest = turned[begin], back = 0, gap = 0;

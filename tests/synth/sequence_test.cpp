@@ -267,6 +267,11 @@ TEST(Sequence, StaysValidWhenStopped) {
   EXPECT_EQ(report.n_frames, 5);
   EXPECT_EQ(read_pc2(folder / "truth" / "vertices.pc2").n_samples, 5);
   EXPECT_EQ(nlohmann::json::parse(read_file(folder / "truth" / "joints.json"))["frames"].size(), 5u);
+  // A shorter run into the same folder leaves nothing of the longer one.
+  write_sequence(small("trousers"), folder, [](int frame, int) { return frame < 3; });
+  EXPECT_TRUE(std::filesystem::exists(folder / "truth/masks/000002.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "truth/masks/000003.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "truth/masks/000004.png"));
   std::filesystem::remove_all(folder);
 }
 

@@ -109,6 +109,9 @@ TEST(Turntable, RefusalsSayWhy) {
   auto gone = turn_by(370);
   for (int i = 100; i < 240; ++i) gone[i].person = gone[i].whole = false;
   EXPECT_NE(refusal(gone).find("leaves the picture"), std::string::npos) << refusal(gone);
+  auto feet_cut_off = turn_by(370);
+  for (size_t i = 15; i < feet_cut_off.size(); ++i) feet_cut_off[i].whole = false;  // what is left hardly turns
+  EXPECT_NE(refusal(feet_cut_off).find("leaves the picture"), std::string::npos) << refusal(feet_cut_off);
 
   std::vector<double> to_and_fro;
   for (int i = 0; i < 240; ++i)

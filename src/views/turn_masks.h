@@ -20,9 +20,9 @@ struct TurnBackground {
 // empty shows nothing.
 TurnBackground find_background(const std::vector<View>& views, const std::vector<ImageGray>& masks, double margin);
 
-// Replaces the network's masks of the views by the difference to the empty scene, where that is known, with feet cut out
-// of their shadows (views/foot_masks.h). False, and they stay, when that would make other people of them: the camera
-// moved, or the light changed.
+// Replaces the network's masks of the views by the difference to the empty scene, where that is known, with feet cut
+// out of their shadows (views/foot_masks.h). False, and they stay, when that would make other people of them: the
+// camera moved, or the light changed.
 bool mask_by_background(ocl::DeviceContext& device, std::vector<View>& views);
 
 }  // namespace livecap

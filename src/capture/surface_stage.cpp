@@ -1,6 +1,7 @@
 #include "capture/surface_stage.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -39,8 +40,11 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
     folds_.emplace(device, actor, hanging_.hung_weights(), hanging_.opening());
   if (options.enable_surface && options.simulate_cloth) cloth_.emplace(device, actor, options.cloth);
   std::vector<float> share(actor.n_vertices());
+  const float hanging_share = std::lerp(options.taut_carried_share, options.loose_carried_share, hanging_.opening());
   for (int i = 0; i < actor.n_vertices(); ++i)
-    share[i] = actor.rigidity[i] <= options.max_carried_rigidity ? options.carried_share : 0.0f;
+    share[i] = actor.rigidity[i] > options.max_carried_rigidity ? 0.0f
+               : hangs(actor, i)                                ? hanging_share
+                                                                : options.carried_share;
   carried_share_ = ocl::Buffer<float>(device, share);
   if (!options.enable_surface || options.surface.w_match <= 0 || options.cloth_match_levels.empty()) return;
   for (int i = 0; i < actor.n_vertices(); ++i) share[i] = hangs(actor, i) ? 1.0f : 0.0f;

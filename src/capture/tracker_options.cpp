@@ -84,6 +84,8 @@ void TrackerOptions::validate() const {
   starts.validate();
   not_negative("max_carried_rigidity", max_carried_rigidity);
   share("carried_share", carried_share);
+  share("taut_carried_share", taut_carried_share);
+  share("loose_carried_share", loose_carried_share);
   require_levels("cloth_match_levels", cloth_match_levels);
   if (cloth_match_levels.size() > surface.gaussian_kernels.size())
     throw ConfigError(format("tracker option cloth_match_levels has %zu levels; surface.gaussian_kernels has %zu",

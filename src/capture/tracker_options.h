@@ -139,6 +139,10 @@ struct TrackerOptions {
   // (the paper: nothing); that helped one of three sequences with ground truth and left the others as they were.
   float max_carried_rigidity = 3;
   float carried_share = 0.9f;
+  // What hangs keeps all of it, as in the paper, where it is taut, and less where it is in folds, which open and close
+  // (HangingClothOptions::taut, loose).
+  float taut_carried_share = 1;
+  float loose_carried_share = 0.8f;
   // Before the last steps of stage II what hangs of an actor with a texture is matched with the picture at these
   // resolutions (half of it per level), from where the step before left it; at most as many as there are steps. What
   // lies on the body is where the pose has it.

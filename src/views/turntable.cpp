@@ -150,17 +150,17 @@ std::vector<int> choose_turn(const std::vector<TurnSample>& samples, int n_views
   const int n = static_cast<int>(seen.size());
   if (!anybody) throw ConfigError(what + ": the network sees nobody in its frames");
   if (n == 0) throw ConfigError(what + ": no frame shows all of the person, from head to feet and with both arms");
-  const int n_missing = static_cast<int>(samples.size()) - n;
-  const auto require_whole_person = [&] {  // where too little of a turn is seen
-    if (n_missing > kMostNotWhole * static_cast<double>(samples.size()))
-      throw ConfigError(what + format(": the person leaves the picture: %d of %zu frames do not show all of them, from "
-                                      "head to feet and with both arms",
-                                      n_missing, samples.size()));
+  const auto require_few = [&](int64_t n_cut) {  // frames, where too little of a turn is seen
+    if (static_cast<double>(n_cut) > kMostNotWhole * static_cast<double>(samples.size()))
+      throw ConfigError(what + format(": the person leaves the picture: %lld of %zu frames do not show all of them, "
+                                      "from head to feet and with both arms",
+                                      static_cast<long long>(n_cut), samples.size()));
   };
   std::vector<double> turned = unwrapped(samples, seen);
   const auto [low, high] = std::minmax_element(turned.begin(), turned.end());
   if (*high - *low < kStillTurn) {
-    require_whole_person();
+    require_few(std::count_if(samples.begin(), samples.end(),
+                              [](const TurnSample& sample) { return sample.person && !sample.whole; }));
     throw ConfigError(what +
                       format(": the person does not turn (%.0f degrees); one full turn before a static camera is "
                              "needed",
@@ -180,7 +180,7 @@ std::vector<int> choose_turn(const std::vector<TurnSample>& samples, int n_views
       if (angle >= kFullTurn) break;
     }
   if (most < kNearlyFull) {
-    require_whole_person();
+    require_few(static_cast<int>(samples.size()) - n);
     throw ConfigError(what + format(": the person turns by only %.0f degrees; a full turn is needed", most / kDegree));
   }
   double highest = turned[begin], back = 0, gap = 0;

@@ -99,6 +99,8 @@ std::vector<Field> fields() {
       count(LC_FIELD(starts.max_exchanged_frames)),
       length(LC_FIELD(max_carried_rigidity)),
       share(LC_FIELD(carried_share)),
+      share(LC_FIELD(taut_carried_share)),
+      share(LC_FIELD(loose_carried_share)),
       length(LC_FIELD(lost_error_fraction)),
       count(LC_FIELD(max_doubtful_frames)),
       count(LC_FIELD(max_missed_frames)),

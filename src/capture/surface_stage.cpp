@@ -103,6 +103,7 @@ void SurfaceStage::launch(const DeviceFrame& picture, const PixelBox& person) {
     SurfaceInput matched = seen_from(vertices_, picture);
     cloth_matcher_->match(rasterizer_, vertices_, normals_, visibility_.visible(), hangs_, levels[k]);
     matched.matches = &cloth_matcher_->matches();
+    matched.continues = true;
     solve(matched, n_first + k, 1);
   }
   if (!options_.snapping) return;
@@ -152,6 +153,7 @@ double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* p
     if (cloth_gave_up) place(posed, dual_quats, seconds);
     whole = !snapper_.gave_up() && surface && !cloth_gave_up;
   }
+  if (surface->status != SurfaceStatus::kOk) vertices_.copy_from(start_);  // and not what a step made of it
   // The temporal terms compare displacements, not positions (docs/paper_map.md): `previous` is the warped start itself.
   if (options_.warp_displacements) {
     std::swap(before_displacement_rest_, displacement_rest_);

@@ -172,15 +172,16 @@ std::vector<ocl::SelfTestResult> match_self_test(ocl::DeviceContext& device) {
   const ocl::Buffer<float> normals(device, toward_camera);
   const ocl::Buffer<int32_t> visible(device, std::vector<int32_t>(actor.n_vertices(), 1));
   const ocl::Buffer<float> share(device, std::vector<float>(actor.n_vertices(), 1.0f));
-  TextureMatcher matcher(device, actor, camera, MatchOptions{});
   raster.render(positions, camera);
-  matcher.set_picture(frame, silhouette.box);
 
   std::vector<ocl::SelfTestResult> results;
-  for (int level = 0; level <= LC_MATCH_LEVELS; ++level) {
-    matcher.match(raster, positions, normals, visible, share, level);
-    results.push_back(match_result(format("match/pictures.cl, normalise.cl, patch_match.cl: level %d", level), actor,
-                                   camera, matcher.read(), level));
+  for (const char* program : {kMatchProgram, kClothMatchProgram}) {
+    TextureMatcher matcher(device, actor, camera, MatchOptions{}, program);
+    matcher.set_picture(frame, silhouette.box);
+    for (int level = 0; level <= LC_MATCH_LEVELS; ++level) {
+      matcher.match(raster, positions, normals, visible, share, level);
+      results.push_back(match_result(format("%s: level %d", program, level), actor, camera, matcher.read(), level));
+    }
   }
   results.push_back(skin_result(device, actor, camera, raster, positions, normals, visible));
   for (ocl::SelfTestResult& result : sight_results(device, actor, camera, frame, silhouette.box, share))

@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "geometry/pinhole_arg.h"
+#include "match/layout.h"
 #include "ocl/lanes.h"
 #include "surface/programs.h"
 #include "surface/sell.h"
@@ -35,6 +37,7 @@ class Bench {
     packing();
     colors();
     silhouette();
+    match();
     system();
     scalars();
     vectors();
@@ -152,6 +155,30 @@ class Bench {
     found.push_back(at(blocks, 1, 1)[0]);
     // J = (0.1, 0, -0.01) px per mm; rhs = -10 * 7 * J.
     expect("silhouette_system", found, {-7, 0, 0.7f, 490, 0, 0.1f});
+  }
+
+  void match() {
+    ocl::Buffer<float> blocks(device_, constant(Floats(6, 0))), rhs(device_, constant({0, 0, 0})),
+        energy(device_, constant({7}));
+    // Vertex 1 is found 3 px left of where it is, by patches with a correlation of 0.5.
+    Floats matches(LC_MATCH * 3, 0);
+    for (const auto& [k, value] : {std::pair{0, 23.0f},
+                                   {1, 16.0f},
+                                   {2, 1.0f},
+                                   {4, 1.0f},
+                                   {LC_MATCH_WEIGHT_PX, 1.0f},
+                                   {LC_MATCH_CORRELATION, 0.5f}})
+      matches[LC_MATCH + k] = value;
+    kernel(kSurfaceProgram, "match_system")
+        .launch(rows_, 64, graph_.n, rows_, stride_, 10.0f, PinholeArg{100, 100, 16, 16},
+                ocl::Buffer<int32_t>(device_, graph_.order), ocl::Buffer<float>(device_, matches),
+                ocl::Buffer<float>(device_, graph_.planes(vertices_, 3)), blocks, rhs, energy);
+    Floats found = at(rhs, 1, 3);
+    found.push_back(at(energy, 1, 1)[0]);
+    found.push_back(at(energy, 0, 1)[0]);
+    found.push_back(at(blocks, 1, 1)[0]);
+    // J = (0.1, 0, -0.01) px per mm; rhs = -10 * 0.5 * 3 * J.
+    expect("match_system", found, {-1.5f, 0, 0.15f, 45, 0, 0.05f});
   }
 
   // Triangle with right angle at vertex 0, s = 2 so c = 2 for each edge; edges 0-1 and 0-2 are 1 mm longer than the

@@ -14,13 +14,15 @@ namespace livecap {
 struct SurfaceInput {
   const DeviceFrame& frame;           // of the camera's size
   const ocl::Buffer<float>& skinned;  // [3n] V^S
-  const ocl::Buffer<float>& start;    // [3n] V^S + d^S, the warped displacement added
+  const ocl::Buffer<float>& start;    // [3n] V^S + d^S, the warped displacement added, or see `continues`
   // Null: no E_velocity, no E_acceleration. What the last frame predicts for this one: V^S + d^S of t-1, not V^{t-1}.
   const ocl::Buffer<float>* previous = nullptr;
   // [3n] likewise of t-2; null: no E_acceleration.
   const ocl::Buffer<float>* before_previous = nullptr;
   // [LC_MATCH*n] what a TextureMatcher found from `start`; null: no E_match.
   const ocl::Buffer<float>* matches = nullptr;
+  bool continues =
+      false;  // the frame of the launch before: `start` is where that ended, and its failure is the frame's
   const ocl::Buffer<int>& visible;                   // [n] not 0: takes part in E_photo
   const ocl::Buffer<int>& contour_flag;              // [n] not 0: takes part in E_silhouette
   const ocl::Buffer<float>& normals;                 // [3n] outward, of start

@@ -166,7 +166,7 @@ void SurfaceSystem::begin(const SurfaceInput& input) {
   w_velocity_ = input.previous ? options_.w_velocity : 0.0f;
   w_acceleration_ = input.previous && input.before_previous ? options_.w_acceleration : 0.0f;
   if (!input.matches) data_energies_[2].fill(0.0f);
-  first_ = true;
+  if (!input.continues) first_ = true;
 }
 
 void SurfaceSystem::linearize(const SurfaceInput& input, int gaussian_kernel) {

@@ -150,17 +150,18 @@ std::vector<int> choose_turn(const std::vector<TurnSample>& samples, int n_views
   const int n = static_cast<int>(seen.size());
   if (!anybody) throw ConfigError(what + ": the network sees nobody in its frames");
   if (n == 0) throw ConfigError(what + ": no frame shows all of the person, from head to feet and with both arms");
-  const auto require_few = [&](int64_t n_cut) {  // frames, where too little of a turn is seen
-    if (static_cast<double>(n_cut) > kMostNotWhole * static_cast<double>(samples.size()))
-      throw ConfigError(what + format(": the person leaves the picture: %lld of %zu frames do not show all of them, "
-                                      "from head to feet and with both arms",
-                                      static_cast<long long>(n_cut), samples.size()));
+  const auto require_few = [&](int n_cut, int n_frames) {  // where too little of a turn is seen
+    if (n_cut > kMostNotWhole * n_frames)
+      throw ConfigError(what + format(": the person leaves the picture: %d of %d frames do not show all of them, from "
+                                      "head to feet and with both arms",
+                                      n_cut, n_frames));
   };
   std::vector<double> turned = unwrapped(samples, seen);
   const auto [low, high] = std::minmax_element(turned.begin(), turned.end());
   if (*high - *low < kStillTurn) {
-    require_few(std::count_if(samples.begin(), samples.end(),
-                              [](const TurnSample& sample) { return sample.person && !sample.whole; }));
+    const auto n_people = static_cast<int>(
+        std::count_if(samples.begin(), samples.end(), [](const TurnSample& sample) { return sample.person; }));
+    require_few(n_people - n, n_people);
     throw ConfigError(what +
                       format(": the person does not turn (%.0f degrees); one full turn before a static camera is "
                              "needed",
@@ -180,7 +181,7 @@ std::vector<int> choose_turn(const std::vector<TurnSample>& samples, int n_views
       if (angle >= kFullTurn) break;
     }
   if (most < kNearlyFull) {
-    require_few(static_cast<int>(samples.size()) - n);
+    require_few(static_cast<int>(samples.size()) - n, static_cast<int>(samples.size()));
     throw ConfigError(what + format(": the person turns by only %.0f degrees; a full turn is needed", most / kDegree));
   }
   double highest = turned[begin], back = 0, gap = 0;

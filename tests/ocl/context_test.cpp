@@ -40,7 +40,7 @@ TEST(Context, SiblingsShareTheirPrograms) {
   });
 }
 
-// PoCL's assertion (ocl/program_twins.h) ended half of all processes with two captures.
+// PoCL's assertion (ocl/program_twins.h) ended three of four processes with two captures.
 TEST(Context, TwoMayRunTheSameKernelsOverDifferentSizes) {
   test::on_every_device([](ocl::DeviceContext& device) {
     const auto run = [&](int n) {

@@ -1,6 +1,6 @@
 // E_match of the surface stage: adds every matched vertex's share of J^T J and -J^T F.
 #include "match/layout.h"
-#include "surface/system.h"
+#include "surface/add_system.h"
 #include "terms/match.cl"
 
 // matches [LC_MATCH*n]: mesh order. v: 3 planes; blocks (6 planes) and rhs (3 planes) are added to; energy (1 plane) is
@@ -22,14 +22,6 @@ kernel void match_system(int n, int n_rows, int stride, float weight, Pinhole ca
   VertexSystem s = empty_system();
   LC_UNROLL
   for (int i = 0; i < 2; ++i) s = add_row(s, w, r.r[i], vec3(r.J[i][0], r.J[i][1], r.J[i][2]));
-  blocks[row] += s.xx;
-  blocks[stride + row] += s.xy;
-  blocks[2 * stride + row] += s.xz;
-  blocks[3 * stride + row] += s.yy;
-  blocks[4 * stride + row] += s.yz;
-  blocks[5 * stride + row] += s.zz;
-  rhs[row] += s.rhs.x;
-  rhs[stride + row] += s.rhs.y;
-  rhs[2 * stride + row] += s.rhs.z;
+  add_system(s, row, stride, blocks, rhs);
   energy[row] = w * (r.r[0] * r.r[0] + r.r[1] * r.r[1]);
 }

@@ -1,6 +1,6 @@
 // E_silhouette of the surface stage: adds every contour vertex's share of J^T J and -J^T F.
+#include "surface/add_system.h"
 #include "surface/image.h"
-#include "surface/system.h"
 #include "terms/silhouette.cl"
 
 // contour, vertex_part [n], normals [3n]: mesh order. part_image [width*height] is read only when has_parts != 0.
@@ -27,14 +27,6 @@ kernel void silhouette_system(int n, int n_rows, int stride, int width, int heig
   float b = silhouette_direction(d.value, d.gradient, project_direction(q, normal));
   SilhouetteRow r = silhouette_row(p, cam, d.value, d.gradient, b);
   VertexSystem s = add_row(empty_system(), weight, r.r, vec3(r.J[0], r.J[1], r.J[2]));
-  blocks[row] += s.xx;
-  blocks[stride + row] += s.xy;
-  blocks[2 * stride + row] += s.xz;
-  blocks[3 * stride + row] += s.yy;
-  blocks[4 * stride + row] += s.yz;
-  blocks[5 * stride + row] += s.zz;
-  rhs[row] += s.rhs.x;
-  rhs[stride + row] += s.rhs.y;
-  rhs[2 * stride + row] += s.rhs.z;
+  add_system(s, row, stride, blocks, rhs);
   energy[row] = weight * r.r * r.r;
 }

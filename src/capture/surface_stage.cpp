@@ -47,9 +47,10 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
                                                                 : options.carried_share;
   carried_share_ = ocl::Buffer<float>(device, share);
   if (!options.enable_surface || options.surface.w_match <= 0 || options.cloth_match_levels.empty()) return;
-  for (int i = 0; i < actor.n_vertices(); ++i) share[i] = hangs(actor, i) ? 1.0f : 0.0f;
-  if (std::count(share.begin(), share.end(), 1.0f) == 0) return;
-  hangs_ = ocl::Buffer<float>(device, share);
+  std::vector<float> hanging(actor.n_vertices());
+  for (int i = 0; i < actor.n_vertices(); ++i) hanging[i] = hangs(actor, i) ? 1.0f : 0.0f;
+  if (std::count(hanging.begin(), hanging.end(), 1.0f) == 0) return;
+  hangs_ = ocl::Buffer<float>(device, hanging);
   cloth_matcher_.emplace(device, actor, camera, options.match, kClothMatchProgram);
   if (!cloth_matcher_->usable()) cloth_matcher_.reset();
 }

@@ -136,6 +136,16 @@ class Bench {
            {1.0f, 0, 1e4f * xx, 1e4f * yy, 0});
   }
 
+  // Its right-hand side, its energy and that of vertex 0, and the first entry of its block.
+  Floats added_to_vertex_1(const ocl::Buffer<float>& blocks, const ocl::Buffer<float>& rhs,
+                           const ocl::Buffer<float>& energy) const {
+    Floats found = at(rhs, 1, 3);
+    found.push_back(at(energy, 1, 1)[0]);
+    found.push_back(at(energy, 0, 1)[0]);
+    found.push_back(at(blocks, 1, 1)[0]);
+    return found;
+  }
+
   void silhouette() {
     ocl::Buffer<float> blocks(device_, constant(Floats(6, 0))), rhs(device_, constant({0, 0, 0})),
         energy(device_, constant({7}));
@@ -149,12 +159,8 @@ class Bench {
                 ocl::Buffer<float>(device_, Floats{1, 0, 0, 1, 0, 0, 1, 0, 0}), ocl::Buffer<float>(device_, distance),
                 ocl::Buffer<uint8_t>(device_, 1), ocl::Buffer<int32_t>(device_, 3),
                 ocl::Buffer<float>(device_, graph_.planes(vertices_, 3)), blocks, rhs, energy);
-    Floats found = at(rhs, 1, 3);
-    found.push_back(at(energy, 1, 1)[0]);
-    found.push_back(at(energy, 0, 1)[0]);
-    found.push_back(at(blocks, 1, 1)[0]);
     // J = (0.1, 0, -0.01) px per mm; rhs = -10 * 7 * J.
-    expect("silhouette_system", found, {-7, 0, 0.7f, 490, 0, 0.1f});
+    expect("silhouette_system", added_to_vertex_1(blocks, rhs, energy), {-7, 0, 0.7f, 490, 0, 0.1f});
   }
 
   void match() {
@@ -173,12 +179,8 @@ class Bench {
         .launch(rows_, 64, graph_.n, rows_, stride_, 10.0f, PinholeArg{100, 100, 16, 16},
                 ocl::Buffer<int32_t>(device_, graph_.order), ocl::Buffer<float>(device_, matches),
                 ocl::Buffer<float>(device_, graph_.planes(vertices_, 3)), blocks, rhs, energy);
-    Floats found = at(rhs, 1, 3);
-    found.push_back(at(energy, 1, 1)[0]);
-    found.push_back(at(energy, 0, 1)[0]);
-    found.push_back(at(blocks, 1, 1)[0]);
     // J = (0.1, 0, -0.01) px per mm; rhs = -10 * 0.5 * 3 * J.
-    expect("match_system", found, {-1.5f, 0, 0.15f, 45, 0, 0.05f});
+    expect("match_system", added_to_vertex_1(blocks, rhs, energy), {-1.5f, 0, 0.15f, 45, 0, 0.05f});
   }
 
   // Triangle with right angle at vertex 0, s = 2 so c = 2 for each edge; edges 0-1 and 0-2 are 1 mm longer than the

@@ -134,6 +134,8 @@ TEST(TrackerOptions, AnActorWithoutRoundsIsAllowed) {
   TrackerOptions options;
   options.rounds.match_levels.clear();
   EXPECT_NO_THROW(options.validate());
+  options.cloth_match_levels = {2, 1, 1, 0};  // more than there are steps
+  EXPECT_THROW(options.validate(), ConfigError);
 }
 
 TEST(TrackerOptions, WhoTakesThemChecksThem) {

@@ -27,23 +27,24 @@ static inline void store_planes(Vec3 value, global float* restrict planes, int s
   STORE(value.z, planes, at + 2 * stride);
 }
 
-// slice_offsets [n_rows/16+1], neighbors (rows), edge_weights, rest_lengths: SELL-16 entries, padding has weight zero.
+// slice_offsets [n_rows/16+1], neighbors (rows), edge_weights, rest_lengths, rest_shares: SELL-16 entries, padding has
+// weight zero.
 // v, skinned, previous, before: 3 planes mm. blocks: 6 planes, in: data terms, out: complete. rhs: 3 planes, likewise.
-// rest_share: how far an edge's length is drawn from the skinned template's to the rest pose's.
+// rest_shares: how far an edge's length is drawn from the skinned template's to the rest pose's.
 // edges: sqrt(w_edge c_ij) times the unit edge, 3 per entry, 16 of each axis together. inverse: 6 planes.
 // z, p: 3 planes (p: surface/direction.h), preconditioned rhs; step: 3 planes, zero. products: rhs . z per row.
 // depth_weights: of each row, 0 where E_depth does not hold. energies: planes smooth, edge, velocity, acceleration,
 // depth.
-kernel void regularizer_system(int n_rows, int stride, float rest_share, float w_smooth, float w_edge, float w_velocity,
+kernel void regularizer_system(int n_rows, int stride, float w_smooth, float w_edge, float w_velocity,
                                float w_acceleration, float damping, global const int* restrict slice_offsets,
                                global const int* restrict neighbors, global const float* restrict edge_weights,
-                               global const float* restrict rest_lengths, global const float* restrict depth_weights,
-                               global const float* restrict v, global const float* restrict skinned,
-                               global const float* restrict previous, global const float* restrict before,
-                               global float* restrict blocks, global float* restrict rhs, global float* restrict edges,
-                               global float* restrict inverse, global float* restrict z, global float* restrict p,
-                               global float* restrict step, global float* restrict products,
-                               global float* restrict energies) {
+                               global const float* restrict rest_lengths, global const float* restrict rest_shares,
+                               global const float* restrict depth_weights, global const float* restrict v,
+                               global const float* restrict skinned, global const float* restrict previous,
+                               global const float* restrict before, global float* restrict blocks,
+                               global float* restrict rhs, global float* restrict edges, global float* restrict inverse,
+                               global float* restrict z, global float* restrict p, global float* restrict step,
+                               global float* restrict products, global float* restrict energies) {
   int row = FIRST_ROW;
   if (row >= n_rows) return;
   Vec3 v_i = load_planes(v, stride, row);
@@ -89,7 +90,7 @@ kernel void regularizer_system(int n_rows, int stride, float rest_share, float w
     e_smooth += k * dot3(r_smooth, r_smooth);
 
     REAL skinned_length = norm3(sub3(skinned_i, skinned_j));
-    REAL length = skinned_length + rest_share * (LOAD(rest_lengths, at) - skinned_length);
+    REAL length = skinned_length + LOAD(rest_shares, at) * (LOAD(rest_lengths, at) - skinned_length);
     EdgeRow edge = edge_row(v_i, v_j, length);
     Vec3 direction = scale3(vec3(edge.J[0][0], edge.J[0][1], edge.J[0][2]), sqrt(w_edge * c));
     s = add_row(s, w_edge * c, edge.r, vec3(edge.J[0][0], edge.J[0][1], edge.J[0][2]));

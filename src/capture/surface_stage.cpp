@@ -15,6 +15,12 @@ constexpr double kShortestFrame = 1 / 240.0;
 constexpr double kLongestFrame = 0.1;
 constexpr double kUnknownFrame = 1 / 30.0;  // where time does not rise
 
+SurfaceOptions surface_options(const TrackerOptions& options, float opening) {
+  SurfaceOptions surface = options.surface;
+  surface.hanging_rest_share = std::lerp(options.taut_rest_share, options.loose_rest_share, opening);
+  return surface;
+}
+
 }  // namespace
 
 SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
@@ -29,7 +35,7 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
       rasterizer_(rasterizer),
       visibility_(visibility),
       part_mask_(device, actor.mesh, body_parts_of_vertices(actor.skeleton, actor.skin), camera.width, camera.height),
-      solver_(device, actor, camera, options.surface),
+      solver_(device, actor, camera, surface_options(options, hanging_.opening())),
       snapper_(device, actor, solver_.domain(), options.snap) {
   for (ocl::Buffer<float>* buffer :
        {&displacement_rest_, &before_displacement_rest_, &zero_, &start_, &skinned_, &normals_, &vertices_, &before_}) {
@@ -84,38 +90,41 @@ SurfaceInput SurfaceStage::seen_from(const ocl::Buffer<float>& vertices, const D
           .vertex_part = options_.part_mask ? &part_mask_.vertex_part() : nullptr};
 }
 
-// From the skinned template with the displacement on it to the vertices. Colours tell the right place from a few px
-// away, patches from a dozen: what hangs is matched before each of the later steps.
+// From the skinned template with the displacement on it to the vertices. What hangs is matched with the picture at each
+// level in turn: at the first from the start, for the first steps, at each further one from where the steps before left
+// it, for one step.
 void SurfaceStage::launch(const DeviceFrame& picture, const PixelBox& person) {
   const std::vector<int>& levels = options_.cloth_match_levels;
-  const size_t n_matched = cloth_matcher_ ? levels.size() : 0;
   const std::span<const int> steps = options_.surface.gaussian_kernels;
-  const size_t n_first = steps.size() - n_matched;
-  const auto solve = [&](const SurfaceInput& input, size_t begin, size_t count) {
-    solver_.launch(input, steps.subspan(begin, count));
-    if (begin + count == steps.size()) solver_.measure(input);
+  if (cloth_matcher_) cloth_matcher_->set_picture(picture, person, *std::min_element(levels.begin(), levels.end()));
+  const size_t n_looks = cloth_matcher_ ? levels.size() : 1;
+  for (size_t look = 0, done = 0; look < n_looks; ++look) {
+    const ocl::Buffer<float>& from = look == 0 ? start_ : vertices_;
+    SurfaceInput input = seen_from(from, picture);
+    input.continues = look > 0;
+    if (look == 0 && options_.part_mask) part_mask_.update(rasterizer_);
+    if (cloth_matcher_) {
+      cloth_matcher_->match(rasterizer_, from, normals_, visibility_.visible(), hangs_, levels[look]);
+      input.matches = &cloth_matcher_->matches();
+    }
+    const size_t count = look == 0 ? steps.size() - (n_looks - 1) : 1;
+    solver_.launch(input, steps.subspan(done, count));
+    done += count;
+    if (look == n_looks - 1) solver_.measure(input);
     vertices_.copy_from(solver_.vertices());
-  };
-  const SurfaceInput seen = seen_from(start_, picture);
-  if (options_.part_mask) part_mask_.update(rasterizer_);
-  solve(seen, 0, n_first);
-  if (n_matched > 0) cloth_matcher_->set_picture(picture, person, *std::min_element(levels.begin(), levels.end()));
-  for (size_t k = 0; k < n_matched; ++k) {
-    SurfaceInput matched = seen_from(vertices_, picture);
-    cloth_matcher_->match(rasterizer_, vertices_, normals_, visibility_.visible(), hangs_, levels[k]);
-    matched.matches = &cloth_matcher_->matches();
-    matched.continues = true;
-    solve(matched, n_first + k, 1);
   }
-  if (!options_.snapping) return;
+  if (options_.snapping) snap(picture);
+}
+
+void SurfaceStage::snap(const DeviceFrame& picture) {
   skinner_.normals(vertices_, normals_);
   rasterizer_.render_depth(vertices_, camera_);
   visibility_.find_contour(rasterizer_);
   snapper_.snap(SnapInput{.frame = picture,
                           .contour_flag = visibility_.contour(),
                           .normals = normals_,
-                          .part_image = seen.part_image,
-                          .vertex_part = seen.vertex_part},
+                          .part_image = options_.part_mask ? &part_mask_.part_image() : nullptr,
+                          .vertex_part = options_.part_mask ? &part_mask_.vertex_part() : nullptr},
                 vertices_);
 }
 

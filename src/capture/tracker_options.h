@@ -143,9 +143,12 @@ struct TrackerOptions {
   // (HangingClothOptions::taut, loose).
   float taut_carried_share = 1;
   float loose_carried_share = 0.8f;
-  // Before the last steps of stage II what hangs of an actor with a texture is matched with the picture at these
-  // resolutions (half of it per level), from where the step before left it; at most as many as there are steps. What
-  // lies on the body is where the pose has it.
+  // SurfaceOptions::hanging_rest_share: woven cloth hardly stretches, but folds that open do not do so along edges.
+  float taut_rest_share = 0.8f;
+  float loose_rest_share = 0.5f;
+  // In stage II what hangs of an actor with a texture is matched with the picture at these resolutions (half of it per
+  // level): at the first from where it begins, for the first steps, at each further one from where the step before
+  // left it, for one; at most as many as there are steps. What lies on the body is where the pose has it.
   std::vector<int> cloth_match_levels = {2, 1};
 
   // A pose whose mean keypoint error exceeds this fraction of the person's height in the picture is not believed: the

@@ -52,6 +52,7 @@ struct SurfaceOptions {
   // Skinning stretches clothes on the body as the body does, and there E_edge with rest lengths works against E_smooth;
   // cloth that skinning squeezes needs them. Half is a compromise between sequences, not a property of cloth.
   float edge_rest_share = 0.5f;
+  float hanging_rest_share = 0.5f;  // the same of edges between vertices that hang
   // sigma_c: photometric residuals longer than this (Euclidean, RGB in [0,1]) are zero. The paper gives no value. At
   // the true vertices of lit pictures a third of the residuals of striped cloth exceeded 0.2, and without them the
   // gradient no longer pointed to the truth.

@@ -23,6 +23,12 @@ void require_weight(float value, const char* name) {
   }
 }
 
+void require_share(float value, const char* name) {
+  if (!(value >= 0.0f && value <= 1.0f))
+    throw ConfigError(std::string("surface option ") + name + " is " + std::to_string(value) +
+                      ": it must be from 0 to 1");
+}
+
 double rest_length(const Mesh& mesh, int i, int j) {
   double sum = 0;
   for (int a = 0; a < 3; ++a) {
@@ -51,9 +57,8 @@ void SurfaceOptions::validate() const {
   require_weight(color_threshold, "color_threshold");
   if (!(damping > 0.0f) || !std::isfinite(damping)) throw ConfigError("surface option damping must be positive");
   if (!(max_step_mm > 0.0f)) throw ConfigError("surface option max_step_mm must be positive");
-  if (!(edge_rest_share >= 0.0f && edge_rest_share <= 1.0f))
-    throw ConfigError("surface option edge_rest_share is " + std::to_string(edge_rest_share) +
-                      ": it must be from 0 to 1");
+  require_share(edge_rest_share, "edge_rest_share");
+  require_share(hanging_rest_share, "hanging_rest_share");
   if (pcg_iterations < 1) throw ConfigError("surface option pcg_iterations must be at least 1");
   if (gaussian_kernels.empty()) throw ConfigError("surface option gaussian_kernels is empty: give one size per step");
   for (const int size : gaussian_kernels) {
@@ -81,6 +86,9 @@ SurfaceSystem::SurfaceSystem(ocl::DeviceContext& device, const Actor& actor, con
                      return s * (1.0 / domain_->graph.degree[i] + 1.0 / domain_->graph.degree[j]);
                    })};
   rest_lengths_ = {device, domain_->graph.per_entry([&](int i, int j) { return rest_length(actor.mesh, i, j); })};
+  rest_shares_ = {device, domain_->graph.per_entry([&](int i, int j) {
+                    return hangs(actor, i) && hangs(actor, j) ? options.hanging_rest_share : options.edge_rest_share;
+                  })};
   std::vector<float> depth_weights(actor.n_vertices());
   for (int i = 0; i < actor.n_vertices(); ++i) depth_weights[i] = hangs(actor, i) ? 0.0f : options.w_depth;
   depth_weights_ = {device, domain_->graph.planes(depth_weights, 1)};
@@ -188,11 +196,11 @@ void SurfaceSystem::linearize(const SurfaceInput& input, int gaussian_kernel) {
   // Without an earlier frame the term is off; its positions must still be finite.
   const ocl::Buffer<float>& previous = w_velocity_ > 0 || w_acceleration_ > 0 ? previous_ : v_;
   const ocl::Buffer<float>& before = w_acceleration_ > 0 ? before_ : v_;
-  regularizer_.launch(domain_->lane_items, domain_->lane_local, n_rows, stride, options_.edge_rest_share,
-                      options_.w_smooth, options_.w_edge, w_velocity_, w_acceleration_, options_.damping,
-                      domain_->slice_offsets, domain_->neighbors, edge_weights_, rest_lengths_, depth_weights_, v_,
-                      skinned_, previous, before, blocks_, residual_, edges_, inverse_, preconditioned_, direction_,
-                      step_, products_, regularizer_energies_);
+  regularizer_.launch(domain_->lane_items, domain_->lane_local, n_rows, stride, options_.w_smooth, options_.w_edge,
+                      w_velocity_, w_acceleration_, options_.damping, domain_->slice_offsets, domain_->neighbors,
+                      edge_weights_, rest_lengths_, rest_shares_, depth_weights_, v_, skinned_, previous, before,
+                      blocks_, residual_, edges_, inverse_, preconditioned_, direction_, step_, products_,
+                      regularizer_energies_);
   if (!device_->is_cpu()) return;
   start_scalars_.launch(sum_items_, sum_items_, n_rows, first_ ? 1 : 0, products_, scalars_);
   first_ = false;

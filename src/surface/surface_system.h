@@ -65,9 +65,9 @@ class SurfaceSystem {
   size_t row_local_, sum_items_;
 
   // Constants.
-  ocl::Buffer<float> edge_weights_, rest_lengths_;  // [n_entries]
-  ocl::Buffer<float> depth_weights_;                // 1 plane
-  ocl::Buffer<float> colors_;                       // 3 planes
+  ocl::Buffer<float> edge_weights_, rest_lengths_, rest_shares_;  // [n_entries]
+  ocl::Buffer<float> depth_weights_;                              // 1 plane
+  ocl::Buffer<float> colors_;                                     // 3 planes
   ocl::Buffer<uint8_t> no_parts_;
   // State, planes of graph_.stride floats.
   ocl::Buffer<float> v_, skinned_, previous_, before_;                        // 3 planes, mm

@@ -165,7 +165,8 @@ inline ReferenceSystem reference_system(const Scene& s, const SurfaceOptions& o,
       }
       const double rest = (point(s.actor.mesh.positions, i) - point(s.actor.mesh.positions, j)).norm();
       const double skinned = (point(s.skinned, i) - point(s.skinned, j)).norm();
-      const double stretch = edge.norm() - (o.edge_rest_share * rest + (1 - o.edge_rest_share) * skinned);
+      const double rest_share = hangs(s.actor, i) && hangs(s.actor, j) ? o.hanging_rest_share : o.edge_rest_share;
+      const double stretch = edge.norm() - (rest_share * rest + (1 - rest_share) * skinned);
       const int k = row(we * stretch);
       for (int a = 0; a < 3; ++a) {
         J.emplace_back(k, 3 * i + a, we * edge[a] / edge.norm());

@@ -112,19 +112,20 @@ void SurfaceStage::launch(const DeviceFrame& picture, const PixelBox& person) {
     done += count;
     if (look == n_looks - 1) solver_.measure(input);
     vertices_.copy_from(solver_.vertices());
+    if (options_.snapping && look == n_looks - 1) snap(input);
   }
-  if (options_.snapping) snap(picture);
 }
 
-void SurfaceStage::snap(const DeviceFrame& picture) {
+// solved: what the vertices were found from.
+void SurfaceStage::snap(const SurfaceInput& solved) {
   skinner_.normals(vertices_, normals_);
   rasterizer_.render_depth(vertices_, camera_);
   visibility_.find_contour(rasterizer_);
-  snapper_.snap(SnapInput{.frame = picture,
+  snapper_.snap(SnapInput{.frame = solved.frame,
                           .contour_flag = visibility_.contour(),
                           .normals = normals_,
-                          .part_image = options_.part_mask ? &part_mask_.part_image() : nullptr,
-                          .vertex_part = options_.part_mask ? &part_mask_.vertex_part() : nullptr},
+                          .part_image = solved.part_image,
+                          .vertex_part = solved.vertex_part},
                 vertices_);
 }
 

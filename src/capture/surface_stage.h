@@ -46,7 +46,7 @@ class SurfaceStage {
  private:
   void place(const PosedSkeleton& posed, std::span<const float> dual_quats, double seconds);
   void launch(const DeviceFrame& picture, const PixelBox& person);
-  void snap(const DeviceFrame& picture);
+  void snap(const SurfaceInput& solved);
   SurfaceInput seen_from(const ocl::Buffer<float>& vertices, const DeviceFrame& picture);
 
   ocl::DeviceContext& device_;

@@ -143,7 +143,8 @@ struct TrackerOptions {
   // (HangingClothOptions::taut, loose).
   float taut_carried_share = 1;
   float loose_carried_share = 0.8f;
-  // SurfaceOptions::hanging_rest_share: woven cloth hardly stretches, but folds that open do not do so along edges.
+  // SurfaceOptions::hanging_rest_share, likewise: woven cloth hardly stretches, but folds that open took S further off
+  // with 0.8 (docs/experiments.md).
   float taut_rest_share = 0.8f;
   float loose_rest_share = 0.5f;
   // In stage II what hangs of an actor with a texture is matched with the picture at these resolutions (half of it per

@@ -183,9 +183,9 @@ class Bench {
     expect("match_system", added_to_vertex_1(blocks, rhs, energy), {-1.5f, 0, 0.15f, 45, 0, 0.05f});
   }
 
-  // Triangle with right angle at vertex 0, s = 2 so c = 2 for each edge; edges 0-1 and 0-2 are 1 mm longer than the
-  // mean of rest and skinned length (sqrt(10001)); V^S of vertex 0 is 1 mm nearer and held there with a weight of 8;
-  // everything moved by 2 mm on each axis since the last frame.
+  // Triangle with right angle at vertex 0, s = 2 so c = 2 for each edge; edges 0-1 and 0-2 are 1 mm longer than what
+  // is a quarter and three quarters of the way from their skinned length (sqrt(10001)) to that at rest; V^S of vertex 0
+  // is 1 mm nearer and held there with a weight of 8; everything moved by 2 mm on each axis since the last frame.
   void system() {
     Floats skinned = vertices_, previous = vertices_;
     skinned[2] -= 1;
@@ -194,10 +194,12 @@ class Bench {
     const auto zero = [&](int count) { return ocl::Buffer<float>(device_, constant(Floats(count, 0))); };
     const ocl::Buffer<int32_t> offsets(device_, graph_.slice_offsets), neighbors(device_, graph_.neighbors);
     const ocl::Buffer<float> weights(device_, graph_.per_entry([](int, int) { return 2.0; }));
-    const ocl::Buffer<float> lengths(device_, graph_.per_entry([](int i, int j) {
-      return i && j ? std::sqrt(20000.0) : 2 * 99.0 - std::sqrt(10001.0);
+    const auto share = [](int i, int j) { return i == 1 || j == 1 ? 0.25 : 0.75; };
+    const ocl::Buffer<float> shares(device_, graph_.per_entry(share));
+    const ocl::Buffer<float> lengths(device_, graph_.per_entry([&](int i, int j) {
+      const double skinned = std::sqrt(10001.0);
+      return i && j ? std::sqrt(20000.0) : skinned + (99.0 - skinned) / share(i, j);
     }));
-    const ocl::Buffer<float> shares(device_, graph_.per_entry([](int, int) { return 0.5; }));
     const ocl::Buffer<float> depth_weights(device_, graph_.planes(Floats(3, 8.0f), 1));
     ocl::Buffer<float> blocks = zero(6), rhs = zero(3), inverse = zero(6), z = zero(3), p = zero(7), step = zero(3);
     ocl::Buffer<float> products = zero(1), energies = zero(5), edges(device_, 3 * size_t(graph_.n_entries));

@@ -49,10 +49,12 @@ struct SurfaceOptions {
   // The paper's 4 end long before the minimum.
   int pcg_iterations = 12;
   // The length that E_edge draws an edge to: 1 = that of the rest pose (the paper), 0 = that of the skinned template.
-  // Skinning stretches clothes on the body as the body does, and there E_edge with rest lengths works against E_smooth;
-  // cloth that skinning squeezes needs them. Half is a compromise between sequences, not a property of cloth.
+  // Skinning stretches clothes on the body as the body does, and there E_edge with rest lengths works against E_smooth.
+  // Half is a compromise between sequences, not a property of cloth.
   float edge_rest_share = 0.5f;
-  float hanging_rest_share = 0.5f;  // the same of edges between vertices that hang
+  // The same of edges both of whose ends hang, which skinning squeezes. In a capture it is what TrackerOptions say
+  // (taut_rest_share, loose_rest_share).
+  float hanging_rest_share = 0.5f;
   // sigma_c: photometric residuals longer than this (Euclidean, RGB in [0,1]) are zero. The paper gives no value. At
   // the true vertices of lit pictures a third of the residuals of striped cloth exceeded 0.2, and without them the
   // gradient no longer pointed to the truth.

@@ -5,8 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
 
 #include "cloth/hanging_cloth.h"
+#include "image/silhouette.h"
 #include "support/builtin_actor.h"
 #include "support/gpu_bodies.h"
 #include "support/pose_scene.h"
@@ -18,14 +22,26 @@ namespace {
 
 constexpr double kFrame = 1 / 30.0;
 constexpr float kAsideMm = 60;
+constexpr float kDistanceMm = 3200;  // of test::standing_pose; the front of the skirt is nearer
 
-// The built-in skirt without a picture: the surface is what the pose and the simulation make of it.
+// loose: as if all of the skirt lay in folds.
+TrackerOptions stage_options(bool simulate, bool loose) {
+  TrackerOptions options;
+  options.simulate_cloth = simulate;
+  if (loose) options.hanging.taut = 0, options.hanging.loose = 0.005f;
+  return options;
+}
+
+// The built-in skirt. Without a picture the surface is what the pose and the simulation make of it.
 class Scene {
  public:
-  Scene(ocl::DeviceContext& device, bool simulate, bool loose = false)
-      : rasterizer_(device, actor_.mesh, camera_.width, camera_.height),
+  Scene(ocl::DeviceContext& device, const TrackerOptions& options)
+      : device_(device),
+        rasterizer_(device, actor_.mesh, camera_.width, camera_.height),
         visibility_(device, actor_.mesh, {}),
-        stage_(device, actor_, camera_, options(simulate, loose), rasterizer_, visibility_) {}
+        stage_(device, actor_, camera_, options, rasterizer_, visibility_) {}
+  Scene(ocl::DeviceContext& device, bool simulate, bool loose = false)
+      : Scene(device, stage_options(simulate, loose)) {}
 
   std::vector<float> at(float x_mm, double time_s, double lifted_rad = 0) {
     Pose pose = test::standing_pose(actor_, 0.5);
@@ -37,15 +53,50 @@ class Scene {
   }
   void reset() { stage_.reset(); }
 
- private:
-  // loose: as if all of the skirt lay in folds.
-  static TrackerOptions options(bool simulate, bool loose) {
-    TrackerOptions options;
-    options.simulate_cloth = simulate;
-    if (loose) options.hanging.taut = 0, options.hanging.loose = 0.005f;
-    return options;
+  // From a pose so far beside that of the picture, in which the actor is as skinning has it.
+  std::vector<float> found_from(float beside_mm) {
+    Pose pose = test::standing_pose(actor_, 0.5);
+    stage_.skin_template(pose);
+    rasterizer_.render(stage_.vertices(), camera_);
+    const ImageRgb picture = textured();
+    ImageGray mask{camera_.width, camera_.height, {}};
+    for (int32_t t : rasterizer_.triangle_ids().read_all()) mask.pixels.push_back(t >= 0 ? 255 : 0);
+    const Silhouette silhouette = make_silhouette(mask);
+    DeviceFrame frame(device_, camera_.width, camera_.height);
+    frame.upload(silhouette, picture);
+    pose.root_translation_mm.x() += beside_mm;
+    stage_.solve(pose, 0, &frame, bounding_box(mask));
+    return stage_.vertices().read_all();
   }
 
+ private:
+  // What was rendered last with its texture, one texel a pixel.
+  ImageRgb textured() const {
+    const std::vector<int32_t> ids = rasterizer_.triangle_ids().read_all();
+    const std::vector<float> projected = rasterizer_.projected().read_all();
+    const ImageRgb& texture = actor_.texture;
+    ImageRgb picture{camera_.width, camera_.height, std::vector<uint8_t>(3 * ids.size(), 128)};
+    for (size_t p = 0; p < ids.size(); ++p) {
+      if (ids[p] < 0) continue;
+      Eigen::Matrix3d corners;  // u / z, v / z and 1 / z of each are linear in the picture
+      Eigen::Matrix<double, 2, 3> uv;
+      for (int k = 0; k < 3; ++k) {
+        const size_t corner = size_t(3) * ids[p] + k;
+        const float* at = &projected[size_t(4) * actor_.mesh.triangles[corner]];
+        corners.col(k) = Eigen::Vector3d(at[0], at[1], 1) / at[2];
+        for (int a = 0; a < 2; ++a) uv(a, k) = actor_.render.uvs[size_t(2) * actor_.render.triangles[corner] + a];
+      }
+      const Eigen::Vector3d pixel(double(p % camera_.width), double(p / camera_.width), 1);
+      Eigen::Vector3d shares = corners.partialPivLu().solve(pixel);
+      const Eigen::Vector2d place = uv * (shares / shares.sum());
+      const int x = std::clamp(int(place.x() * texture.width), 0, texture.width - 1);
+      const int y = std::clamp(int(place.y() * texture.height), 0, texture.height - 1);
+      std::copy_n(&texture.pixels[3 * (size_t(y) * texture.width + x)], 3, &picture.pixels[3 * p]);
+    }
+    return picture;
+  }
+
+  ocl::DeviceContext& device_;
   const Actor& actor_ = test::builtin_actor("skirt");
   Camera camera_ = test::portrait_camera();
   DepthRasterizer rasterizer_;
@@ -121,6 +172,44 @@ TEST(SurfaceStage, ASkirtSwingsByTheFramesTimes) {
     EXPECT_EQ(behind_after(-1), usual) << "where time does not rise it is a 30th of a second";
     EXPECT_EQ(behind_after(1e-6), behind_after(1 / 240.0)) << "time stamps of bunched frames hardly differ";
     EXPECT_LT(behind_after(1), kAsideMm / 8) << "after a gap it begins at rest";
+  });
+}
+
+// The pose is 20 mm beside the picture's: the body stays there, what hangs is found again, nearer with each look.
+TEST(SurfaceStage, WhatHangsIsMatchedAtEachLevel) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const Actor& actor = test::builtin_actor("skirt");
+    const auto beside_mm = [&](std::vector<int> levels) {
+      TrackerOptions options = stage_options(false, false);
+      options.cloth_match_levels = std::move(levels);
+      Scene scene(device, options);
+      const std::vector<float> truth = scene.found_from(0), found = scene.found_from(20);
+      double sum = 0, count = 0;
+      for (int i = 0; i < actor.n_vertices(); ++i)
+        if (hangs(actor, i) && truth[3 * i + 2] < kDistanceMm) sum += std::abs(found[3 * i] - truth[3 * i]), ++count;
+      return sum / count;
+    };
+    // 5.5, 3.8, 2.7 and 2.6 mm
+    const double unmatched = beside_mm({}), once = beside_mm({2}), twice = beside_mm({2, 1});
+    EXPECT_LT(once, 0.85 * unmatched);
+    EXPECT_LT(twice, 0.85 * once);
+    EXPECT_LT(beside_mm({2, 1, 0}), twice) << "as many levels as there are steps";
+  });
+}
+
+// Between what skinning makes of an edge and its length at rest.
+TEST(SurfaceStage, TautAndLooseGarmentsKeepTheirLengthsEachInItsWay) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const auto found = [&](bool loose, float taut_share, float loose_share) {
+      TrackerOptions options = stage_options(false, loose);
+      options.taut_rest_share = taut_share;
+      options.loose_rest_share = loose_share;
+      return Scene(device, options).found_from(kAsideMm / 4);
+    };
+    EXPECT_NE(found(false, 0, 0.5f), found(false, 1, 0.5f));
+    EXPECT_EQ(found(false, 0.5f, 0), found(false, 0.5f, 1));
+    EXPECT_EQ(found(true, 0, 0.5f), found(true, 1, 0.5f));
+    EXPECT_NE(found(true, 0.5f, 0), found(true, 0.5f, 1));
   });
 }
 

@@ -32,7 +32,8 @@ class PartMask {
   PartMask(ocl::DeviceContext& device, const Mesh& mesh, const std::vector<int32_t>& vertex_part, int width, int height,
            int dilation_px = kDefaultDilationPx);
 
-  // From what `raster` rendered last (in a capture the template with the last frame's displacement). Enqueued in order, nothing blocks.
+  // From what `raster` rendered last (in a capture the template with the last frame's displacement). Enqueued in order,
+  // nothing blocks.
   void update(const DepthRasterizer& raster);
 
   const ocl::Buffer<uint8_t>& part_image() const { return part_image_; }    // [w*h] BodyPart, 0 = none

@@ -28,8 +28,8 @@ const std::vector<std::string>& component_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> list;
     for (const Term& term : term_table()) list.emplace_back(term.name);
-    for (const char* name : {"face", "warping", "part_mask", "snapping", "cloth", "confidence", kMaskGating.data(),
-                             kFixedLag.data(), "pose_solver"})
+    for (const char* name : {"face", "warping", "part_mask", "snapping", "cloth", "cloth_behind", "confidence",
+                             kMaskGating.data(), kFixedLag.data(), "pose_solver"})
       list.emplace_back(name);
     return list;
   }();
@@ -62,6 +62,8 @@ void switch_off(const std::string& name, TrackerOptions& options) {
     options.snapping = false;
   } else if (name == "cloth") {
     options.simulate_cloth = false;
+  } else if (name == "cloth_behind") {
+    options.behind_share = 0;
   } else if (name == "confidence") {
     options.ignore_confidence = true;
   } else if (name == "pose_solver") {

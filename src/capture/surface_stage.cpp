@@ -58,7 +58,11 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
   if (std::count(hanging.begin(), hanging.end(), 1.0f) == 0) return;
   hangs_ = ocl::Buffer<float>(device, hanging);
   cloth_matcher_.emplace(device, actor, camera, options.match, kClothMatchProgram);
-  if (!cloth_matcher_->usable()) cloth_matcher_.reset();
+  if (!cloth_matcher_->usable()) {
+    cloth_matcher_.reset();
+  } else if (options.behind_share > 0) {
+    cloth_behind_.emplace(device, camera, options.behind_share);
+  }
 }
 
 void SurfaceStage::reset() {
@@ -105,6 +109,8 @@ void SurfaceStage::launch(const DeviceFrame& picture, const PixelBox& person) {
     if (look == 0 && options_.part_mask) part_mask_.update(rasterizer_);
     if (cloth_matcher_) {
       cloth_matcher_->match(rasterizer_, from, normals_, visibility_.visible(), hangs_, levels[look]);
+      if (cloth_behind_)
+        cloth_behind_->match(rasterizer_, start_, hangs_, visibility_.visible(), cloth_matcher_->matches());
       input.matches = &cloth_matcher_->matches();
     }
     const size_t count = look == 0 ? steps.size() - (n_looks - 1) : 1;

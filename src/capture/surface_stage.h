@@ -14,6 +14,7 @@
 #include "image/device_frame.h"
 #include "image/person_gate.h"
 #include "livecap/camera.h"
+#include "match/cloth_behind.h"
 #include "match/texture_matcher.h"
 #include "raster/depth.h"
 #include "raster/part_mask.h"
@@ -65,6 +66,7 @@ class SurfaceStage {
   SurfaceSolver solver_;
   Snapper snapper_;
   std::optional<TextureMatcher> cloth_matcher_;  // where something hangs that has a texture
+  std::optional<ClothBehind> cloth_behind_;      // likewise
 
   ocl::Buffer<float> displacement_rest_;         // d-hat, rest frame; zero before the first surface
   ocl::Buffer<float> before_displacement_rest_;  // the same of the frame before

@@ -88,6 +88,7 @@ void TrackerOptions::validate() const {
   share("loose_carried_share", loose_carried_share);
   share("taut_rest_share", taut_rest_share);
   share("loose_rest_share", loose_rest_share);
+  share("behind_share", behind_share);
   require_levels("cloth_match_levels", cloth_match_levels);
   if (cloth_match_levels.size() > surface.gaussian_kernels.size())
     throw ConfigError(format("tracker option cloth_match_levels has %zu levels; surface.gaussian_kernels has %zu",

@@ -6,6 +6,7 @@
 #include "actor/labels.h"
 #include "base/text.h"
 #include "match/actor_sight.h"
+#include "match/cloth_behind.h"
 #include "match/skin_shading.h"
 #include "match/texture_matcher.h"
 
@@ -89,6 +90,29 @@ ocl::SelfTestResult match_result(const std::string& name, const Actor& actor, co
   return {
       name, ok,
       ok ? "" : format("%d of %d vertices found, worst %g px off, at most %g expected", found, expected, worst, bound)};
+}
+
+// The vertex in the middle is not seen and began 10 mm to the right of its place: it goes where its neighbours went.
+ocl::SelfTestResult behind_result(ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
+                                  const DepthRasterizer& raster, const ocl::Buffer<float>& normals,
+                                  TextureMatcher& matcher, const ocl::Buffer<float>& hangs) {
+  constexpr float kShare = 0.25f, kBeganMm = 10;
+  const int middle = actor.n_vertices() / 2;
+  std::vector<int32_t> seen(actor.n_vertices(), 1);
+  seen[middle] = 0;
+  const ocl::Buffer<int32_t> visible(device, seen);
+  std::vector<float> start = actor.mesh.positions;
+  start[3 * size_t(middle)] += kBeganMm;
+  matcher.match(raster, ocl::Buffer<float>(device, actor.mesh.positions), normals, visible, hangs, 0);
+  ClothBehind(device, camera, kShare)
+      .match(raster, ocl::Buffer<float>(device, start), hangs, visible, matcher.matches());
+  const std::vector<float> all = matcher.matches().read_all();
+  const float* match = &all[LC_MATCH * size_t(middle)];
+  const double du = match[0] - (camera.fx * start[3 * size_t(middle)] / kDepth + camera.cx + kMovedX);
+  const double dv = match[1] - (camera.fy * start[3 * size_t(middle) + 1] / kDepth + camera.cy + kMovedY);
+  const bool ok = std::hypot(du, dv) <= 0.3 && match[LC_MATCH_CORRELATION] == kShare;
+  return {"match/match_behind.cl match_behind", ok,
+          ok ? "" : format("(%g, %g) px off, counts %g", du, dv, match[LC_MATCH_CORRELATION])};
 }
 
 // All in one launch, where the device does so: the square hangs on one bone that has not moved.
@@ -182,6 +206,8 @@ std::vector<ocl::SelfTestResult> match_self_test(ocl::DeviceContext& device) {
       matcher.match(raster, positions, normals, visible, share, level);
       results.push_back(match_result(format("%s: level %d", program, level), actor, camera, matcher.read(), level));
     }
+    if (program == kClothMatchProgram)
+      results.push_back(behind_result(device, actor, camera, raster, normals, matcher, share));
   }
   results.push_back(skin_result(device, actor, camera, raster, positions, normals, visible));
   for (ocl::SelfTestResult& result : sight_results(device, actor, camera, frame, silhouette.box, share))

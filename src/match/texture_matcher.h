@@ -73,6 +73,7 @@ class TextureMatcher {
   Matches found() const;
   // What there is to read, on the device: [LC_MATCH*n_vertices]; and the px^2 of a match of weight 1.
   const ocl::Buffer<float>& matches() const { return matches_; }
+  ocl::Buffer<float>& matches() { return matches_; }  // for who adds to them
   float weight_area_px() const { return options_.weight_area_px; }
 
  private:

@@ -197,6 +197,27 @@ TEST(SurfaceStage, WhatHangsIsMatchedAtEachLevel) {
   });
 }
 
+// Likewise: what is behind is found no more than the camera sees it, but goes some of the way with what is before it.
+TEST(SurfaceStage, WhatHangsBehindMovesAsThatBeforeIt) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const Actor& actor = test::builtin_actor("skirt");
+    const auto moved_mm = [&](float share) {
+      TrackerOptions options = stage_options(false, false);
+      options.behind_share = share;
+      Scene scene(device, options);
+      const std::vector<float> truth = scene.found_from(0), found = scene.found_from(20);
+      double sum = 0, count = 0;
+      for (int i = 0; i < actor.n_vertices(); ++i)
+        if (hangs(actor, i) && truth[3 * i + 2] > kDistanceMm) sum += truth[3 * i] + 20 - found[3 * i], ++count;
+      return sum / count;
+    };
+    const double without = moved_mm(0), with = moved_mm(0.005f), more = moved_mm(0.1f);
+    EXPECT_GT(with, without + 1) << without;
+    EXPECT_GT(more, with + 1);
+    EXPECT_LT(more, 20);
+  });
+}
+
 // Between what skinning makes of an edge and its length at rest.
 TEST(SurfaceStage, TautAndLooseGarmentsKeepTheirLengthsEachInItsWay) {
   test::on_every_device([](ocl::DeviceContext& device) {

@@ -103,6 +103,7 @@ std::vector<Field> fields() {
       share(LC_FIELD(loose_carried_share)),
       share(LC_FIELD(taut_rest_share)),
       share(LC_FIELD(loose_rest_share)),
+      share(LC_FIELD(behind_share)),
       length(LC_FIELD(lost_error_fraction)),
       count(LC_FIELD(max_doubtful_frames)),
       count(LC_FIELD(max_missed_frames)),

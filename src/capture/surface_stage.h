@@ -66,7 +66,7 @@ class SurfaceStage {
   SurfaceSolver solver_;
   Snapper snapper_;
   std::optional<TextureMatcher> cloth_matcher_;  // where something hangs that has a texture
-  std::optional<ClothBehind> cloth_behind_;      // likewise
+  std::optional<ClothBehind> cloth_behind_;      // likewise, with a share of more than 0
 
   ocl::Buffer<float> displacement_rest_;         // d-hat, rest frame; zero before the first surface
   ocl::Buffer<float> before_displacement_rest_;  // the same of the frame before

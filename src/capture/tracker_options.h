@@ -151,8 +151,8 @@ struct TrackerOptions {
   // level): at the first from where it begins, for the first steps, at each further one from where the step before
   // left it, for one; at most as many as there are steps. What lies on the body is where the pose has it.
   std::vector<int> cloth_match_levels = {2, 1};
-  // Hanging cloth that the camera does not see is drawn to where it would be, had it moved as what is matched before
-  // it: so much of a match's weight, 0 = not.
+  // Where cloth is matched, what the camera does not see of it is drawn to where it would be, had it moved as what it
+  // sees of it there: so much of a match's weight, 0 = not.
   float behind_share = 0.005f;
 
   // A pose whose mean keypoint error exceeds this fraction of the person's height in the picture is not believed: the

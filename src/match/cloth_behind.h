@@ -17,8 +17,8 @@ class ClothBehind {
   ClothBehind(ocl::DeviceContext& device, const Camera& camera, float share);
 
   // raster: rendered what `matches` [LC_MATCH*n_vertices] of a TextureMatcher were found from. start [3*n_vertices] mm,
-  // camera frame: where the frame began; hangs [n_vertices] 1 or 0; visible [n_vertices]. Adds to the matches.
-  // Enqueued. Throws LogicError for buffers of other sizes.
+  // camera frame: where the frame began; hangs [n_vertices] 1 or 0; visible [n_vertices]. Adds to the matches, for the
+  // surface solver only. Enqueued. Throws LogicError for buffers of other sizes.
   void match(const DepthRasterizer& raster, const ocl::Buffer<float>& start, const ocl::Buffer<float>& hangs,
              const ocl::Buffer<int32_t>& visible, ocl::Buffer<float>& matches);
 

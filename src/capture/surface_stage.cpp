@@ -103,6 +103,7 @@ void SurfaceStage::launch(const DeviceFrame& picture, const PixelBox& person) {
   if (cloth_matcher_) cloth_matcher_->set_picture(picture, person, *std::min_element(levels.begin(), levels.end()));
   const size_t n_looks = cloth_matcher_ ? levels.size() : 1;
   for (size_t look = 0, done = 0; look < n_looks; ++look) {
+    const bool last = look + 1 == n_looks;
     const ocl::Buffer<float>& from = look == 0 ? start_ : vertices_;
     SurfaceInput input = seen_from(from, picture);
     input.continues = look > 0;
@@ -116,9 +117,9 @@ void SurfaceStage::launch(const DeviceFrame& picture, const PixelBox& person) {
     const size_t count = look == 0 ? steps.size() - (n_looks - 1) : 1;
     solver_.launch(input, steps.subspan(done, count));
     done += count;
-    if (look == n_looks - 1) solver_.measure(input);
+    if (last) solver_.measure(input);
     vertices_.copy_from(solver_.vertices());
-    if (options_.snapping && look == n_looks - 1) snap(input);
+    if (last && options_.snapping) snap(input);
   }
 }
 

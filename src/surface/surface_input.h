@@ -21,8 +21,8 @@ struct SurfaceInput {
   const ocl::Buffer<float>* before_previous = nullptr;
   // [LC_MATCH*n] what a TextureMatcher found from `start`; null: no E_match.
   const ocl::Buffer<float>* matches = nullptr;
-  bool continues =
-      false;  // the frame of the launch before: `start` is where that ended, and its failure is the frame's
+  // The frame of the launch before: `start` is where that ended, and its failure is the frame's.
+  bool continues = false;
   const ocl::Buffer<int>& visible;                   // [n] not 0: takes part in E_photo
   const ocl::Buffer<int>& contour_flag;              // [n] not 0: takes part in E_silhouette
   const ocl::Buffer<float>& normals;                 // [3n] outward, of start

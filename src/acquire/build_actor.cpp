@@ -339,7 +339,7 @@ class Builder {
   void guess() {
     result_.actor.labels = guess_labels({surface(), result_.actor.weights, result_.joints, shape_.volume,
                                          vertex_colors(surface(), result_.actor.atlas, result_.actor.texture),
-                                         result_.actor.marker_vertex("nose")});
+                                         result_.actor.marker_vertex("nose"), well_seen(coverage_)});
     note(has_label_images() ? "the materials are guessed from body parts and colours instead"
                             : "no label images: materials are guessed from body parts and colours");
   }

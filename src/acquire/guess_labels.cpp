@@ -3,7 +3,9 @@
 #include <array>
 #include <cmath>
 
+#include "acquire/leg_line.h"
 #include "acquire/material_labels.h"
+#include "acquire/spread_labels.h"
 #include "actor/labels.h"
 #include "base/median.h"
 #include "base/srgb.h"
@@ -47,7 +49,9 @@ class Guess {
     const bool skirt = thighs_are_covered();
     std::vector<uint8_t> labels(n_);
     for (size_t i = 0; i < n_; ++i) labels[i] = label(i, waist, skirt);
-    return smoothed(labels);
+    labels = smoothed(labels);
+    if (!in_.seen.empty()) spread_labels(in_.surface, in_.seen, labels);
+    return labels;
   }
 
  private:
@@ -144,6 +148,17 @@ class Guess {
     return (bone >= kLeftArmBone && bone <= kLeftKnuckleBone) || (bone >= kRightArmBone && bone <= kRightKnuckleBone);
   }
 
+  bool in_cloth_of_both(double y) const {
+    return around_both_legs(leg_line(in_.joints, kLeftUpLegBone), leg_line(in_.joints, kRightUpLegBone), in_.volume, y,
+                            0);
+  }
+
+  // A thigh below a skirt, or in it, not its cloth: that hangs off the leg.
+  bool is_flesh(size_t i, int leg_bone) const {
+    const int thigh = leg_bone < kRightUpLegBone ? kLeftUpLegBone : kRightUpLegBone;
+    return leg_line(in_.joints, thigh).gap_to(point(i)) < 0.01 * height_;
+  }
+
   uint8_t label(size_t i, double waist, bool skirt) const {
     const int b = bone(i);
     if (b == kHeadBone || b == kNeckBone) {
@@ -164,7 +179,9 @@ class Guess {
       const double level = skirt ? 0.4 * knee.y() + 0.6 * ankle.y() : ankle.y() - 0.012 * height_;
       if (joint >= 1 && !skin_[i] && point(i).y() < level) return left_leg ? lip::kLeftShoe : lip::kRightShoe;
       if (joint >= 2 && !skin_[i]) return skirt ? (left_leg ? lip::kLeftShoe : lip::kRightShoe) : lip::kPants;
-      if (skin_[i] && !skirt) return left_leg ? lip::kLeftLeg : lip::kRightLeg;
+      const bool flesh = is_flesh(i, b);
+      if (skin_[i] && (!skirt || flesh)) return left_leg ? lip::kLeftLeg : lip::kRightLeg;
+      if (skirt && flesh && !in_cloth_of_both(point(i).y())) return lip::kPants;  // tights
     }
     if (point(i).y() < waist) return skirt ? lip::kSkirt : lip::kPants;
     // Bare shoulders and neckline belong to the face's class, as the neck does.

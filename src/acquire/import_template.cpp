@@ -202,9 +202,13 @@ class Importer {
     std::vector<Vector3d> colors = result_.actor.colors;
     if (!result_.actor.texture.empty()) colors = vertex_colors(surface(), result_.actor.atlas, result_.actor.texture);
     if (colors.empty()) colors.assign(surface().vertices.size(), Vector3d::Constant(0.5));
-    result_.actor.labels =
-        guess_labels({surface(), weights, body_joints(joints_, result_.rig, top),
-                      volume_of(surface(), BuildOptions().grid_mm), colors, result_.actor.marker_vertex("nose")});
+    result_.actor.labels = guess_labels({surface(),
+                                         weights,
+                                         body_joints(joints_, result_.rig, top),
+                                         volume_of(surface(), BuildOptions().grid_mm),
+                                         colors,
+                                         result_.actor.marker_vertex("nose"),
+                                         {}});
     note("no --labels: materials are guessed from body parts and colours");
   }
 

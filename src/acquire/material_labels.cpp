@@ -2,19 +2,17 @@
 
 #include <algorithm>
 #include <array>
-#include <queue>
+#include <utility>
 
+#include "acquire/spread_labels.h"
 #include "actor/labels.h"
-#include "meshing/surface_parts.h"
 
 namespace livecap::acquire {
 
 namespace {
 
 constexpr float kBorderVote = 0.25f;  // of a pixel beside one of another label, where a mm decides
-constexpr float kFewVotes = 0.03f;    // of all label images; fewer are of edges: a built hem is mm beside the true one
-constexpr double kDown = -0.7;        // of a normal's y, up in the rest frame: what is below it looks down
-constexpr double kCrease = 10;        // times the way that an edge between normals at right angles is longer
+constexpr float kFewVotes = 0.03f;    // of all label images or views
 
 // Whether the 3x3 pixels around have one label.
 bool is_even_around(const ImageGray& image, int x, int y) {
@@ -26,41 +24,6 @@ bool is_even_around(const ImageGray& image, int x, int y) {
     for (int column = x - 1; column <= x + 1; ++column)
       if (at(column, row) != at(x, y)) return false;
   return true;
-}
-
-// Vertices without a label take that of the nearest with one, along the surface, where a crease is a long way: inside
-// of a skirt nothing is seen, legs go on in it and its lining does not go down on them. They end where it closes: what
-// looks down there is no leg, unless `legs_everywhere`.
-void spread_labels(const meshing::Surface& surface, const std::vector<std::vector<int>>& neighbors,
-                   const std::vector<Eigen::Vector3d>& normals, bool legs_everywhere, std::vector<char>& known,
-                   std::vector<uint8_t>& labels) {
-  struct Step {
-    double way;
-    int vertex;
-    uint8_t label;
-    bool operator<(const Step& other) const {
-      return way != other.way ? way > other.way : vertex != other.vertex ? vertex > other.vertex : label > other.label;
-    }
-  };
-  std::priority_queue<Step> next;
-  const auto leave = [&](int from, double way) {
-    for (int to : neighbors[from]) {
-      const bool is_leg = labels[from] == lip::kLeftLeg || labels[from] == lip::kRightLeg;
-      if (known[to] || (is_leg && !legs_everywhere && normals[to].y() < kDown)) continue;
-      const double length = (surface.vertices[to] - surface.vertices[from]).norm();
-      next.push({way + length * (1 + kCrease * (1 - normals[from].dot(normals[to]))), to, labels[from]});
-    }
-  };
-  for (size_t i = 0; i < known.size(); ++i)
-    if (known[i]) leave(static_cast<int>(i), 0);
-  while (!next.empty()) {
-    const Step step = next.top();
-    next.pop();
-    if (known[step.vertex]) continue;
-    known[step.vertex] = 1;
-    labels[step.vertex] = step.label;
-    leave(step.vertex, step.way);
-  }
 }
 
 }  // namespace
@@ -98,11 +61,20 @@ MaterialLabels vote_labels(const meshing::Surface& surface, const std::vector<Vi
     if (known[i]) result.labels[i] = static_cast<uint8_t>(best - votes[i].begin());
     result.n_unseen += !known[i];
   }
-  const std::vector<std::vector<int>> neighbors = meshing::neighbors_of(surface);
-  const std::vector<Eigen::Vector3d> normals = meshing::vertex_normals(surface);
-  for (bool legs_everywhere : {false, true})
-    spread_labels(surface, neighbors, normals, legs_everywhere, known, result.labels);
+  spread_labels(surface, std::move(known), result.labels);
   return result;
+}
+
+std::vector<char> well_seen(const std::vector<ViewCoverage>& coverage) {
+  if (coverage.empty()) return {};
+  std::vector<char> seen(coverage.front().facing.size());
+  for (size_t i = 0; i < seen.size(); ++i) {
+    float sum = 0;
+    for (const ViewCoverage& view : coverage)
+      if (view.facing[i] > kEdgeOn) sum += view.facing[i];
+    seen[i] = sum > kFewVotes * static_cast<float>(coverage.size());
+  }
+  return seen;
 }
 
 }  // namespace livecap::acquire

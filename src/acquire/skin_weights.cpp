@@ -79,28 +79,12 @@ bool sees(const Volume& volume, const Vector3d& vertex, const Vector3d& normal, 
   return true;
 }
 
-LegLine leg_of(const BodyJoints& joints, int thigh) {
-  return {joints[thigh], joints[thigh + 1], joints[thigh + 2]};
-}
-
-// How far p is off a leg's flesh, mm; below 0 within. A thigh's girth is 1.3 of its length at the top and 0.92 at the
-// knee.
-double gap_to_leg(const BodyJoints& joints, int thigh, const Vector3d& p) {
-  constexpr double kTopRadius = 0.208, kKneeRadius = 0.147;  // of the thigh's length
-  const Vector3d &hip = joints[thigh], &knee = joints[thigh + 1], &ankle = joints[thigh + 2];
-  const double length = (knee - hip).norm();
-  const double along = std::clamp((p - hip).dot(knee - hip) / std::max(length * length, 1e-9), 0.0, 1.0);
-  const double off_thigh = (p - hip - along * (knee - hip)).norm() - length * std::lerp(kTopRadius, kKneeRadius, along);
-  const double off_shank = (p - nearest_on({thigh + 1, knee, ankle}, p)).norm() - length * kKneeRadius;
-  return std::min(off_thigh, off_shank);
-}
-
 // How much of a leg's motion a ring around both legs takes over at p; the rest of the way it hangs from the hips. Cloth
 // that hangs off the leg by a gap is moved only once the swinging leg has closed the gap, so of a swing of s it takes
 // (s - gap) / s.
 double followed_share(const BodyJoints& joints, int thigh, const Vector3d& p) {
   constexpr double kSwing = 1.43;  // tan 55 degrees: between a step (30) and a squat (90)
-  const double gap = gap_to_leg(joints, thigh, p);
+  const double gap = leg_line(joints, thigh).gap_to(p);
   const double swing = kSwing * (joints[thigh].y() - p.y());
   if (gap <= 0) return 1;
   return swing > gap ? 1 - gap / swing : 0;
@@ -133,7 +117,7 @@ double hips_tail(const BodyJoints& joints, const Vector3d& p, double legs) {
   constexpr double kTail = 0.07;
   constexpr double kClose = 0.1;  // of the thigh's length
   const double length = (joints[kLeftLegBone] - joints[kLeftUpLegBone]).norm();
-  const double gap = std::min(gap_to_leg(joints, kLeftUpLegBone, p), gap_to_leg(joints, kRightUpLegBone, p));
+  const double gap = std::min(leg_line(joints, kLeftUpLegBone).gap_to(p), leg_line(joints, kRightUpLegBone).gap_to(p));
   const double close = std::clamp(1 - gap / std::max(kClose * length, 1e-9), 0.0, 1.0);
   return kTail * close * std::clamp((legs - 0.5) / 0.3, 0.0, 1.0);
 }
@@ -184,7 +168,7 @@ std::vector<meshing::Influences> heat_weights(const meshing::Surface& surface, c
                                               const Volume& volume) {
   const int n = static_cast<int>(surface.vertices.size());
   const auto segments = bone_segments(joints);
-  const LegLine left = leg_of(joints, kLeftUpLegBone), right = leg_of(joints, kRightUpLegBone);
+  const LegLine left = leg_line(joints, kLeftUpLegBone), right = leg_line(joints, kRightUpLegBone);
   const auto normals = meshing::vertex_normals(surface);
   Eigen::VectorXd areas;
   Sparse system = cotangent_laplacian(surface, areas);

@@ -264,6 +264,9 @@ inline constexpr double kBuiltSurfaceP95Mm = 20;
 inline constexpr double kBuiltJointsMm = 20;
 inline constexpr double kVotedLabels = 0.95;
 inline constexpr double kGuessedLabels = 0.85;
+// Of a leg's vertices in a skirt: guessed when it is known that nobody sees them, 0.64; when it is not, none.
+inline constexpr double kHiddenLegs = 0.5;
+inline constexpr double kFewHiddenLegs = 0.1;
 // Colours of a texture where its coordinates went through nine digits of text; seen 5e-6.
 inline constexpr double kTextUvColor = 1e-5;
 // From the true surface to one built of 480x640 pictures, 95 %: 17 mm with the fingers cut off. And the most of an

@@ -91,6 +91,7 @@ PoseResult PoseStage::solve_corrected(const PoseStageInput& input, const Pose& p
   best.is_comparable = !on_feet;
   try_exchanged_legs(input, predicted, previous, alternatives, best);
   try_turned(input, previous, best);
+  try_untwisted(input, previous, best);
   try_detected_legs(input, previous, best);
   try_mirrored_forearms(input, previous, best);
   const bool insists = best.exchanged && exchanged_frames_ >= options_.starts.max_exchanged_frames;
@@ -152,6 +153,13 @@ void PoseStage::try_turned(const PoseStageInput& input, const Pose& previous, So
   const std::optional<Pose> turned =
       turned_trunk(actor_, best.pose.pose, input.detections, options_.pose, options_.starts.least_turn_rad);
   if (turned) try_from(input, *turned, previous, best);
+}
+
+// A skirt whose pattern was matched one stripe further round took the pelvis along.
+void PoseStage::try_untwisted(const PoseStageInput& input, const Pose& previous, Solution& best) {
+  if (!rounds_.matches(input) || best.pose.status != SolveStatus::kOk) return;
+  const std::optional<Pose> untwisted = untwisted_pelvis(actor_, best.pose.pose, options_.starts.least_twist_rad);
+  if (untwisted) try_from(input, *untwisted, previous, best);
 }
 
 void PoseStage::try_detected_legs(const PoseStageInput& input, const Pose& previous, Solution& best) {

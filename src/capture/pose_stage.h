@@ -70,6 +70,7 @@ class PoseStage {
   void try_exchanged_legs(const PoseStageInput& input, const Pose& predicted, const Pose& previous,
                           const std::vector<KeypointDetections>& alternatives, Solution& best);
   void try_turned(const PoseStageInput& input, const Pose& previous, Solution& best);
+  void try_untwisted(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_detected_legs(const PoseStageInput& input, const Pose& previous, Solution& best);
   bool covers_more(const PoseStageInput& input, const Solution& other, const Solution& best);
   void try_mirrored_forearms(const PoseStageInput& input, const Pose& previous, Solution& best);

@@ -47,6 +47,22 @@ std::optional<Pose> turned_trunk(const Actor& actor, const Pose& pose, const Det
   return turned;
 }
 
+std::optional<Pose> untwisted_pelvis(const Actor& actor, const Pose& pose, double least_twist_rad) {
+  const Skeleton& skeleton = actor.skeleton;
+  const auto twist =
+      std::find_if(skeleton.dofs.begin(), skeleton.dofs.end(), [](const Dof& dof) { return dof.name == "chest_y"; });
+  if (twist == skeleton.dofs.end()) return std::nullopt;
+  const auto k = twist - skeleton.dofs.begin();
+  if (!(std::abs(pose.angles_rad[k] - twist->rest_rad) >= least_twist_rad)) return std::nullopt;
+  Pose untwisted = pose;
+  untwisted.angles_rad[k] = twist->rest_rad;
+  const auto chest_of = [&](const Pose& p) {
+    return Eigen::Matrix3d(forward_kinematics(skeleton, p).camera_from_bone[twist->bone].linear());
+  };
+  untwisted.root_rotation = chest_of(pose) * chest_of(untwisted).transpose() * pose.root_rotation;
+  return untwisted;
+}
+
 Pose leant(const Pose& pose, double lean_rad) {
   Pose leaning = pose;
   leaning.root_rotation = Eigen::AngleAxisd(lean_rad, Eigen::Vector3d::UnitX()).toRotationMatrix() * pose.root_rotation;

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -491,6 +492,30 @@ TEST(PoseStage, ALegLeftOnTheOtherOnesShoeIsFound) {
     EXPECT_LT(apart_mm(-0.22 * outwards), 60);
     const auto wanted = ankles(truth), found = ankles(seen.track(stage, before, truth).pose);
     for (int k : {kLeftAnkle, kRightAnkle}) EXPECT_LT((found[k] - wanted[k]).norm(), test::kExchangedFeetMm) << k;
+  });
+}
+
+// Tracked from a pelvis that is a stripe too far round under a chest that is right.
+TEST(PoseStage, ATwistedSpineIsAlsoSolvedStraight) {
+  test::on_every_device([&](ocl::DeviceContext& device) {
+    constexpr double kTwistRad = -0.7;
+    const auto facing_error = [&](double least_twist_rad) {
+      Seen seen(device);
+      TrackerOptions options;
+      options.starts.least_twist_rad = least_twist_rad;
+      options.pose.steps = 1;  // not enough to turn back
+      options.rounds.match_levels = {0};
+      PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
+      const Pose truth = test::standing_pose(seen.actor, 0.3);
+      Pose before = truth;
+      before.root_rotation = rotation_from_vector(Eigen::Vector3d(0, kTwistRad, 0)) * truth.root_rotation;
+      for (int k = 0; k < seen.actor.skeleton.n_dofs(); ++k)
+        if (seen.actor.skeleton.dofs[k].name == "chest_y") before.angles_rad[k] = kTwistRad;
+      const Pose found = seen.track(stage, before, truth).pose;
+      return vector_from_rotation(found.root_rotation * truth.root_rotation.transpose()).norm();
+    };
+    EXPECT_LT(facing_error(TrackerOptions().starts.least_twist_rad), test::kUntwistedRad);
+    EXPECT_GT(facing_error(std::numbers::pi), test::kStillTwistedRad);
   });
 }
 

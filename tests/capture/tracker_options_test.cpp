@@ -92,6 +92,7 @@ std::vector<Field> fields() {
        {-1.5, 0, 1.5},
        {-1.6, 1.6, nan, infinite}},
       length(LC_FIELD(starts.least_turn_rad)),
+      length(LC_FIELD(starts.least_twist_rad)),
       length(LC_FIELD(starts.strayed_share)),
       length(LC_FIELD(starts.cost_of_covering)),
       length(LC_FIELD(starts.least_mirrored_rad)),

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "support/builtin_actor.h"
@@ -50,6 +51,31 @@ TEST(OtherStarts, ATwistedTrunkIsLeftAlone) {
   const auto turned = turned_trunk(actor, strayed, detections, as_detected(), 0.21);
   ASSERT_TRUE(turned.has_value());
   EXPECT_LT(facing_rad(*turned, twisted), test::kTurnedTrunkRad);
+}
+
+TEST(OtherStarts, APelvisTurnsBackUnderTheChestWhichStays) {
+  const Actor& actor = test::builtin_actor("skirt");
+  const auto dof = [&](const char* name) {
+    const auto& dofs = actor.skeleton.dofs;
+    return std::find_if(dofs.begin(), dofs.end(), [&](const Dof& d) { return d.name == name; }) - dofs.begin();
+  };
+  const auto rotation = [&](const Pose& pose, const char* bone) -> Eigen::Matrix3d {
+    return forward_kinematics(actor.skeleton, pose).camera_from_bone[actor.skeleton.bone_index(bone)].linear();
+  };
+  for (const double twist : {-0.7, 0.5}) {
+    Pose twisted = test::standing_pose(actor, 0.3);
+    twisted.angles_rad[dof("chest_x")] = 0.4;
+    twisted.angles_rad[dof("chest_z")] = -0.2;
+    const Pose straight = twisted;
+    twisted.angles_rad[dof("chest_y")] = twist;
+    const auto untwisted = untwisted_pelvis(actor, twisted, 0.35);
+    ASSERT_TRUE(untwisted.has_value()) << twist;
+    EXPECT_EQ(untwisted->angles_rad, straight.angles_rad);
+    EXPECT_EQ(untwisted->root_translation_mm, twisted.root_translation_mm);
+    EXPECT_LT((rotation(*untwisted, "chest") - rotation(twisted, "chest")).norm(), test::kDoubleExact);
+    EXPECT_GT(facing_rad(*untwisted, twisted), 0.9 * std::abs(twist));
+    EXPECT_FALSE(untwisted_pelvis(actor, twisted, 0.75).has_value()) << twist;
+  }
 }
 
 TEST(OtherStarts, WhoLeansTowardsTheCameraHasTheHeadNearer) {

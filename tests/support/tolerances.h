@@ -157,6 +157,9 @@ inline constexpr double kEnergyRatio = 1.01;
 // (some 30 mm). Feet that are some 190 mm apart and on the wrong legs, half of that.
 inline constexpr double kTrackedFeetMm = 15;
 inline constexpr double kExchangedFeetMm = 95;
+// A pelvis 0.7 rad too far round, after one step: from there as well as turned back 0.06, from there alone 0.51.
+inline constexpr double kUntwistedRad = 0.1;
+inline constexpr double kStillTwistedRad = 0.4;
 // Eight decimals of a degree and of a unit along a chain of a metre and a half, in metres.
 inline constexpr double kBvhMetres = 2e-7;
 // Seven significant digits of a few metres.

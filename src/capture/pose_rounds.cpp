@@ -109,7 +109,8 @@ std::vector<PoseRounds::Round> PoseRounds::plan_rounds(const PoseStageInput& inp
   if (!matches(input)) return {Round{.shades = has_skin}};
   const std::vector<int>& levels = options_.rounds.match_levels;
   const int n_levels = int(levels.size());
-  const int n_last = rounds == Rounds::kRefining    ? std::max(1, options_.rounds.refining_rounds)
+  const bool refines = rounds == Rounds::kRefining || rounds == Rounds::kFreeLegs;
+  const int n_last = refines                        ? std::max(1, options_.rounds.refining_rounds)
                      : rounds == Rounds::kFinishing ? 1
                                                     : n_levels;
   std::vector<Round> plan;
@@ -117,7 +118,8 @@ std::vector<PoseRounds::Round> PoseRounds::plan_rounds(const PoseStageInput& inp
     Round round;
     round.level = levels[k];
     round.refining = k >= n_levels - options_.rounds.refining_rounds;
-    round.on_feet = round.refining && (rounds == Rounds::kOnFeet || rounds == Rounds::kFinishing);
+    round.on_feet = round.refining && rounds != Rounds::kAll && rounds != Rounds::kRefining;
+    round.free_legs = rounds == Rounds::kFreeLegs;
     round.shades = has_skin && round.level == 0;
     const bool again = !plan.empty() && round.level == plan.back().level && round.refining == plan.back().refining;
     if (again) round.least_moved_px = options_.rounds.settled_round_px * (1 << round.level);
@@ -159,14 +161,15 @@ PoseRounds::Solution PoseRounds::solve(const PoseStageInput& input, const Detect
 PoseInput PoseRounds::round_input(const PoseStageInput& input, const Detections& detections, const Pose& initial,
                                   const Pose* previous, const Round& round) const {
   const PoseRoundsOptions& options = options_.rounds;
+  const double legs_3d = round.free_legs ? options.free_legs_3d : options.on_feet_legs_3d;
   return {.detections = detections,
           .initial = initial,
-          .previous = previous,
+          .previous = round.free_legs ? nullptr : previous,
           .frame = input.silhouette.empty() ? nullptr : &input.frame,
-          .floor = floor_.floor(),
+          .floor = round.free_legs ? nullptr : floor_.floor(),
           .share_3d = matches(input) ? options.matched_3d : 1,
           .arms_3d = round.refining ? options.refined_arms_3d : 1,
-          .legs_3d = round.on_feet ? options.on_feet_legs_3d : 1,
+          .legs_3d = round.on_feet ? legs_3d : 1,
           .doubt_3d_mm = round.refining ? options.refined_doubt_3d_mm : 0,
           .n_steps = previous ? options_.pose.steps : options_.pose.first_steps,
           .settled_px = round.level == 0 ? options.settled_last_step_px : options.settled_step_px};

@@ -49,10 +49,11 @@ class PoseRounds {
     bool is_comparable = true;     // false: feet counted foot_share times in its cost
   };
   enum class Rounds {
-    kAll,       // of match_levels
-    kOnFeet,    // the same, in the refining ones feet count foot_share times
-    kRefining,  // those of kAll
-    kFinishing  // the last one of kOnFeet
+    kAll,        // of match_levels
+    kOnFeet,     // the same, in the refining ones feet count foot_share times
+    kRefining,   // those of kAll
+    kFinishing,  // the last one of kOnFeet
+    kFreeLegs  // the refining ones of kOnFeet without E_floor and E_temporal, with free_legs_3d: what the picture tells
   };
   // detections: instead of the input's. previous: nullptr for a pose that follows none.
   Solution solve(const PoseStageInput& input, const Detections& detections, const Pose& initial, const Pose* previous,
@@ -77,6 +78,7 @@ class PoseRounds {
     int level = 0;  // of what is matched
     bool refining = false;
     bool on_feet = false;  // feet count foot_share times
+    bool free_legs = false;
     bool shades = false;
     double least_moved_px = 0;  // left out where the round before moved no keypoint so far
   };

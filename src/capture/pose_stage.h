@@ -37,9 +37,9 @@ class PoseStage {
 
   // Skins the template and renders it.
   void render(const Pose& pose) { rounds_.render(pose); }
-  // The last pose solved is believed: its skin tells of the light, its feet of the floor, its legs of what the network
-  // sees of them. previous: that of the frame before, nullptr after another one.
-  void learn(const Pose* previous, const Pose& pose, const Detections& detections);
+  // The last pose solved, of this input, is believed: its skin tells of the light, its feet of the floor, its legs of
+  // what the network sees of them. previous: that of the frame before, nullptr after another one.
+  void learn(const PoseStageInput& input, const Pose* previous, const Pose& pose);
 
   // Whether the keypoints of a pose that was solved are near enough to the detections.
   bool believable(const PoseResult& result, const Detections& detections) const;
@@ -76,6 +76,7 @@ class PoseStage {
   void try_mirrored_forearms(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_refined(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best);
   void try_from(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best);
+  std::optional<Pose> with_free_legs(const PoseStageInput& input, const Pose& previous, const Pose& pose);
   static void keep_better(Solution other, Solution& best);
 
   const Actor& actor_;

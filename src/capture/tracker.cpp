@@ -131,8 +131,8 @@ TrackResult Tracker::solve_pose(const TrackInput& given) {
   pose_before_last_ = last_pose_;
   last_pose_ = result.pose;
   if (person) missed_frames_ = 0;
-  if (person && doubtful_frames_ == 0)
-    pose_stage_.learn(follows ? &*pose_before_last_ : nullptr, *last_pose_, input.detections);
+  if (person && doubtful_frames_ == 0) pose_stage_.learn(input, follows ? &*pose_before_last_ : nullptr, *last_pose_);
+  result.pose_ms = timer.elapsed_ms();
   return result;
 }
 

@@ -57,6 +57,7 @@ void PoseRoundsOptions::validate() const {
   share("rounds.refined_arms_3d", refined_arms_3d);
   not_negative("rounds.refined_doubt_3d_mm", refined_doubt_3d_mm);
   share("rounds.on_feet_legs_3d", on_feet_legs_3d);
+  share("rounds.free_legs_3d", free_legs_3d);
   not_negative("rounds.missed_px", missed_px);
 }
 

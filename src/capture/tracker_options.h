@@ -65,6 +65,8 @@ struct PoseRoundsOptions {
   // Where feet count PoseSharesOptions::foot_share times, E_3D of legs counts so much of what it counts elsewhere: the
   // network sees bent ones straight, and the shoes tell better.
   double on_feet_legs_3d = 0.1;
+  // The same where legs are free, to tell of the floor. 0: never free.
+  double free_legs_3d = 0.03;
   // Where several starts compete, what could not be matched costs like a match so far away.
   double missed_px = 2;
 

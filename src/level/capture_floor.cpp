@@ -22,7 +22,7 @@ std::optional<Floor> learned_floor(const CaptureFolder& capture) {
   for (int64_t row = 0; row < static_cast<int64_t>(capture.rows.size()); ++row) {
     const std::optional<Pose> pose =
         capture.rows[row].tracked() ? captured_pose(capture, row, captured_joints(capture, row)) : std::nullopt;
-    if (previous && pose) finder.learn(*previous, *pose, seen);
+    if (previous && pose) finder.learn(*previous, *pose, &*pose, seen);
     previous = pose;
   }
   if (!finder.floor()) return std::nullopt;

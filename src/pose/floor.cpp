@@ -109,6 +109,9 @@ void FloorOptions::validate() const {
   };
   positive("memory", memory);
   positive("least", least);
+  positive("every", every);
+  if (!(early >= 0) || !std::isfinite(early))
+    throw ConfigError(format("floor: early is %g; it must be finite and at least 0", early));
   positive("tilt_deviation", tilt_deviation);
   positive("height_deviation_mm", height_deviation_mm);
   positive("outlier_mm", outlier_mm);
@@ -130,17 +133,25 @@ void FloorFinder::forget() {
   products_.setZero();
   sums_.setZero();
   n_resting_ = 0;
+  frames_since_asked_ = 0;
   contradicted_frames_ = 0;
   floor_.reset();
 }
 
-void FloorFinder::learn(const Pose& previous, const Pose& pose, const Detections& detections) {
+bool FloorFinder::asks_for_feet() const {
+  return !is_measured_ && (n_resting_ < options_.early || frames_since_asked_ + 1 >= options_.every);
+}
+
+void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet, const Detections& detections) {
+  const double times = std::min(frames_since_asked_ + 1, options_.every);  // for the frames that were not asked
+  frames_since_asked_ = feet ? 0 : frames_since_asked_ + 1;
   if (is_contradicted()) return;
   for (int k : {kNeck, kLeftAnkle, kRightAnkle})
     if (actor_.keypoints[k].bone < 0) return;
   const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);
   const auto now = positions(soles_, posed);
   const auto before = positions(soles_, forward_kinematics(actor_.skeleton, previous));
+  const auto told = feet ? positions(soles_, forward_kinematics(actor_.skeleton, *feet)) : now;
   const auto joints = keypoint_positions(actor_, posed);
   const Eigen::Vector3d upright = (joints[kNeck] - (joints[kLeftAnkle] + joints[kRightAnkle]) / 2).normalized();
   if (!(upright.y() < kUprightY)) return;
@@ -169,11 +180,11 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Detections
     const bool rests = weight > 0.5;
     still = still || rests;
     if (floor_) {
-      const double height = floor_->height_mm(p);
+      const double height = floor_->height_mm(told[lowest.point]);
       near = near || (rests && std::abs(height) < 3 * options_.outlier_mm);
       weight /= cauchy_doubt(height * height, options_.outlier_mm);
     }
-    if (!is_measured_) add(p, weight);
+    if (!is_measured_ && feet) add(told[lowest.point], times * weight);
   }
   if (floor_ && still) contradicted_frames_ = near ? 0 : contradicted_frames_ + 1;
   if (is_measured_) return;

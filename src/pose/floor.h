@@ -40,6 +40,8 @@ std::vector<double> standing(std::span<const SolePoint> soles, const Skeleton& s
 struct FloorOptions {
   double memory = 1000;          // after so many resting feet one's say has fallen to 1/e
   double least = 15;             // resting feet before the floor is known
+  double early = 60;             // until so many have rested, every frame is asked for its feet,
+  int every = 5;                 // then one in so many
   double tilt_deviation = 0.06;  // rad, of the floor against what a body stands upright on
   // mm, of a resting foot's height: its depth is off by several times as much, for many frames alike.
   double height_deviation_mm = 45;
@@ -57,8 +59,12 @@ class FloorFinder {
   // Keeps a reference to the actor. Throws ConfigError.
   FloorFinder(const Actor& actor, const FloorOptions& options, const std::optional<Floor>& measured);
 
-  // Two poses that are believed, a frame apart; feet whose ankles were not seen tell nothing.
-  void learn(const Pose& previous, const Pose& pose, const Detections& detections);
+  // Whether the next learn() asks where the feet are.
+  bool asks_for_feet() const;
+  // Two poses that are believed, a frame apart; feet whose ankles were not seen tell nothing. feet: `pose`, or one with
+  // the legs where the picture alone has them: a floor that holds feet would only learn where it holds them. nullptr:
+  // not known.
+  void learn(const Pose& previous, const Pose& pose, const Pose* feet, const Detections& detections);
   void forget();
 
   // A measured floor on which no foot has rested for so long that a learned one would have been forgotten: the camera
@@ -79,6 +85,7 @@ class FloorFinder {
   Eigen::Matrix3d products_ = Eigen::Matrix3d::Zero();  // of (1, x, z), m
   Eigen::Vector3d sums_ = Eigen::Vector3d::Zero();      // of y (1, x, z)
   double n_resting_ = 0;                                // that its memory holds
+  int frames_since_asked_ = 0;
   int contradicted_frames_ = 0;
   const bool is_measured_;
   std::optional<Floor> floor_;

@@ -137,7 +137,7 @@ std::vector<PoseResult> track(ocl::DeviceContext& device, int n_frames, int n_ah
     EXPECT_EQ(stage.looks_ahead(input), frame <= n_ahead);
     results.push_back(stage.solve_tracked(input, before, before));
     EXPECT_EQ(results.back().status, SolveStatus::kOk);
-    stage.learn(&before, results.back().pose, detections);
+    stage.learn(input, &before, results.back().pose);
   }
   return results;
 }
@@ -362,7 +362,7 @@ std::vector<double> energies_with(ocl::DeviceContext& device, bool guessed, bool
     const PoseStageInput input{detections, silhouette, seen.frame};
     stage.set_picture(input);
     result = stage.solve_tracked(input, before, before);
-    stage.learn(&before, result.pose, detections);
+    stage.learn(input, &before, result.pose);
   }
   EXPECT_GT(result.energy.silhouette, 0);
   EXPECT_GT(result.energy.shading, 0);
@@ -516,6 +516,36 @@ TEST(PoseStage, ATwistedSpineIsAlsoSolvedStraight) {
     };
     EXPECT_LT(facing_error(TrackerOptions().starts.least_twist_rad), test::kUntwistedRad);
     EXPECT_GT(facing_error(std::numbers::pi), test::kStillTwistedRad);
+  });
+}
+
+// On a floor that is 30 mm too high, which draws the feet nearer along the line of sight.
+TEST(PoseStage, FreeLegsDoNotStandOnTheFloor) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    Seen seen(device);
+    const TrackerOptions options;
+    PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
+    const Pose truth = test::standing_pose(seen.actor, 0);
+    const Silhouette silhouette = seen.take_picture(stage, truth);
+    const Detections detections = test::exact_detections(seen.actor, seen.camera, truth);
+    const PoseStageInput input{detections, silhouette, seen.frame};
+    const FloorPlane plane = under(seen.actor, truth);
+    const FloorFinder floor(seen.actor, options.floor, Floor{Eigen::Vector3d(0, -1, 0), plane.distance_mm - 30});
+    PoseRounds rounds(device, seen.actor, seen.camera, options, floor, seen.rasterizer, seen.visibility);
+    rounds.set_picture(input);
+    const auto too_far_mm = [&](const Pose& pose) {
+      const auto found = keypoint_positions(seen.actor, forward_kinematics(seen.actor.skeleton, pose)),
+                 wanted = keypoint_positions(seen.actor, forward_kinematics(seen.actor.skeleton, truth));
+      return (found[kLeftAnkle].z() + found[kRightAnkle].z() - wanted[kLeftAnkle].z() - wanted[kRightAnkle].z()) / 2;
+    };
+    Pose held = truth;
+    for (int frame = 0; frame < 5; ++frame) {
+      const Pose before = held;
+      held = rounds.solve(input, detections, before, &before, PoseRounds::Rounds::kOnFeet).pose.pose;
+    }
+    const Pose freed = rounds.solve(input, detections, held, &held, PoseRounds::Rounds::kFreeLegs).pose.pose;
+    EXPECT_LT(too_far_mm(held), -test::kFreedFeetMm);
+    EXPECT_LT(std::abs(too_far_mm(freed)), test::kFreedFeetMm);
   });
 }
 

@@ -81,6 +81,7 @@ std::vector<Field> fields() {
       share(LC_FIELD(rounds.refined_arms_3d)),
       length(LC_FIELD(rounds.refined_doubt_3d_mm)),
       share(LC_FIELD(rounds.on_feet_legs_3d)),
+      share(LC_FIELD(rounds.free_legs_3d)),
       length(LC_FIELD(rounds.missed_px)),
       factor(LC_FIELD(guessed.keypoint_2d)),
       factor(LC_FIELD(guessed.silhouette)),

@@ -78,7 +78,7 @@ TEST(Floor, IsLearnedFromWhoWalksOnIt) {
     for (int frame = 0; frame < 10; ++frame) {
       Pose found = stands;
       found.root_translation_mm += trembles(rng) * stands.root_translation_mm.normalized();
-      finder.learn(stands, found, seen(actor, found));
+      finder.learn(stands, found, &found, seen(actor, found));
     }
   }
   ASSERT_NE(finder.floor(), nullptr);
@@ -87,15 +87,37 @@ TEST(Floor, IsLearnedFromWhoWalksOnIt) {
     EXPECT_NEAR(finder.floor()->height_mm(p), truth.height_mm(p), test::kLearnedFloorMm);
 }
 
+// The poses' own feet are 50 mm too low, as a floor that is too low would hold them.
+TEST(Floor, IsWhereThePictureHasTheFeetOfTheFramesAskedFor) {
+  const Actor actor = test::make_test_actor();
+  const Floor truth{kUp, 1200};
+  const Pose stands = on_floor(actor, 100, 3200, truth), held = on_floor(actor, 100, 3200, {kUp, 1250});
+  FloorOptions options;
+  FloorFinder finder(actor, options, {});
+  int n_asked = 0, first_not_asked = -1;
+  for (int frame = 0; frame < 100; ++frame) {
+    const bool asks = finder.asks_for_feet();
+    n_asked += asks;
+    if (!asks && first_not_asked < 0) first_not_asked = frame;
+    finder.learn(held, held, asks ? &stands : nullptr, seen(actor, held));
+  }
+  EXPECT_GE(first_not_asked, int(options.early / 2));
+  EXPECT_EQ(n_asked, first_not_asked + (100 - first_not_asked) / options.every);
+  ASSERT_NE(finder.floor(), nullptr);
+  for (const Eigen::Vector3d& p : soles_of(actor, stands))
+    EXPECT_NEAR(finder.floor()->height_mm(p), truth.height_mm(p), test::kLearnedFloorMm);
+  EXPECT_FALSE(FloorFinder(actor, {}, truth).asks_for_feet()) << "measured";
+}
+
 // One place does not tell the tilt: it is that of who stands there.
 TEST(Floor, OfOnePlaceIsUprightToTheBody) {
   const Actor actor = test::make_test_actor();
   const Floor truth{kUp, 1200};
   const Pose stands = on_floor(actor, 100, 3200, truth);
   FloorFinder finder(actor, {}, {});
-  for (int frame = 0; frame < 14; ++frame) finder.learn(stands, stands, seen(actor, stands));
+  for (int frame = 0; frame < 14; ++frame) finder.learn(stands, stands, &stands, seen(actor, stands));
   EXPECT_EQ(finder.floor(), nullptr) << "known too early";
-  for (int frame = 0; frame < 6; ++frame) finder.learn(stands, stands, seen(actor, stands));
+  for (int frame = 0; frame < 6; ++frame) finder.learn(stands, stands, &stands, seen(actor, stands));
   ASSERT_NE(finder.floor(), nullptr);
   EXPECT_LT(angle(finder.floor()->up, kUp), test::kLearnedFloorRad);
   finder.forget();
@@ -110,10 +132,10 @@ TEST(Floor, FeetThatMoveOrAreNotSeenTellNothing) {
     const Pose before = on_floor(actor, 60 * frame - 1200, 3200, truth);
     Pose pose = before;
     pose.root_translation_mm.x() += 60;
-    finder.learn(before, pose, seen(actor, pose));
+    finder.learn(before, pose, &pose, seen(actor, pose));
     Detections hidden = seen(actor, before);
     hidden.keypoints[kLeftAnkle].confidence = hidden.keypoints[kRightAnkle].confidence = 0.2f;
-    finder.learn(before, before, hidden);
+    finder.learn(before, before, &before, hidden);
   }
   EXPECT_EQ(finder.floor(), nullptr);
 }
@@ -125,9 +147,9 @@ TEST(Floor, WhoLiesTellsNothing) {
   Pose lies = stands;
   lies.root_rotation = rotation_from_vector({0, 0, std::numbers::pi / 2}) * stands.root_rotation;
   FloorFinder finder(actor, {}, {});
-  for (int frame = 0; frame < 100; ++frame) finder.learn(lies, lies, seen(actor, lies));
+  for (int frame = 0; frame < 100; ++frame) finder.learn(lies, lies, &lies, seen(actor, lies));
   EXPECT_EQ(finder.floor(), nullptr);
-  for (int frame = 0; frame < 20; ++frame) finder.learn(stands, stands, seen(actor, stands));
+  for (int frame = 0; frame < 20; ++frame) finder.learn(stands, stands, &stands, seen(actor, stands));
   ASSERT_NE(finder.floor(), nullptr);
   EXPECT_LT(angle(finder.floor()->up, kUp), test::kLearnedFloorRad);
 }
@@ -138,7 +160,7 @@ TEST(Floor, WhoStandsOnAnotherOneForLongTellsOfThat) {
   FloorFinder finder(actor, {}, {});
   const auto stand = [&](const Floor& floor, int n_frames) {
     const Pose pose = on_floor(actor, 0, 3200, floor);
-    for (int frame = 0; frame < n_frames; ++frame) finder.learn(pose, pose, seen(actor, pose));
+    for (int frame = 0; frame < n_frames; ++frame) finder.learn(pose, pose, &pose, seen(actor, pose));
   };
   stand(lower, 60);
   stand(higher, 10);  // a step on a chair
@@ -163,7 +185,7 @@ TEST(Floor, ThatWasMeasuredStaysWhatItIs) {
   expect_measured();
   const auto stand = [&](const Floor& floor, int n_frames) {
     const Pose pose = on_floor(actor, 0, 3200, floor);
-    for (int frame = 0; frame < n_frames; ++frame) finder.learn(pose, pose, seen(actor, pose));
+    for (int frame = 0; frame < n_frames; ++frame) finder.learn(pose, pose, &pose, seen(actor, pose));
   };
   stand({kUp, 1200}, 60);
   stand({kUp, 900}, 20);

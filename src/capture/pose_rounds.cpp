@@ -161,7 +161,7 @@ PoseRounds::Solution PoseRounds::solve(const PoseStageInput& input, const Detect
 PoseInput PoseRounds::round_input(const PoseStageInput& input, const Detections& detections, const Pose& initial,
                                   const Pose* previous, const Round& round) const {
   const PoseRoundsOptions& options = options_.rounds;
-  const double legs_3d = round.free_legs ? options.free_legs_3d : options.on_feet_legs_3d;
+  const double legs_3d = round.free_legs ? options.free_legs_3d : round.on_feet ? options.on_feet_legs_3d : 1;
   return {.detections = detections,
           .initial = initial,
           .previous = round.free_legs ? nullptr : previous,
@@ -169,7 +169,7 @@ PoseInput PoseRounds::round_input(const PoseStageInput& input, const Detections&
           .floor = round.free_legs ? nullptr : floor_.floor(),
           .share_3d = matches(input) ? options.matched_3d : 1,
           .arms_3d = round.refining ? options.refined_arms_3d : 1,
-          .legs_3d = round.on_feet ? legs_3d : 1,
+          .legs_3d = legs_3d,
           .doubt_3d_mm = round.refining ? options.refined_doubt_3d_mm : 0,
           .n_steps = previous ? options_.pose.steps : options_.pose.first_steps,
           .settled_px = round.level == 0 ? options.settled_last_step_px : options.settled_step_px};

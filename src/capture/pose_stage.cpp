@@ -35,19 +35,21 @@ void PoseStage::learn(const PoseStageInput& input, const Pose* previous, const P
   leg_bias_.learn(actor_, input.detections.keypoints, pose);
   if (!previous || floor_.is_contradicted()) return;
   std::optional<Pose> feet;
-  if (floor_.asks_for_feet()) feet = with_free_legs(input, *previous, pose);
+  if (!(options_.rounds.free_legs_3d > 0) || !rounds_.counts_feet(input))
+    feet = pose;
+  else if (floor_.asks_for_feet())
+    feet = with_free_legs(input, *previous, pose);
   floor_.learn(*previous, pose, feet ? &*feet : nullptr, input.detections);
   if (floor_.is_contradicted())
     log_warning("feet do not rest on the floor of camera.json; was the camera moved since it was measured?");
 }
 
 // Where who stands with bent knees is seen with straight ones, feet are found too far away, and a floor learned of them
-// holds them there. nullopt where the picture tells nothing.
+// holds them there. nullopt where the picture tells nothing that is believed.
 std::optional<Pose> PoseStage::with_free_legs(const PoseStageInput& input, const Pose& previous, const Pose& pose) {
-  if (!(options_.rounds.free_legs_3d > 0) || !rounds_.counts_feet(input)) return pose;
   if (exchanged_frames_ > 0) return std::nullopt;
   const Solution freed = rounds_.solve(input, input.detections, pose, &previous, Rounds::kFreeLegs);
-  if (freed.pose.status != SolveStatus::kOk) return std::nullopt;
+  if (!believable(freed.pose, input.detections)) return std::nullopt;
   return freed.pose.pose;
 }
 

@@ -133,17 +133,21 @@ void FloorFinder::forget() {
   products_.setZero();
   sums_.setZero();
   n_resting_ = 0;
-  frames_since_asked_ = 0;
+  n_asked_ = frames_since_asked_ = 0;
   contradicted_frames_ = 0;
   floor_.reset();
 }
 
 bool FloorFinder::asks_for_feet() const {
-  return !is_measured_ && (n_resting_ < options_.early || frames_since_asked_ + 1 >= options_.every);
+  if (is_measured_) return false;
+  const bool is_early = n_resting_ < options_.early && n_asked_ < 2 * options_.early;
+  return is_early || frames_since_asked_ + 1 >= options_.every;
 }
 
 void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet, const Detections& detections) {
-  const double times = std::min(frames_since_asked_ + 1, options_.every);  // for the frames that were not asked
+  // For the frames that were not asked.
+  const double times = n_resting_ < options_.early ? 1 : std::min(frames_since_asked_ + 1, options_.every);
+  n_asked_ += asks_for_feet();
   frames_since_asked_ = feet ? 0 : frames_since_asked_ + 1;
   if (is_contradicted()) return;
   for (int k : {kNeck, kLeftAnkle, kRightAnkle})

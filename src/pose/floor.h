@@ -38,10 +38,10 @@ std::vector<double> standing(std::span<const SolePoint> soles, const Skeleton& s
                              const Pose& pose, const Pose* previous);
 
 struct FloorOptions {
-  double memory = 1000;          // after so many resting feet one's say has fallen to 1/e
-  double least = 15;             // resting feet before the floor is known
-  double early = 60;             // until so many have rested, every frame is asked for its feet,
-  int every = 5;                 // then one in so many
+  double memory = 1000;  // after so many resting feet one's say has fallen to 1/e
+  double least = 15;     // resting feet before the floor is known
+  double early = 60;     // until so many have rested, every frame is asked for its feet (twice as many frames at most),
+  int every = 5;         // then one in so many
   double tilt_deviation = 0.06;  // rad, of the floor against what a body stands upright on
   // mm, of a resting foot's height: its depth is off by several times as much, for many frames alike.
   double height_deviation_mm = 45;
@@ -85,7 +85,7 @@ class FloorFinder {
   Eigen::Matrix3d products_ = Eigen::Matrix3d::Zero();  // of (1, x, z), m
   Eigen::Vector3d sums_ = Eigen::Vector3d::Zero();      // of y (1, x, z)
   double n_resting_ = 0;                                // that its memory holds
-  int frames_since_asked_ = 0;
+  int n_asked_ = 0, frames_since_asked_ = 0;            // frames
   int contradicted_frames_ = 0;
   const bool is_measured_;
   std::optional<Floor> floor_;

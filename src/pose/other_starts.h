@@ -1,8 +1,8 @@
 // Poses to start from as well where texture and silhouette may have led astray, as the detections have them: whole
 // bodies that were matched one stripe or check further round, where clothes with a pattern look nearly right, and legs
-// that hold on to the other one's shoe, which the robust E_2D lets them, and a pelvis that a skirt alone led astray.
-// (The same for arms made two of five sequences worse: the network's elbows are bent too far.) A mirrored forearm:
-// pose/mirrored_forearm.h.
+// that hold on to the other one's shoe, which the robust E_2D lets them. (The same for arms made two of five sequences
+// worse: the network's elbows are bent too far.) A mirrored forearm: pose/mirrored_forearm.h. And a pelvis that the
+// skirt alone led astray, turned back.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,8 +21,8 @@ namespace livecap {
 std::optional<Pose> turned_trunk(const Actor& actor, const Pose& pose, const Detections& detections,
                                  const PoseOptions& options, double least_turn_rad);
 
-// `pose` with the pelvis turned under the chest, which stays, until the spine is not twisted. nullopt when it is
-// twisted by less than least_twist_rad, or the chest does not turn about y.
+// `pose` with the pelvis turned under the chest, which faces where it did, until the spine is not twisted. nullopt when
+// it is twisted by less than least_twist_rad, or the chest does not turn about y.
 std::optional<Pose> untwisted_pelvis(const Actor& actor, const Pose& pose, double least_twist_rad);
 
 // `pose` leant towards the camera by lean_rad (away from it where that is negative): turned about the root, and the

@@ -92,7 +92,8 @@ struct OtherStartsOptions {
   std::vector<double> leans_rad = {-0.35, -0.175, 0.175, 0.35};
   // A body that faces so much elsewhere than the detections is solved from there as well (pose/other_starts.h).
   double least_turn_rad = 0.21;
-  // A spine twisted by so much (pi: never) is also solved from the pelvis turned back under the chest (pose/other_starts.h).
+  // A spine twisted by so much (pi: never) is also solved from the pelvis turned back under the chest
+  // (pose/other_starts.h).
   double least_twist_rad = 0.35;
   // A body with an ankle so far from its detection, as a share of the person's height in the picture, is solved from
   // legs bent to the detections as well (pose/other_starts.h). 0: never.

@@ -549,6 +549,31 @@ TEST(PoseStage, FreeLegsDoNotStandOnTheFloor) {
   });
 }
 
+// A floor learned of the poses' own feet would be the same, and so would what stands on it.
+TEST(PoseStage, LearnsTheFloorFromFreeLegs) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const auto found = [&](double free_legs_3d) {
+      Seen seen(device);
+      TrackerOptions options;
+      options.rounds.free_legs_3d = free_legs_3d;
+      PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
+      const Pose truth = turned(seen.actor, 2);
+      const Silhouette silhouette = seen.take_picture(stage, truth);
+      const Detections detections = test::exact_detections(seen.actor, seen.camera, truth, 0.97);
+      const PoseStageInput input{detections, silhouette, seen.frame};
+      stage.set_picture(input);
+      Pose pose = truth;
+      for (int frame = 0; frame < 20; ++frame) {
+        const Pose before = pose;
+        pose = stage.solve_tracked(input, before, before).pose;
+        stage.learn(input, &before, pose);
+      }
+      return pose.angles_rad;
+    };
+    EXPECT_NE(found(TrackerOptions().rounds.free_legs_3d), found(0));
+  });
+}
+
 TEST(PoseStage, AMissedFrameEndsADoubt) {
   test::on_every_device([](ocl::DeviceContext& device) {
     const auto [first, second] = taken_for_each_other_mm(device, true);

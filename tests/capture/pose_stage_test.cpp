@@ -10,6 +10,7 @@
 #include <numbers>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cloth/hanging_cloth.h"
@@ -523,15 +524,13 @@ TEST(PoseStage, ATwistedSpineIsAlsoSolvedStraight) {
 TEST(PoseStage, FreeLegsDoNotStandOnTheFloor) {
   test::on_every_device([](ocl::DeviceContext& device) {
     Seen seen(device);
-    const TrackerOptions options;
-    PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
+    PoseStage stage(device, seen.actor, seen.camera, TrackerOptions(), seen.rasterizer, seen.visibility);
     const Pose truth = test::standing_pose(seen.actor, 0);
     const Silhouette silhouette = seen.take_picture(stage, truth);
     const Detections detections = test::exact_detections(seen.actor, seen.camera, truth);
     const PoseStageInput input{detections, silhouette, seen.frame};
-    const FloorPlane plane = under(seen.actor, truth);
-    const FloorFinder floor(seen.actor, options.floor, Floor{Eigen::Vector3d(0, -1, 0), plane.distance_mm - 30});
-    PoseRounds rounds(device, seen.actor, seen.camera, options, floor, seen.rasterizer, seen.visibility);
+    const FloorFinder floor(seen.actor, {}, Floor{{0, -1, 0}, under(seen.actor, truth).distance_mm - 30});
+    PoseRounds rounds(device, seen.actor, seen.camera, TrackerOptions(), floor, seen.rasterizer, seen.visibility);
     rounds.set_picture(input);
     const auto too_far_mm = [&](const Pose& pose) {
       const auto found = keypoint_positions(seen.actor, forward_kinematics(seen.actor.skeleton, pose)),
@@ -539,17 +538,14 @@ TEST(PoseStage, FreeLegsDoNotStandOnTheFloor) {
       return (found[kLeftAnkle].z() + found[kRightAnkle].z() - wanted[kLeftAnkle].z() - wanted[kRightAnkle].z()) / 2;
     };
     Pose held = truth;
-    for (int frame = 0; frame < 5; ++frame) {
-      const Pose before = held;
-      held = rounds.solve(input, detections, before, &before, PoseRounds::Rounds::kOnFeet).pose.pose;
-    }
+    for (int frame = 0; frame < 5; ++frame)
+      held = rounds.solve(input, detections, held, &held, PoseRounds::Rounds::kOnFeet).pose.pose;
     const Pose freed = rounds.solve(input, detections, held, &held, PoseRounds::Rounds::kFreeLegs).pose.pose;
     EXPECT_LT(too_far_mm(held), -test::kFreedFeetMm);
     EXPECT_LT(std::abs(too_far_mm(freed)), test::kFreedFeetMm);
   });
 }
 
-// A floor learned of the poses' own feet would be the same, and so would what stands on it.
 TEST(PoseStage, LearnsTheFloorFromFreeLegs) {
   test::on_every_device([](ocl::DeviceContext& device) {
     const auto found = [&](double free_legs_3d) {
@@ -557,15 +553,13 @@ TEST(PoseStage, LearnsTheFloorFromFreeLegs) {
       TrackerOptions options;
       options.rounds.free_legs_3d = free_legs_3d;
       PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
-      const Pose truth = turned(seen.actor, 2);
-      const Silhouette silhouette = seen.take_picture(stage, truth);
-      const Detections detections = test::exact_detections(seen.actor, seen.camera, truth, 0.97);
+      Pose pose = turned(seen.actor, 2);
+      const Silhouette silhouette = seen.take_picture(stage, pose);
+      const Detections detections = test::exact_detections(seen.actor, seen.camera, pose, 0.97);
       const PoseStageInput input{detections, silhouette, seen.frame};
       stage.set_picture(input);
-      Pose pose = truth;
       for (int frame = 0; frame < 20; ++frame) {
-        const Pose before = pose;
-        pose = stage.solve_tracked(input, before, before).pose;
+        const Pose before = std::exchange(pose, stage.solve_tracked(input, pose, pose).pose);
         stage.learn(input, &before, pose);
       }
       return pose.angles_rad;

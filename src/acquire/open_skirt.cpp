@@ -11,10 +11,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kBelowHips = 0.2;     // of the leg's length: trousers meet higher
-constexpr double kAboveHem = 60;       // mm: where hems that are not level are closed all around
-constexpr double kHemMm = 20;          // of cloth stay at the walls: an edge of the mesh to be
-constexpr double kDeepestRoofMm = 80;  // above the lid; deeper would be vertices that nobody sees
+constexpr double kBelowHips = 0.2;  // of the leg's length: trousers meet higher
+constexpr double kAboveHem = 60;    // mm: where hems that are not level are closed all around
+// The roof, as authors of clothed characters close theirs (docs/experiments_actor.md, "The inside of a skirt"). Deeper
+// would be vertices that nobody sees.
+constexpr double kHemMm = 40;          // of cloth stay at the walls
+constexpr double kRoofSlope = 0.7;     // 35 degrees
+constexpr double kDeepestRoofMm = 60;  // above the lid
 constexpr double kLegMm = 150;         // what reaches farther down than that below the slice is a leg
 
 LegLine leg_of(const SpaceKeypoints& seen, int hip, int knee, int ankle) {
@@ -141,7 +144,9 @@ bool open_skirt(const SpaceKeypoints& keypoints, Volume& volume) {
       for (int dz = -kSmooth; dz <= kSmooth; ++dz)
         for (int dx = -kSmooth; dx <= kSmooth; ++dx)
           if (at(x + dx, z + dz) >= 0) lid += at(x + dx, z + dz), ++n_near;
-      const double roof = lid / n_near + std::min(nearest - kHemMm / volume.step, kDeepestRoofMm / volume.step);
+      const double above =
+          std::min(kRoofSlope * (nearest - kHemMm / volume.step), kDeepestRoofMm / volume.step);  // below 0: cloth
+      const double roof = lid / n_near + above;
       for (int y = at(x, z); y < volume.ny && y < roof; ++y) taken[volume.index(x, y, z)] = 1;
     }
   return take_out(taken, volume);

@@ -7,7 +7,7 @@
 
 namespace livecap::acquire {
 
-// Takes a roof at 45 degrees, and no higher than 80 mm, out of what is inside of a ring of cloth around both legs, from
+// Takes a roof at 35 degrees, and no higher than 60 mm, out of what is inside of a ring of cloth around both legs, from
 // the hem upwards; the legs in it go on as they are below. As much as needs no knowledge of what is inside but that
 // cloth is thin. keypoints: in the volume's frame; hips, knees and ankles are needed. False, and nothing changed, when
 // no ring of cloth goes around both legs well below the hips.

@@ -13,8 +13,8 @@ using Eigen::Vector3d;
 
 constexpr double kBelowHips = 0.2;  // of the leg's length: trousers meet higher
 constexpr double kAboveHem = 60;    // mm: where hems that are not level are closed all around
-// The roof, as authors of clothed characters close theirs (docs/experiments_actor.md, "The inside of a skirt"). Deeper
-// would be vertices that nobody sees.
+// The roof, as authors of clothed characters close theirs (docs/experiments_actor.md, "A skirt that is closed
+// lower"). Deeper would be vertices that nobody sees.
 constexpr double kHemMm = 40;          // of cloth stay at the walls
 constexpr double kRoofSlope = 0.7;     // 35 degrees
 constexpr double kDeepestRoofMm = 60;  // above the lid

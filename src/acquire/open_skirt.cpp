@@ -144,8 +144,7 @@ bool open_skirt(const SpaceKeypoints& keypoints, Volume& volume) {
       for (int dz = -kSmooth; dz <= kSmooth; ++dz)
         for (int dx = -kSmooth; dx <= kSmooth; ++dx)
           if (at(x + dx, z + dz) >= 0) lid += at(x + dx, z + dz), ++n_near;
-      const double above =
-          std::min(kRoofSlope * (nearest - kHemMm / volume.step), kDeepestRoofMm / volume.step);  // below 0: cloth
+      const double above = std::min(kRoofSlope * (nearest - kHemMm / volume.step), kDeepestRoofMm / volume.step);
       const double roof = lid / n_near + above;
       for (int y = at(x, z); y < volume.ny && y < roof; ++y) taken[volume.index(x, y, z)] = 1;
     }

@@ -57,6 +57,7 @@ TEST(OpenSkirt, ALowRoof) {
   // Beside the legs it is free up to the roof: they do not widen there.
   for (const double x : {-kLegX, kLegX}) EXPECT_GT(open.at({x, kHem + 40, kLegRadius + 15}), 0);
   // The hem and the legs stay.
+  EXPECT_LT(open.at({0, kHem + 10, kSkirtRadius - 30}), 0);
   for (double angle = 0; angle < 6.2; angle += 0.3)
     EXPECT_LT(open.at((kSkirtRadius - 10) * Vector3d(std::cos(angle), 0, std::sin(angle)) + Vector3d(0, kHem + 10, 0)),
               0);

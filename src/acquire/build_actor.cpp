@@ -9,6 +9,7 @@
 #include "acquire/facet_offsets.h"
 #include "acquire/fair_surface.h"
 #include "acquire/fit_outlines.h"
+#include "acquire/hull.h"
 #include "acquire/keypoints.h"
 #include "acquire/material_labels.h"
 #include "acquire/person_frame.h"

@@ -121,6 +121,11 @@ class Builder {
     ViewFiles files = options_.views;
     if (colmap_) files.cameras = colmap_->model();
     views_ = load_views(files, result_.notes);
+    colmap_world_ = is_colmap_model(files.cameras.empty() ? find_view_poses(files.images) : files.cameras);
+    if (colmap_world_ && given_height_mm_ == 0 && unit_in_mm(options_.unit) == 0)
+      note(
+          "the cameras are a COLMAP model, whose world has no unit unless somebody gave it one: that it has one is a "
+          "guess (--height)");
   }
 
   // Without --height.
@@ -183,7 +188,7 @@ class Builder {
           std::count_if(detections.begin(), detections.end(), [](const Detections& seen) { return seen.person; }));
     }
     frame_ = find_person_frame(world, unit_in_mm(options_.unit), given_height_mm_, result_.notes,
-                               colmap_ ? vertical_of(views_) : Vector3d(Vector3d::Zero()));
+                               colmap_world_ ? vertical_of(views_) : Vector3d(Vector3d::Zero()));
     move_views(frame_, views_);
     keypoints_ = move_keypoints(frame_, world);
     double sum = 0;
@@ -359,6 +364,7 @@ class Builder {
   const BuildProgress& progress_;
   std::string stage_;
   std::unique_ptr<ColmapRun> colmap_;
+  bool colmap_world_ = false;  // whose axes and unit mean nothing, unless somebody aligned it
   std::unique_ptr<ParsingNetwork> parser_;
   std::vector<View> views_;             // in the rest frame once the person is found
   std::vector<Detections> detections_;  // in the views, until the person is found

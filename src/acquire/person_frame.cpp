@@ -24,6 +24,16 @@ constexpr double kAnkleToNoseShare = 0.865;
 // nothing.
 constexpr double kLeastSideways = 1e-6;
 
+// Hand-held cameras tell the vertical to half a degree. An axis of the world as near to it as this is no chance (one in
+// a thousand): somebody made the world upright, more exactly than that.
+constexpr double kUprightRad = 1.5 * M_PI / 180;
+
+Vector3d nearest_axis(const Vector3d& direction) {
+  int axis;
+  direction.cwiseAbs().maxCoeff(&axis);
+  return Vector3d::Unit(axis);
+}
+
 }  // namespace
 
 double unit_in_mm(const std::string& unit) {
@@ -49,8 +59,9 @@ Vector3d vertical_of(const std::vector<View>& views) {
     sum += right * right.transpose() / static_cast<double>(views.size());
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(sum);
-  return eigen.eigenvalues()[1] > 0.1 && eigen.eigenvalues()[0] < 0.05 ? Vector3d(eigen.eigenvectors().col(0))
-                                                                       : Vector3d::Zero();
+  if (!(eigen.eigenvalues()[1] > 0.1 && eigen.eigenvalues()[0] < 0.05)) return Vector3d::Zero();
+  const Vector3d vertical = eigen.eigenvectors().col(0), axis = nearest_axis(vertical);
+  return std::abs(vertical.dot(axis)) > std::cos(kUprightRad) ? axis : vertical;
 }
 
 PersonFrame find_person_frame(const SpaceKeypoints& world, double unit_mm, double height_mm,
@@ -69,9 +80,7 @@ PersonFrame find_person_frame(const SpaceKeypoints& world, double unit_mm, doubl
   if (!((shoulders - ankles).norm() > 0 && hips.norm() + width.norm() > 0)) fail();
   PersonFrame frame;
   Vector3d up = (shoulders - ankles).normalized();
-  int axis;
-  up.cwiseAbs().maxCoeff(&axis);
-  const Vector3d level = vertical.isZero() ? Vector3d(Vector3d::Unit(axis)) : vertical;
+  const Vector3d level = vertical.isZero() ? nearest_axis(up) : vertical;
   if (std::abs(up.dot(level)) > std::cos(8 * M_PI / 180)) up = (up.dot(level) > 0 ? 1 : -1) * level;
   Vector3d left = hips.normalized() + width.normalized();
   left -= left.dot(up) * up;

@@ -28,7 +28,8 @@ double unit_in_mm(const std::string& unit);
 // name: what it is called.
 double guess_unit_mm(double height_units, std::string& name);
 
-// Up, either way, when the cameras were held level: across all their horizontals. Zero when these say nothing.
+// Up, either way, when the cameras were held level: across all their horizontals, or an axis of the world as good as
+// there. Zero when these say nothing.
 Eigen::Vector3d vertical_of(const std::vector<View>& views);
 
 // The frame from the keypoints: up from the ankles to the shoulders (`vertical`, or when that is zero an axis of the

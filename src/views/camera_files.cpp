@@ -226,14 +226,14 @@ bool is_skeletool(const path& file) {
   return file.extension() == ".calibration" || read_file(file).rfind("Skeletool Camera Calibration", 0) == 0;
 }
 
-bool is_colmap(const path& folder) {
+}  // namespace
+
+bool is_colmap_model(const path& folder) {
   return std::filesystem::exists(folder / "cameras.txt") && std::filesystem::exists(folder / "images.txt");
 }
 
-}  // namespace
-
 std::vector<ViewPose> read_view_poses(const path& path, const std::filesystem::path& pictures) {
-  if (std::filesystem::is_directory(path) && !is_colmap(path))
+  if (std::filesystem::is_directory(path) && !is_colmap_model(path))
     throw IoError(path.string() + ": holds no cameras.txt and images.txt" +
                   (std::filesystem::exists(path / "cameras.bin")
                        ? "; convert the binary model: colmap model_converter --output_type TXT"
@@ -249,7 +249,7 @@ std::vector<ViewPose> read_view_poses(const path& path, const std::filesystem::p
 path find_view_poses(const path& pictures) {
   const path parent = std::filesystem::absolute(pictures / ".").parent_path().parent_path();
   for (const path& folder : {pictures, parent, parent / "sparse" / "0", parent / "sparse"}) {
-    if (is_colmap(folder)) return folder;
+    if (is_colmap_model(folder)) return folder;
     for (const char* name : {"cameras.yml", "cameras.yaml", "cameras.json", "cameras.xml", "cameras.calibration"})
       if (std::filesystem::exists(folder / name)) return folder / name;
   }

@@ -17,6 +17,9 @@ struct ViewPose {
   Eigen::Isometry3d camera_from_world = Eigen::Isometry3d::Identity();
 };
 
+// COLMAP's text model: whether `folder` has cameras.txt and images.txt.
+bool is_colmap_model(const std::filesystem::path& folder);
+
 // path: a folder with cameras.txt and images.txt, a Skeletool calibration (whose cameras are given the pictures of the
 // folder `pictures` by name), or a file read by OpenCV's FileStorage. Sorted by picture. Throws IoError naming file,
 // line or view, and what would be right.

@@ -179,6 +179,11 @@ TEST(Keypoints, LevelCamerasTellTheVertical) {
   const auto frame =
       acquire::find_person_frame(standing(1, world_from_room * lean, {0, 0, 0}), 0, 1700, notes, vertical);
   EXPECT_GT(frame.rotation.row(1).dot(up), std::cos(test::kVerticalRad)) << "not an axis of the world";
+  // A world that somebody made upright keeps its axis.
+  for (View& view : views)
+    view.camera_from_world.linear() =
+        view.camera_from_world.linear() * world_from_room * Eigen::AngleAxisd(0.01, Vector3d::UnitX());
+  EXPECT_EQ(acquire::vertical_of(views).cwiseAbs(), Vector3d(Vector3d::UnitY()));
   // All from one side: no vertical.
   EXPECT_TRUE(acquire::vertical_of({views[0], views[0], views[0]}).isZero());
 }

@@ -282,6 +282,8 @@ inline constexpr double kConcaveShare = 0.35;
 inline constexpr double kNetworkMaskMm = 12;
 // The vertical from cameras held level within 1.5 degrees, to and fro.
 inline constexpr double kVerticalRad = 0.005;
+// The same of a dozen cameras only, and how differently the person is then carved: half a degree.
+inline constexpr double kLeanRad = 0.009;
 // Where a person faces, from float positions.
 inline constexpr double kFacingRad = 1e-6;
 // A turn from exact keypoints, rad and mm: what is left when a step gains less than a ten-thousandth. With

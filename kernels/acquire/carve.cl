@@ -18,8 +18,9 @@ typedef struct {
 } CarveGrid;
 
 // One view. largest[LC_CARVE_KEPT*i..]: the largest distances of node i to a view's cone so far, mm, positive outside,
-// descending. n_seen[i]: views whose picture holds the node.
-kernel void carve_view(int n, CarveGrid grid, CarveView view, int width, int height,
+// descending; that of an exact view counts as often as there is room, so that it cannot be overruled. n_seen[i]: views
+// whose picture holds the node.
+kernel void carve_view(int n, CarveGrid grid, CarveView view, int width, int height, int exact,
                        global const float* restrict signed_distance,  // [w*h] px, positive outside
                        global float* restrict largest, global int* restrict n_seen) {
   const int i = get_global_id(0);
@@ -42,13 +43,13 @@ kernel void carve_view(int n, CarveGrid grid, CarveView view, int width, int hei
   for (int k = 0; k < LC_CARVE_KEPT; ++k) {
     const float kept = largest[LC_CARVE_KEPT * i + k];
     largest[LC_CARVE_KEPT * i + k] = fmax(kept, mm);
-    mm = fmin(kept, mm);
+    if (!exact) mm = fmin(kept, mm);
   }
 }
 
 // The hull's distance: the largest one after `n_ignored` views were overruled, below row y = n_low of the grid
-// `n_ignored_low` (less than LC_CARVE_KEPT), between -limit and limit; a node seen by less than min_views, or by none
-// that is not overruled, is outside.
+// `n_ignored_low` (less than LC_CARVE_KEPT), between -limit and limit; a node seen by less than min_views, or by no
+// more than may be overruled, is outside.
 kernel void carve_result(int n, CarveGrid grid, int n_ignored, int n_low, int n_ignored_low, int min_views, float limit,
                          global const float* restrict largest, global const int* restrict n_seen,
                          global float* restrict distance) {

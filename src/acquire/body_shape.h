@@ -24,7 +24,8 @@ struct BodyShape {
 };
 
 // The hull of the views' masks (in the rest frame, mm) around the keypoints, on a grid of grid_mm. n_ignored: how many
-// of them a point may be outside of, n_ignored_feet of the feet, 0 to 5. Throws ConfigError, OclError.
+// of those that are not exact a point may be outside of, n_ignored_feet of the feet, 0 to 5. Throws ConfigError,
+// OclError.
 BodyShape carve_body(ocl::DeviceContext& device, const std::vector<View>& views, const SpaceKeypoints& keypoints,
                      double grid_mm, int n_ignored, int n_ignored_feet, std::vector<std::string>& notes);
 

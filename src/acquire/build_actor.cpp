@@ -36,7 +36,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kScanViews = 32;
-constexpr int kViewsPerIgnored = 12;  // one of so many may be overruled at the feet
+constexpr int kMasksPerIgnored = 12;  // one of so many of a network's may be overruled at the feet
 constexpr double kAssumedHeightMm = 1700;
 constexpr double kLowOverlap = 0.9;  // of the surface with the masks; docs/actor_build.md
 
@@ -235,11 +235,12 @@ class Builder {
 
   void carve() {
     // One mask that was not given may have a hole; of a network's several may lack part of a shoe.
-    const int n_ignored = network_masks_.empty() && turned_rad_.empty() ? 0 : 1;
-    const int n_views = static_cast<int>(views_.size());
+    const int n_rough = static_cast<int>(std::count_if(
+        views_.begin(), views_.end(), [](const View& view) { return !view.mask.empty() && !view.exact_mask; }));
+    const int n_ignored = std::min(1, n_rough);
     const int n_ignored_feet = network_masks_.empty()
                                    ? n_ignored
-                                   : std::clamp(n_views / kViewsPerIgnored, n_ignored, HullOptions::kMostIgnored);
+                                   : std::clamp(n_rough / kMasksPerIgnored, n_ignored, HullOptions::kMostIgnored);
     shape_ = carve_body(device_, views_, keypoints_, options_.grid_mm, n_ignored, n_ignored_feet, result_.notes);
   }
 

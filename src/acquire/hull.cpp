@@ -69,8 +69,8 @@ void carve_hull(ocl::DeviceContext& device, const std::vector<View>& views, cons
     const Silhouette silhouette = make_silhouette(view.mask);
     if (silhouette.empty()) continue;
     const ocl::Buffer<float> picture(device, silhouette.signed_distance);
-    carve.launch(n, 64, static_cast<int>(n), grid, carve_view(view), view.camera.width, view.camera.height, picture,
-                 largest, seen);
+    carve.launch(n, 64, static_cast<int>(n), grid, carve_view(view), view.camera.width, view.camera.height,
+                 static_cast<int>(view.exact_mask), picture, largest, seen);
     device.finish();  // the picture's buffer ends here
     ++used;
   }

@@ -12,7 +12,7 @@ namespace livecap::acquire {
 struct HullOptions {
   static constexpr int kMostIgnored = 5;
 
-  int n_ignored = 0;       // views that may be overruled at a point, 0 to kMostIgnored
+  int n_ignored = 0;       // views without an exact mask that may be overruled at a point, 0 to kMostIgnored
   double limit_mm = 60;    // distances are cut there
   double min_seen = 0.35;  // share of the views whose picture must hold a point
   double low_mm = -1e9;    // below it, along y,

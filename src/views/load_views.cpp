@@ -192,6 +192,7 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
         any_in_masks |= !is_all(mask, 0);
         any_around |= !is_all(mask, 255);
         view.mask = sample_gray(mask, map, cv::INTER_LINEAR);
+        view.exact_mask = true;
       } else {
         ++n_no_mask;
       }

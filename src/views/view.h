@@ -15,9 +15,10 @@ struct View {
   Camera camera;                         // without distortion, the size of the pictures below
   Eigen::Isometry3d camera_from_world =  // OpenCV axes; in the world's units until move_views (acquire), then mm
       Eigen::Isometry3d::Identity();
-  ImageRgb image;    // undistorted
-  ImageGray mask;    // > 127 = person; empty: not known
-  ImageGray labels;  // LIP ids; empty: not known
+  ImageRgb image;           // undistorted
+  ImageGray mask;           // > 127 = person; empty: not known
+  bool exact_mask = false;  // given with the picture: no other view overrules it
+  ImageGray labels;         // LIP ids; empty: not known
 
   // Where the camera is, in the world.
   Eigen::Vector3d center() const { return camera_from_world.inverse().translation(); }

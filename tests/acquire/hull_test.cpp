@@ -71,6 +71,22 @@ TEST(Hull, OfACapsuleIsTheCapsule) {
     options.n_ignored = 1;
     acquire::carve_hull(device, broken, options, volume);
     EXPECT_LT(volume.at(b), 0);
+    // Not where its mask is exact; of those that are not one still may be.
+    broken[5].exact_mask = true;
+    acquire::carve_hull(device, broken, options, volume);
+    EXPECT_GT(volume.at(b), 0);
+    auto others = broken;
+    for (View& view : others) view.exact_mask = true;
+    others[5].exact_mask = false;
+    acquire::HullOptions seen_by_any = options;
+    seen_by_any.min_seen = 0;
+    acquire::carve_hull(device, others, seen_by_any, volume);
+    others.erase(others.begin() + 5);
+    seen_by_any.n_ignored = 0;
+    Volume of_others = volume;
+    acquire::carve_hull(device, others, seen_by_any, of_others);
+    EXPECT_EQ(volume.distance, of_others.distance);
+    broken[5].exact_mask = false;
     options.n_ignored = 0;
     acquire::carve_hull(device, broken, options, volume);
     EXPECT_GT(volume.at(b), 0);

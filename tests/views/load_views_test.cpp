@@ -79,6 +79,7 @@ TEST_F(LoadViews, PicturesOfTheSameNameHaveMasksOfTheirOwn) {
   ASSERT_EQ(views.size(), 9u);
   for (const View& view : views) {
     ASSERT_FALSE(view.mask.empty()) << view.name;
+    EXPECT_TRUE(view.exact_mask);
     const int expected = view.name == "a/alone.png" ? 180 : view.name[0] == 'a' ? 200 : 160;
     EXPECT_EQ(view.mask.pixels[30 * kWidth + 40], expected) << view.name;
   }
@@ -91,8 +92,9 @@ TEST_F(LoadViews, PicturesOfTheSameNameHaveMasksOfTheirOwn) {
   }
   write_png(plain(180), folder_ / "flat" / "alone.png");
   views = load_views(given, notes);
-  EXPECT_TRUE(std::all_of(views.begin(), views.end(),
-                          [](const View& view) { return view.mask.empty() == (view.name != "a/alone.png"); }));
+  EXPECT_TRUE(std::all_of(views.begin(), views.end(), [](const View& view) {
+    return view.mask.empty() == (view.name != "a/alone.png") && view.exact_mask == !view.mask.empty();
+  }));
 }
 
 // As tools write them: cut out with alpha; 1 for the person; nothing at all.

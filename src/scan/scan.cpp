@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "geometry/disjoint_sets.h"
 #include "livecap/error.h"
+#include "scan/orient.h"
 #include "scan/scan_files.h"
 
 namespace livecap {
@@ -81,27 +82,6 @@ Vector3d Scan::color_at(const meshing::SurfacePoint& point) const {
   return point.weights[0] * colors[t[0]] + point.weights[1] * colors[t[1]] + point.weights[2] * colors[t[2]];
 }
 
-namespace {
-
-// Files that are inside out, or mirrored by a transform, enclose a negative volume.
-void turn_outwards(Scan& scan, const std::filesystem::path& path, std::vector<std::string>& notes) {
-  Vector3d middle = Vector3d::Zero();
-  for (const Vector3d& p : scan.surface.vertices) middle += p / static_cast<double>(scan.surface.vertices.size());
-  double volume = 0;
-  for (const auto& t : scan.surface.triangles) {
-    const auto corner = [&](int k) -> Vector3d { return scan.surface.vertices[t[k]] - middle; };
-    volume += corner(0).dot(corner(1).cross(corner(2)));
-  }
-  if (volume >= 0) return;
-  for (size_t i = 0; i < scan.surface.triangles.size(); ++i) {
-    std::swap(scan.surface.triangles[i][1], scan.surface.triangles[i][2]);
-    if (!scan.uvs.empty()) std::swap(scan.uvs[3 * i + 1], scan.uvs[3 * i + 2]);
-  }
-  notes.push_back(path.string() + ": the surface was inside out and has been turned");
-}
-
-}  // namespace
-
 Scan read_scan(const std::filesystem::path& path, std::vector<std::string>& notes,
                const std::filesystem::path& texture) {
   std::string extension = path.extension().string();
@@ -125,7 +105,11 @@ Scan read_scan(const std::filesystem::path& path, std::vector<std::string>& note
   weld(scan);
   if (scan.surface.triangles.size() < 100)
     throw IoError(path.string() + format(": %zu triangles are no scan of a person", scan.surface.triangles.size()));
-  turn_outwards(scan, path, notes);
+  // Files may be inside out, or mirrored in parts.
+  if (const size_t n = orient(scan.surface, scan.uvs), n_all = scan.surface.triangles.size(); n == n_all)
+    notes.push_back(path.string() + ": the surface was inside out and has been turned");
+  else if (n > 0)
+    notes.push_back(path.string() + format(": %zu of %zu triangles looked inwards and have been turned", n, n_all));
   if (scan.surface.triangles.size() < n_read)
     notes.push_back(path.string() +
                     format(": %zu triangles without area left out", n_read - scan.surface.triangles.size()));

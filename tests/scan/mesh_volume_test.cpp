@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "livecap/error.h"
+#include "scan/orient.h"
 #include "scan/scan.h"
 #include "support/refusal.h"
 #include "support/tolerances.h"
@@ -47,15 +48,20 @@ TEST(MeshVolume, HasTheSpheresDistance) {
 TEST(MeshVolume, MakesASolidOfABrokenMesh) {
   meshing::Surface mesh = sphere(200, {0, 0, 0});
   EXPECT_TRUE(is_closed_manifold(mesh));
-  append(mesh, sphere(120, {180, 0, 0}));                        // overlaps
+  const size_t n_ball = mesh.triangles.size();
+  append(mesh, sphere(120, {180, 0, 0}));             // overlaps
+  for (size_t i = 0; i < mesh.triangles.size(); ++i)  // the overlapping one and a third of the other
+    if (Eigen::Vector3i& t = mesh.triangles[i]; i >= n_ball || mesh.vertices[t[0]].x() < -70) std::swap(t[1], t[2]);
   std::erase_if(mesh.triangles, [&](const Eigen::Vector3i& t) {  // a hole of 120 mm at the top
     return mesh.vertices[t[0]].y() > 185;
   });
   EXPECT_FALSE(is_closed_manifold(mesh));
+  std::vector<Eigen::Vector2d> no_uvs;
+  EXPECT_GT(orient(mesh, no_uvs), mesh.triangles.size() / 4);
   auto volume = volume_of(mesh, 10);
   EXPECT_EQ(keep_largest_solid(volume), 0);
-  for (const Vector3d& p :
-       {Vector3d(0, 0, 0), Vector3d(150, 0, 0), Vector3d(270, 0, 0), Vector3d(0, 150, 0), Vector3d(0, -180, 0)})
+  for (const Vector3d& p : {Vector3d(0, 0, 0), Vector3d(150, 0, 0), Vector3d(270, 0, 0), Vector3d(0, 150, 0),
+                            Vector3d(0, -180, 0), Vector3d(-150, 0, 0)})
     EXPECT_LT(volume.at(p), 0) << p.transpose();
   for (const Vector3d& p : {Vector3d(-230, 0, 0), Vector3d(0, 230, 0), Vector3d(150, 190, 0)})
     EXPECT_GT(volume.at(p), 0) << p.transpose();

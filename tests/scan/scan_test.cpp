@@ -121,6 +121,35 @@ TEST_F(Scan, InsideOutIsTurned) {
   EXPECT_GT(volume, 0);
 }
 
+// One half mirrored from the other without turning its triangles, as modellers do; two balls of which one is inside
+// out.
+TEST_F(Scan, PartsThatLookInwardsAreTurned) {
+  const auto enclosed = [](const meshing::Surface& surface) {
+    double volume = 0;
+    for (const auto& t : surface.triangles)
+      volume += surface.vertices[t[0]].dot(surface.vertices[t[1]].cross(surface.vertices[t[2]])) / 6;
+    return volume;
+  };
+  const double whole = enclosed(ball_);
+  const meshing::Surface ball = ball_;
+  size_t n_turned = 0;
+  for (auto& t : ball_.triangles)
+    if (ball.vertices[t[0]].x() < -5) std::swap(t[1], t[2]), ++n_turned;
+  std::vector<std::string> notes;
+  livecap::Scan scan = read_scan(write("half.obj", obj()), notes);
+  EXPECT_NEAR(enclosed(scan.surface), whole, 1e-6 * whole);
+  EXPECT_TRUE(is_closed_manifold(scan.surface));
+  EXPECT_EQ(notes, std::vector<std::string>{(folder_ / "half.obj").string() +
+                                            format(": %zu of %zu triangles looked inwards and have been turned",
+                                                   n_turned, ball.triangles.size())});
+  ball_ = ball;
+  const int n = static_cast<int>(ball.vertices.size());
+  for (const Vector3d& p : ball.vertices) ball_.vertices.push_back(p + Vector3d(300, 0, 0));
+  for (const auto& t : ball.triangles) ball_.triangles.emplace_back(n + t[0], n + t[2], n + t[1]);
+  scan = read_scan(write("two.obj", obj()), notes);
+  EXPECT_NEAR(enclosed(scan.surface), 2 * whole, 1e-6 * whole);
+}
+
 TEST_F(Scan, ReadsARiggedGlbWithItsTexture) {
   const auto path = write("actor.glb", make_builtin_actor_glb("trousers", 1700, 2000));
   std::vector<std::string> notes;

@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "geometry/disjoint_sets.h"
 #include "livecap/error.h"
+#include "scan/fill_uvs.h"
 #include "scan/orient.h"
 #include "scan/scan_files.h"
 
@@ -105,6 +106,11 @@ Scan read_scan(const std::filesystem::path& path, std::vector<std::string>& note
   weld(scan);
   if (scan.surface.triangles.size() < 100)
     throw IoError(path.string() + format(": %zu triangles are no scan of a person", scan.surface.triangles.size()));
+  if (const size_t n = fill_uvs(scan); n > 0)
+    notes.push_back(path.string() +
+                    format(": %zu of %zu triangles have no texture: they have the colour of what is beside "
+                           "them",
+                           n, scan.surface.triangles.size()));
   // Files may be inside out, or mirrored in parts.
   if (const size_t n = orient(scan.surface, scan.uvs), n_all = scan.surface.triangles.size(); n == n_all)
     notes.push_back(path.string() + ": the surface was inside out and has been turned");

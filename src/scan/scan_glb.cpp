@@ -5,6 +5,7 @@
 #include "actor/gltf_reader.h"
 #include "actor/texture_atlas.h"
 #include "base/text.h"
+#include "scan/fill_uvs.h"
 #include "scan/scan_files.h"
 
 namespace livecap {
@@ -21,7 +22,7 @@ Scan read_glb_scan(const std::filesystem::path& path, std::vector<std::string>& 
   const tinygltf::Model& model = file.model();
   Scan scan;
   int image = -1;
-  bool textured = true, colored = true;
+  bool several = false, textured = false, colored = true;  // textures; some place in one
   for (size_t node = 0; node < model.nodes.size(); ++node) {
     if (model.nodes[node].mesh < 0) continue;
     if (model.nodes[node].mesh >= static_cast<int>(model.meshes.size()))
@@ -54,7 +55,9 @@ Scan read_glb_scan(const std::filesystem::path& path, std::vector<std::string>& 
         if (texture >= 0 && texture < static_cast<int>(model.textures.size())) source = model.textures[texture].source;
       }
       if (image < 0) image = source;
-      textured = textured && !uv.empty() && source >= 0 && source == image;
+      several = several || (source >= 0 && source != image);
+      const bool has_uv = !uv.empty() && source >= 0;
+      textured = textured || has_uv;
       if (const auto found = primitive.attributes.find("COLOR_0"); found != primitive.attributes.end()) {
         const int components = file.components_of(found->second, "COLOR_0");
         if (components < 3) file.fail(format("COLOR_0 has %d components, expected 3 or 4", components));
@@ -72,13 +75,16 @@ Scan read_glb_scan(const std::filesystem::path& path, std::vector<std::string>& 
             file.fail(format("a triangle names vertex %u of %lld", indices[i + k], static_cast<long long>(n)));
         if (mirrored) std::swap(indices[i + 1], indices[i + 2]);
         scan.surface.triangles.emplace_back(base + indices[i], base + indices[i + 1], base + indices[i + 2]);
-        for (int k = 0; k < 3; ++k) scan.uvs.push_back(uv.empty() ? Eigen::Vector2d(0, 0) : uv[indices[i + k]]);
+        for (int k = 0; k < 3; ++k) scan.uvs.push_back(has_uv ? uv[indices[i + k]] : kNoUv);
       }
     }
   }
-  if (textured && image >= 0) scan.texture = file.decode_image(image);
-  if (image >= 0 && !textured)
+  if (several)
     notes.push_back(path.string() + ": more than one texture; the scan is read without them");
+  else if (textured)
+    scan.texture = file.decode_image(image);
+  else if (image >= 0)
+    notes.push_back(path.string() + ": no texture coordinates; the scan is read without its texture");
   if (scan.texture.empty()) scan.uvs.clear();
   if (!colored) scan.colors.clear();
   return scan;

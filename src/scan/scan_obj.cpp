@@ -1,6 +1,7 @@
 // Wavefront OBJ with the one texture of its materials, and colours behind the coordinates (MeshLab's way).
 #include <algorithm>
 #include <cstdlib>
+#include <map>
 #include <set>
 #include <sstream>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "base/text.h"
 #include "image/image_io.h"
 #include "livecap/error.h"
+#include "scan/fill_uvs.h"
 #include "scan/scan_files.h"
 
 namespace livecap {
@@ -45,13 +47,18 @@ std::vector<Material> read_materials(const std::filesystem::path& file) {
   return materials;
 }
 
-// What the faces' materials look like. More than one: they do not agree, and the picture of a material without one is
-// empty. Faces whose materials the file does not know have its first picture.
-std::set<std::filesystem::path> pictures_of(const std::vector<Material>& materials, const std::set<std::string>& used) {
+// What the faces' materials look like. More than one: they do not agree. Faces whose materials the file does not know
+// have its first picture. used: the materials of faces, by name.
+std::set<std::filesystem::path> pictures_of(const std::vector<Material>& materials,
+                                            const std::map<std::string, int>& used) {
   std::set<std::filesystem::path> pictures;
-  for (const Material& material : materials)
-    if (used.count(material.name)) pictures.insert(material.picture);
-  if (!pictures.empty()) return pictures;
+  bool known = false;
+  for (const Material& material : materials) {
+    if (!used.count(material.name)) continue;
+    known = true;
+    if (!material.picture.empty()) pictures.insert(material.picture);
+  }
+  if (known) return pictures;
   for (const Material& material : materials)
     if (!material.picture.empty()) return {material.picture};
   return {};
@@ -71,9 +78,10 @@ Scan read_obj(const std::filesystem::path& path, std::vector<std::string>& notes
   Scan scan;
   std::vector<Eigen::Vector2d> uvs;
   std::filesystem::path material_file;
-  std::string material;  // of the faces that follow
-  std::set<std::string> used;
-  bool every_corner_has_uv = true;
+  std::string material;             // of the faces that follow
+  std::map<std::string, int> used;  // a number for each material of faces
+  std::vector<int> material_of;     // [n_triangles] its number
+  bool every_corner_has_uv = true, any_corner_has_uv = false;
   int number = 0;
   for (size_t begin = 0; begin < text.size();) {
     const size_t end = std::min(text.find('\n', begin), text.size());
@@ -120,13 +128,16 @@ Scan read_obj(const std::filesystem::path& path, std::vector<std::string>& notes
         if (vertex < 0) throw IoError(path.string() + format(": line %d: there is no vertex %ld", number, v));
         corners.emplace_back(vertex, resolve(t, uvs.size()));
       }
-      used.insert(material);
+      const int its_number = used.try_emplace(material, static_cast<int>(used.size())).first->second;
       for (size_t k = 2; k < corners.size(); ++k) {
         scan.surface.triangles.emplace_back(corners[0].first, corners[k - 1].first, corners[k].first);
         for (size_t c : {size_t{0}, k - 1, k}) {
-          every_corner_has_uv = every_corner_has_uv && corners[c].second >= 0;
-          scan.uvs.push_back(corners[c].second >= 0 ? uvs[corners[c].second] : Eigen::Vector2d(0, 0));
+          const bool has_uv = corners[c].second >= 0;
+          every_corner_has_uv = every_corner_has_uv && has_uv;
+          any_corner_has_uv = any_corner_has_uv || has_uv;
+          scan.uvs.push_back(has_uv ? uvs[corners[c].second] : kNoUv);
         }
+        material_of.push_back(its_number);
       }
     } else if (line.rfind("usemtl ", 0) == 0) {
       std::istringstream fields(line.substr(7));
@@ -137,20 +148,24 @@ Scan read_obj(const std::filesystem::path& path, std::vector<std::string>& notes
     }
   }
   if (scan.colors.size() != scan.surface.vertices.size()) scan.colors.clear();
-  const bool has_uvs = every_corner_has_uv && !scan.uvs.empty();
   if (!texture.empty()) {
-    if (!has_uvs)
+    if (!every_corner_has_uv || scan.uvs.empty())
       throw IoError(path.string() + ": a texture needs vt of every corner of every face, and " + texture.string() +
                     " was given");
     scan.texture = read_image_rgb(texture);
-  } else if (has_uvs && !material_file.empty()) {
+  } else if (any_corner_has_uv && !material_file.empty()) {
     try {
-      const std::set<std::filesystem::path> pictures = pictures_of(read_materials(material_file), used);
+      const std::vector<Material> materials = read_materials(material_file);
+      const std::set<std::filesystem::path> pictures = pictures_of(materials, used);
       if (pictures.size() > 1) {
         notes.push_back(path.string() + ": more than one texture; the scan is read without them");
-      } else if (!pictures.empty() && !pictures.begin()->empty()) {
+      } else if (!pictures.empty()) {
         require_no_pipe(*pictures.begin());
         scan.texture = read_image_rgb(*pictures.begin());
+        for (const Material& plain : materials)
+          if (const auto found = used.find(plain.name); plain.picture.empty() && found != used.end())
+            for (size_t i = 0; i < scan.uvs.size(); ++i)
+              if (material_of[i / 3] == found->second) scan.uvs[i] = kNoUv;
       }
     } catch (const IoError& error) {
       notes.push_back(std::string(error.what()) + ": the scan is read without its texture");

@@ -64,9 +64,12 @@ class ScanGlb : public testing::Test {
   }
   static Vector2d uv_at(const Vector3d& p) { return {0.5 + p.x() / 400, 0.5 + p.y() / 400}; }
 
-  Scan read() {
+  std::filesystem::path write() {
     write_file_atomically(folder_ / "ball.glb", test::Fixture::pack(document_, bin_));
-    Scan scan = read_scan(folder_ / "ball.glb", notes_);
+    return folder_ / "ball.glb";
+  }
+  Scan read() {
+    Scan scan = read_scan(write(), notes_);
     EXPECT_EQ(scan.uvs.size(), 3 * scan.surface.triangles.size());
     return scan;
   }
@@ -96,6 +99,44 @@ TEST_F(ScanGlb, WhatANodeMirrorsIsTurned) {
       ASSERT_LT((scan.uvs[3 * i + k] - uv_at(p)).norm(), test::kHandComputed) << "corner " << k << " of " << i;
     }
   }
+}
+
+// A second ball that has no material, then one that has no coordinates, then another texture.
+TEST_F(ScanGlb, APrimitiveWithoutTextureDoesNotCostTheOthersTheirs) {
+  json plain = document_["meshes"][0]["primitives"][0], bare = plain;
+  plain.erase("material");
+  bare["attributes"].erase("TEXCOORD_0");
+  document_["nodes"] = {{{"mesh", 0}}, {{"mesh", 1}, {"translation", {500, 0, 0}}}};
+  const size_t n = ball_.triangles.size();
+  for (const json& second : {plain, bare}) {
+    document_["meshes"][1] = {{"primitives", {second}}};
+    notes_.clear();
+    const Scan scan = read();
+    EXPECT_FALSE(scan.texture.empty());
+    EXPECT_EQ(notes_, std::vector<std::string>{
+                          (folder_ / "ball.glb").string() +
+                          format(": %zu of %zu triangles have no texture: they have the colour of what is beside them",
+                                 n, 2 * n)});
+    for (size_t i = 3 * n; i < scan.uvs.size(); ++i)  // of the first ball's right end
+      ASSERT_LT((scan.uvs[i] - uv_at({kRadius, 0, 0})).norm(), 0.1);
+  }
+  document_["meshes"][0]["primitives"] = {bare};
+  notes_.clear();
+  Scan scan = read_scan(write(), notes_);
+  EXPECT_TRUE(scan.texture.empty());
+  EXPECT_EQ(notes_, std::vector<std::string>{(folder_ / "ball.glb").string() +
+                                             ": no texture coordinates; the scan is read without its texture"});
+  document_["meshes"][0]["primitives"] = {document_["meshes"][0]["primitives"][0]};
+  document_["meshes"][1]["primitives"][0]["material"] = 1;
+  document_["materials"].push_back(document_["materials"][0]);
+  document_["materials"][1]["pbrMetallicRoughness"]["baseColorTexture"]["index"] = 1;
+  document_["textures"].push_back({{"source", 1}});
+  document_["images"].push_back(document_["images"][0]);
+  notes_.clear();
+  scan = read_scan(write(), notes_);
+  EXPECT_TRUE(scan.texture.empty());
+  EXPECT_EQ(notes_, std::vector<std::string>{(folder_ / "ball.glb").string() +
+                                             ": more than one texture; the scan is read without them"});
 }
 
 // gltfpack writes quantised coordinates so, and requires it; others only say that they use it.

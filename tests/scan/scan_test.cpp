@@ -72,6 +72,12 @@ class Scan : public testing::Test {
     return "no error";
   }
 
+  std::string bare(const char* name, size_t n, size_t n_all = 0) {
+    return (folder_ / name).string() +
+           format(": %zu of %zu triangles have no texture: they have the colour of what is beside them", n,
+                  n_all > 0 ? n_all : ball_.triangles.size());
+  }
+
   std::filesystem::path folder_;
   meshing::Surface ball_;
 };
@@ -295,11 +301,48 @@ TEST_F(Scan, ObjOfSeveralTexturesIsReadWithoutThem) {
   EXPECT_EQ(read("", "", notes), (std::vector<uint8_t>{0, 250, 0})) << "the first of the file";
   EXPECT_EQ(read("usemtl plain\n", "", notes), std::vector<uint8_t>());
   EXPECT_TRUE(notes.empty());
-  for (const char* other : {"usemtl cloth\n", "usemtl plain\n"}) {
-    EXPECT_EQ(read("usemtl skin 1\n", other, notes), std::vector<uint8_t>());
-    EXPECT_EQ(notes, std::vector<std::string>{(folder_ / "two.obj").string() +
-                                              ": more than one texture; the scan is read without them"});
-    notes.clear();
+  EXPECT_EQ(read("usemtl skin 1\n", "usemtl cloth\n", notes), std::vector<uint8_t>());
+  EXPECT_EQ(notes, std::vector<std::string>{(folder_ / "two.obj").string() +
+                                            ": more than one texture; the scan is read without them"});
+  notes.clear();
+  EXPECT_EQ(read("usemtl skin 1\n", "usemtl plain\n", notes), (std::vector<uint8_t>{250, 0, 0}));
+  EXPECT_EQ(notes, std::vector<std::string>{bare("two.obj", 1)});
+}
+
+// Red left and green right; faces of the upper half have no vt, and of a piece of its own one corner alone has one.
+TEST_F(Scan, FacesWithoutTextureCoordinatesHaveTheColourBesideThem) {
+  write_png(ImageRgb{2, 2, {250, 0, 0, 0, 250, 0, 0, 0, 250, 9, 9, 9}}, folder_ / "skin.png");
+  write("skin.mtl", "newmtl skin\nmap_Kd skin.png\nnewmtl plain\n");
+  const size_t n_ball = ball_.vertices.size();
+  for (const bool far_piece : {false, true}) {
+    std::string text = "mtllib skin.mtl\nusemtl skin\nvt 0.25 0.75\nvt 0.75 0.75\n";
+    size_t n_bare = 0;
+    for (const Vector3d& p : ball_.vertices) text += format("v %.9g %.9g %.9g\n", p.x(), p.y(), p.z());
+    if (far_piece) text += "v 300 0 0\nv 300 9 0\nv 300 0 9\n";
+    for (const auto& t : ball_.triangles) {
+      const Vector3d& p = ball_.vertices[t[0]];
+      const bool has_uv = p.y() < 0;
+      n_bare += !has_uv;
+      for (int k = 0; k < 3; ++k)
+        text += (k == 0 ? "f " : " ") + std::to_string(t[k] + 1) + (!has_uv ? "" : p.x() < 0 ? "/1" : "/2");
+      text += "\n";
+    }
+    if (far_piece) {
+      text += format("f %zu %zu/1 %zu\nusemtl plain\n", n_ball + 1, n_ball + 2, n_ball + 3);
+      text += format("f %zu/2 %zu/2 %zu/2\n", n_ball + 1, n_ball + 3, n_ball + 2);
+      n_bare += 2;
+    }
+    std::vector<std::string> notes;
+    const livecap::Scan scan = read_scan(write("holes.obj", text), notes);
+    EXPECT_EQ(notes, std::vector<std::string>{bare("holes.obj", n_bare, ball_.triangles.size() + (far_piece ? 2 : 0))});
+    ASSERT_EQ(scan.uvs.size(), 3 * scan.surface.triangles.size());
+    for (size_t t = 0; t < scan.surface.triangles.size(); ++t) {
+      const Vector3d color = scan.color_at({static_cast<int>(t), {1.0 / 3, 1.0 / 3, 1.0 / 3}});
+      const double x = scan.surface.vertices[scan.surface.triangles[t][0]].x();
+      EXPECT_LT(color.z(), 0.1) << "a place that no face has";
+      if (t >= ball_.triangles.size()) EXPECT_GT(color.x(), 0.9) << "of the one corner";
+      if (t < ball_.triangles.size() && std::abs(x) > 45) EXPECT_GT(x < 0 ? color.x() : color.y(), 0.9) << x;
+    }
   }
 }
 

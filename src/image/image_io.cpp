@@ -57,8 +57,9 @@ auto decoded(const std::filesystem::path& path, OfPng of_png, OfJpeg of_jpeg) {
 }
 
 // channels: of a JPEG, 1 or 3; a PNG keeps its own.
-PackedPicture decode(const std::filesystem::path& path, int channels) {
-  return decoded(path, decode_png, [channels](const std::string& bytes) {
+PackedPicture decode(const std::filesystem::path& path, int channels,
+                     PackedPicture (*of_png)(std::string_view) = decode_png) {
+  return decoded(path, of_png, [channels](const std::string& bytes) {
     return upright(decode_jpeg(bytes, channels), exif_orientation(bytes));
   });
 }
@@ -94,6 +95,10 @@ ImageRgb read_image_rgb(const std::filesystem::path& path) {
 
 ImageGray read_image_gray(const std::filesystem::path& path) {
   return to_gray(decode(path, 1));
+}
+
+ImageGray read_image_labels(const std::filesystem::path& path) {
+  return to_gray(decode(path, 1, decode_png_numbers));
 }
 
 ImageGray read_image_mask(const std::filesystem::path& path) {

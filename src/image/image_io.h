@@ -16,6 +16,10 @@ ImageRgb read_image_rgb(const std::filesystem::path& path);
 // The same as luma.
 ImageGray read_image_gray(const std::filesystem::path& path);
 
+// Numbers of classes: of a PNG with a palette its indices, whatever colours they are shown in; else as read_image_gray,
+// but grey of less than eight bits is not stretched to 255.
+ImageGray read_image_labels(const std::filesystem::path& path);
+
 // A mask as cutting tools leave it: the alpha of a picture that has one, unless it is the same everywhere; else as
 // read_image_gray.
 ImageGray read_image_mask(const std::filesystem::path& path);

@@ -63,6 +63,30 @@ PackedPicture decode_png(std::string_view bytes) {
   return result;
 }
 
+PackedPicture decode_png_numbers(std::string_view bytes) {
+  const Context context = make_context(0);
+  const spng_ihdr header = read_header(context, bytes);
+  if ((header.color_type != SPNG_COLOR_TYPE_INDEXED && header.color_type != SPNG_COLOR_TYPE_GRAYSCALE) ||
+      header.bit_depth > 8)
+    return decode_png(bytes);
+  require_decodable(header.width, header.height);
+  size_t size = 0;
+  check(spng_decoded_image_size(context.get(), SPNG_FMT_PNG, &size));
+  std::vector<uint8_t> packed(size);
+  check(spng_decode_image(context.get(), packed.data(), packed.size(), SPNG_FMT_PNG, 0));
+  // Every row begins with a byte of its own, and the first pixel is in the highest bits.
+  const size_t per_byte = 8 / header.bit_depth, row = size / header.height;
+  PackedPicture result{static_cast<int>(header.width), static_cast<int>(header.height), 1, {}};
+  result.pixels.reserve(size_t(header.width) * header.height);
+  for (size_t y = 0; y < header.height; ++y)
+    for (size_t x = 0; x < header.width; ++x) {
+      const int shift = 8 - header.bit_depth * static_cast<int>(x % per_byte + 1);
+      result.pixels.push_back(
+          static_cast<uint8_t>(packed[y * row + x / per_byte] >> shift & ((1 << header.bit_depth) - 1)));
+    }
+  return result;
+}
+
 std::string encode_png(const uint8_t* pixels, int width, int height, int channels) {
   const Context context = make_context(SPNG_CTX_ENCODER);
   spng_ihdr header{};

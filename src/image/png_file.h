@@ -18,6 +18,9 @@ std::pair<int, int> png_size(std::string_view bytes);
 // numbers. Throws IoError: damaged, cut off, or too large.
 PackedPicture decode_png(std::string_view bytes);
 
+// The same, but of a palette, or of grey with less than eight bits, the numbers that the file holds: one channel.
+PackedPicture decode_png_numbers(std::string_view bytes);
+
 // pixels: [channels*width*height]; channels as in PackedPicture. Throws IoError.
 std::string encode_png(const uint8_t* pixels, int width, int height, int channels);
 

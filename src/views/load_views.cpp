@@ -199,7 +199,7 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
     }
     if (!files.labels.empty()) {
       if (const path labels = companion(files.labels, pose.picture, n_of_stem); !labels.empty())
-        view.labels = sample_gray(fitted_to(image, turns, labels, read_image_gray(labels)), map, cv::INTER_NEAREST);
+        view.labels = sample_gray(fitted_to(image, turns, labels, read_image_labels(labels)), map, cv::INTER_NEAREST);
       else
         ++n_no_labels;
     }

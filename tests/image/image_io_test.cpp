@@ -123,14 +123,15 @@ TEST_F(ImageIo, JpegIsReadAsOpenCvReadsIt) {
   }
 }
 
+std::string bytes(const std::string& hex) {
+  std::string result;
+  for (size_t i = 0; i < hex.size(); i += 2) result += static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16));
+  return result;
+}
+
 // Two bits a pixel: (10 20 30), (200 100 50), (0 255 0), (9 8 7), and there and back; in the second green is
 // transparent.
 TEST_F(ImageIo, PalettesAreColours) {
-  const auto bytes = [](const std::string& hex) {
-    std::string result;
-    for (size_t i = 0; i < hex.size(); i += 2) result += static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16));
-    return result;
-  };
   const std::vector<uint8_t> expected = {10, 20, 30, 200, 100, 50, 0,   255, 0,  9,  8,  7,
                                          9,  8,  7,  0,   255, 0,  200, 100, 50, 10, 20, 30};
   hold(
@@ -143,6 +144,54 @@ TEST_F(ImageIo, PalettesAreColours) {
             "0000000049454e44ae426082"));
   EXPECT_EQ(read_image_rgb(path_).pixels, expected);
   EXPECT_EQ(read_image_mask(path_).pixels, (std::vector<uint8_t>{255, 255, 0, 255, 255, 0, 255, 255}));
+}
+
+// 5 x 5 pixels, pixel (x, y) is 5 x + 3 y of what its bits can hold: of 1, 2, 4 and 8 bits of a palette, two of them
+// interlaced, then of grey.
+TEST_F(ImageIo, LabelsAreTheIndicesOfAPalette) {
+  const std::pair<int, const char*> files[] = {
+      {1,
+       "89504e470d0a1a0a0000000d4948445200000005000000050103000000b7a1b4a600000006504c54450b30557a9fc4a1"
+       "e473e00000000e4944415478da63086058c100c6000b4a0241d09f44c20000000049454e44ae426082"},
+      {2,
+       "89504e470d0a1a0a0000000d49484452000000050000000502030000018706fee00000000c504c54450b30557a9fc4e9"
+       "0e33587da23450d8150000001a4944415478da636000830620ec602860b800c4c70e30e43800002e26056b51de3d0000"
+       "00000049454e44ae426082"},
+      {4,
+       "89504e470d0a1a0a0000000d49484452000000050000000504030000007f413bd600000030504c54450b30557a9fc4e9"
+       "0e33587da2c7ec11365b80a5caef14395e83a8cdf2173c6186abd0f51a3f6489aed3f81d42678cb1d657d12d3c000000"
+       "1c4944415478da63605defc06071a980219b7501c33c8b0b0c07b319003cab0651d29da2350000000049454e44ae4260"
+       "82"},
+      {4,
+       "89504e470d0a1a0a0000000d494844520000000500000005040300000108460b4000000030504c54450b30557a9fc4e9"
+       "0e33587da2c7ec11365b80a5caef14395e83a8cdf2173c6186abd0f51a3f6489aed3f81d42678cb1d657d12d3c000000"
+       "244944415478da636060706038c0b0802181216101433cc3560669068b4b050cf32c2e000052860750b7eed0ed000000"
+       "0049454e44ae426082"},
+      {8,
+       "89504e470d0a1a0a0000000d4948445200000005000000050803000000bab1d6d700000060504c54450b30557a9fc4e9"
+       "0e33587da2c7ec11365b80a5caef14395e83a8cdf2173c6186abd0f51a3f6489aed3f81d42678cb1d6fb20456a8fb4d9"
+       "fe23486d92b7dc01264b7095badf04294e7398bde2072c51769bc0e50a2f54799ec3e80d32577ca1c6b86ffdb8000000"
+       "264944415478da636060e5e2176160e6e015126760e316109562e0e413969065e011149356000013100191c19425dc00"
+       "00000049454e44ae426082"},
+      {4,
+       "89504e470d0a1a0a0000000d49484452000000050000000504000000006df494380000001c4944415478da63605defc0"
+       "6071a980219b7501c33c8b0b0c07b319003cab0651d29da2350000000049454e44ae426082"}};
+  for (const auto& [bits, hex] : files) {
+    hold(bytes(hex));
+    const ImageGray labels = read_image_labels(path_);
+    ASSERT_EQ(labels.pixels.size(), 25u);
+    for (int i = 0; i < 25; ++i)
+      EXPECT_EQ(labels.pixels[i], (5 * (i % 5) + 3 * (i / 5)) % (1 << bits)) << bits << " bits, pixel " << i;
+  }
+  for (int i = 0; i < 25; ++i) EXPECT_EQ(read_image_gray(path_).pixels[i], read_image_labels(path_).pixels[i] * 17);
+  // What has neither is grey.
+  const ImageGray gray{2, 1, {5, 19}};
+  write_png(gray, path_);
+  EXPECT_EQ(read_image_labels(path_).pixels, gray.pixels);
+  hold(encoded(".png", pattern(CV_8UC3)));
+  EXPECT_EQ(read_image_labels(path_).pixels, read_image_gray(path_).pixels);
+  hold(bytes(files[2].second).substr(0, 100));
+  refused([](const std::filesystem::path& path) { read_image_labels(path); });
 }
 
 TEST_F(ImageIo, PngKeepsEveryByte) {

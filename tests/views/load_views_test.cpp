@@ -154,6 +154,26 @@ TEST_F(LoadViews, LabelImagesThatAreMissingAreTold) {
   }
 }
 
+// As human parsers write them: a picture of 96 x 64 with two bits a pixel, all 2, which is (0 128 0) in its palette.
+TEST_F(LoadViews, LabelsOfAPaletteAreItsIndices) {
+  const std::string hex =
+      "89504e470d0a1a0a0000000d4948445200000060000000400203000000985a9a9d0000000c504c5445000000800000008000"
+      "80800038ec04800000001b4944415478da63588503308c4a8c4a8c4a8c4a8c4a8c4ae0960000410cfc2e27b4f03800000000"
+      "49454e44ae426082";
+  std::string indexed;
+  for (size_t i = 0; i < hex.size(); i += 2) indexed += static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16));
+  std::vector<std::string> names, notes;
+  for (int i = 0; i < 8; ++i) {
+    names.push_back(format("a/%d.png", i));
+    write_png(dotted(40, 30), folder_ / "images" / names.back());
+    write_file_atomically(folder_ / "masks" / names.back(), indexed);
+  }
+  write_model(names);
+  ViewFiles given = files();
+  given.labels = folder_ / "masks";
+  for (const View& view : load_views(given, notes)) EXPECT_EQ(view.labels.pixels[30 * kWidth + 40], 2);
+}
+
 // One that nobody writes to: opened, it would wait for ever.
 TEST_F(LoadViews, APipeIsNoPicture) {
   const std::filesystem::path pipe = folder_ / "images/a/pipe.png";

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <opencv2/imgproc.hpp>
 
 #include "base/median.h"
@@ -11,6 +10,7 @@
 #include "image/image_io.h"
 #include "image/undistort.h"
 #include "livecap/error.h"
+#include "views/companion_files.h"
 #include "views/picture_orientation.h"
 
 namespace livecap {
@@ -63,39 +63,15 @@ Camera reduced(const Camera& camera, int max_side) {
   return small;
 }
 
-// folder/<stem of the picture>.png (or .jpg, or the picture's whole name with .png behind it, as COLMAP has it). The
-// companion of sub/a.jpg is sub/a.png; a.png only when no picture in another folder is called so as well.
-path companion(const path& folder, const std::string& picture, const std::map<std::string, int>& n_of_stem) {
-  const path name = path(picture).filename(), below = path(picture).parent_path();
-  std::vector<path> folders = {folder / below};
-  if (!below.empty() && n_of_stem.at(name.stem().string()) == 1) folders.push_back(folder);
-  for (const path& where : folders)
-    for (const std::string& candidate :
-         {name.stem().string() + ".png", name.string() + ".png", name.stem().string() + ".jpg"})
-      if (std::filesystem::exists(where / candidate)) return where / candidate;
-  return {};
-}
-
-// A companion made from the stored picture is turned as the picture was.
-ImageGray turned(const ImageGray& image, int quarter_turns) {
-  ImageGray result = image;
-  for (int i = 0; i < quarter_turns; ++i) {
-    const ImageGray from = result;
-    result.width = from.height, result.height = from.width;
-    for (int y = 0; y < from.height; ++y)
-      for (int x = 0; x < from.width; ++x)
-        result.pixels[size_t(x) * result.width + from.height - 1 - y] = from.pixels[size_t(y) * from.width + x];
+// Clockwise, of COLMAP's pictures, whose cameras are those of the stored picture; 0 for what cannot be read.
+int stored_turns(const path& file) {
+  if (!std::filesystem::exists(file)) return 0;
+  try {
+    require_no_pipe(file);
+    return quarter_turns(exif_orientation(read_file(file)));
+  } catch (const IoError&) {  // told when the picture is read
+    return 0;
   }
-  return result;
-}
-
-// gray: what `file` holds, beside the picture.
-ImageGray fitted_to(const ImageRgb& image, int turns, const path& file, ImageGray gray) {
-  if (turns % 2 == 1 && gray.width == image.height && gray.height == image.width) gray = turned(gray, turns);
-  if (gray.width != image.width || gray.height != image.height)
-    throw IoError(file.string() +
-                  format(": %d x %d, its picture is %d x %d", gray.width, gray.height, image.width, image.height));
-  return gray;
 }
 
 // 255 = person. Some tools write 1 instead, which would be nobody.
@@ -157,12 +133,15 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
   int n_missing = 0, n_no_mask = 0, n_no_labels = 0;
   bool any_in_masks = false, any_around = false;
   int n_turned = 0;
-  const bool as_stored = std::filesystem::is_directory(where);  // COLMAP's cameras
+  const bool as_stored = is_colmap_model(where);
   const std::vector<ViewPose> poses = read_view_poses(where, files.images);
-  std::map<std::string, int> n_of_stem;
-  for (const ViewPose& pose : poses) ++n_of_stem[path(pose.picture).stem().string()];
-  for (const ViewPose& given : poses) {
-    ViewPose pose = given;
+  std::vector<StoredPicture> stored;
+  for (const ViewPose& pose : poses)
+    stored.push_back({pose.picture, pose.camera.width, pose.camera.height,
+                      as_stored ? stored_turns(files.images / pose.picture) : 0});
+  CompanionFiles masks(files.masks, stored), label_images(files.labels, stored);
+  for (size_t i = 0; i < poses.size(); ++i) {
+    ViewPose pose = poses[i];
     const path file = files.images / pose.picture;
     if (!std::filesystem::exists(file)) {
       if (++n_missing <= 3)
@@ -177,8 +156,7 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
       notes.push_back(std::string(error.what()) + "; left out");
       continue;
     }
-    const int turns = as_stored ? quarter_turns(exif_orientation(read_file(file))) : 0;
-    if (turns > 0) pose = turned(given, turns), ++n_turned;
+    if (stored[i].turns > 0) pose = turned(pose, stored[i].turns), ++n_turned;
     const Camera& camera = pose.camera;
     if (image.width != camera.width || image.height != camera.height)
       throw IoError(file.string() + format(": %d x %d, its camera has %d x %d", image.width, image.height, camera.width,
@@ -187,8 +165,8 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
     View view = view_of(pose.picture, image, camera, files.max_side_px, map);
     view.camera_from_world = pose.camera_from_world;
     if (!files.masks.empty()) {
-      if (const path file = companion(files.masks, pose.picture, n_of_stem); !file.empty()) {
-        const ImageGray mask = fitted_to(image, turns, file, read_mask(file));
+      if (const path file = masks.of(pose.picture); !file.empty()) {
+        const ImageGray mask = masks.upright(read_mask(file), file, stored[i]);
         any_in_masks |= !is_all(mask, 0);
         any_around |= !is_all(mask, 255);
         view.mask = sample_gray(mask, map, cv::INTER_LINEAR);
@@ -198,8 +176,9 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
       }
     }
     if (!files.labels.empty()) {
-      if (const path labels = companion(files.labels, pose.picture, n_of_stem); !labels.empty())
-        view.labels = sample_gray(fitted_to(image, turns, labels, read_image_labels(labels)), map, cv::INTER_NEAREST);
+      if (const path file = label_images.of(pose.picture); !file.empty())
+        view.labels =
+            sample_gray(label_images.upright(read_image_labels(file), file, stored[i]), map, cv::INTER_NEAREST);
       else
         ++n_no_labels;
     }
@@ -207,6 +186,12 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
     views.push_back(std::move(view));
   }
   if (n_turned > 0) notes.push_back(format("%d pictures are turned upright as their EXIF data says", n_turned));
+  for (const auto& [folder, n] : {std::pair{files.masks, masks.n_unclear()}, {files.labels, label_images.n_unclear()}})
+    if (n > 0)
+      notes.push_back(
+          format("%d files in %s are of pictures that were turned upside down, or are square: their size does not tell "
+                 "whether they were turned too, and they are taken as upright",
+                 n, folder.string().c_str()));
   if (n_missing > 3) notes.push_back(format("%d pictures in all are not there", n_missing));
   if (const int n_masks = static_cast<int>(views.size()) - n_no_mask; !files.masks.empty() && !views.empty()) {
     if (n_masks == 0)

@@ -41,6 +41,17 @@ class LoadViews : public ::testing::Test {
     return {width, height, std::vector<uint8_t>(size_t(width) * height, value)};
   }
 
+  // Of what is bright.
+  static Vector2d middle_of(const ImageGray& image) {
+    Vector2d sum = Vector2d::Zero();
+    double weight = 0;
+    for (int v = 0; v < image.height; ++v)
+      for (int u = 0; u < image.width; ++u)
+        if (const int value = image.pixels[size_t(v) * image.width + u]; value > 100)
+          sum += value * Vector2d(u, v), weight += value;
+    return sum / weight;
+  }
+
   // A COLMAP model of these pictures, all from the same place.
   void write_model(const std::vector<std::string>& names) {
     std::ofstream cameras(folder_ / "cameras.txt"), images(folder_ / "images.txt");
@@ -219,7 +230,10 @@ TEST_F(LoadViews, PhonePicturesAreTurnedWithTheirCameras) {
                        static_cast<char>(size & 255) + exif + plain_jpeg.substr(2);
     names.push_back(format("%02d.jpg", i));
     write_file_atomically(folder_ / "images" / names.back(), jpeg);
-    write_png(i % 2 ? plain(200) : plain(200, kWidth, kHeight), folder_ / "masks" / format("%02d.png", i));
+    ImageGray mask = plain(0);
+    for (int dy = -2; dy <= 2; ++dy)
+      for (int dx = -2; dx <= 2; ++dx) mask.pixels[size_t(y + dy) * kWidth + x + dx] = 255;
+    write_png(mask, folder_ / "masks" / format("%02d.png", i));
   }
   write_model(names);
   ViewFiles given = files();
@@ -242,6 +256,7 @@ TEST_F(LoadViews, PhonePicturesAreTurnedWithTheirCameras) {
     ASSERT_GT(sum, 0) << view.name;
     ASSERT_TRUE(view.project(point, pixel));
     EXPECT_LT((seen / sum - pixel).norm(), test::kDotPx) << view.name;
+    EXPECT_LT((middle_of(view.mask) - pixel).norm(), test::kDotPx) << view.name;
   }
   EXPECT_TRUE(std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
     return note.find("9 pictures are turned upright") != std::string::npos;

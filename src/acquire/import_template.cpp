@@ -197,8 +197,7 @@ class Importer {
     for (const Vector3d& p : surface().vertices) top = std::max(top, p.y());
     const std::vector<BodyBone> bones = body_bones(result_.skeleton, result_.rig);
     std::vector<meshing::Influences> weights = result_.actor.weights;
-    for (auto& influences : weights)
-      for (auto& slot : influences) slot.bone = bones[slot.bone];
+    for (auto& influences : weights) influences = body_influences(influences, bones);
     std::vector<Vector3d> colors = result_.actor.colors;
     if (!result_.actor.texture.empty()) colors = vertex_colors(surface(), result_.actor.atlas, result_.actor.texture);
     if (colors.empty()) colors.assign(surface().vertices.size(), Vector3d::Constant(0.5));

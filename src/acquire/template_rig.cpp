@@ -111,6 +111,22 @@ std::vector<BodyBone> body_bones(const SkeletoolSkeleton& skeleton, const RigBon
   return result;
 }
 
+meshing::Influences body_influences(const meshing::Influences& influences, const std::vector<BodyBone>& bones) {
+  meshing::Influences result;
+  size_t n = 0;
+  for (const meshing::Influence& slot : influences) {
+    if (!(slot.weight > 0)) continue;
+    const int bone = bones[slot.bone];
+    const auto same = std::find_if(result.begin(), result.begin() + n,
+                                   [&](const meshing::Influence& other) { return other.bone == bone; });
+    if (same == result.begin() + n) result[n++].bone = bone;
+    same->weight += slot.weight;
+  }
+  std::stable_sort(result.begin(), result.begin() + n,
+                   [](const meshing::Influence& a, const meshing::Influence& b) { return a.weight > b.weight; });
+  return result;
+}
+
 BodyJoints body_joints(const RigPositions& joints_mm, const RigBones& rig, double top_mm) {
   BodyJoints result;
   result.fill(joints_mm[kRigRoot]);

@@ -10,6 +10,7 @@
 #include "actor/bone_names.h"
 #include "actor/livecap_skeleton.h"
 #include "actor/skeletool.h"
+#include "meshing/actor_glb.h"
 
 namespace livecap::acquire {
 
@@ -27,6 +28,9 @@ RigPositions rig_positions(const SkeletoolSkeleton& skeleton, const RigBones& ri
 // The bone of a built actor that each bone of the skeleton counts as: that of the nearest joint of the rig towards the
 // root. [n_bones]
 std::vector<BodyBone> body_bones(const SkeletoolSkeleton& skeleton, const RigBones& rig);
+
+// The influences of bones that count as the same one are one, strongest first. bones: of body_bones().
+meshing::Influences body_influences(const meshing::Influences& influences, const std::vector<BodyBone>& bones);
 
 // Where a built actor has its bones, given the rig's joints in the rest frame; ends that the rig lacks are at the joint
 // before them, a missing head as high between neck and top as heads are. top_mm: of the mesh.

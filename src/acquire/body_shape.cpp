@@ -80,11 +80,14 @@ BodyShape shape_of_scan(const meshing::Surface& scan, std::vector<std::string>& 
   return shape;
 }
 
-meshing::Surface thin_shape(BodyShape& shape, int target_vertices, std::vector<double>& facet_offsets_mm) {
+meshing::Surface thin_shape(BodyShape& shape, int target_vertices, std::vector<double>& facet_offsets_mm,
+                            std::vector<std::string>& notes) {
   const Volume& solid = shape.solid();
   if (!shape.as_is) shape.fine = surface_of(solid);
   const meshing::Surface surface = meshing::remesh(shape.fine, target_vertices);
   shape.fine = {};
+  if (const size_t n = surface.vertices.size(); n < static_cast<size_t>(target_vertices))
+    notes.push_back(format("the shape has %zu vertices, fewer than --vertices %d: none are added", n, target_vertices));
   // Refining looks for the surface at the vertices: they move only then.
   if (!shape.as_is) facet_offsets_mm = facet_offsets(surface, solid);
   if (surface.vertices.size() < 200 || !is_closed_manifold(surface))

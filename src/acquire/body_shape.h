@@ -34,9 +34,10 @@ BodyShape carve_body(ocl::DeviceContext& device, const std::vector<View>& views,
 BodyShape shape_of_scan(const meshing::Surface& scan, std::vector<std::string>& notes);
 
 // The shape's surface with about so many vertices. facet_offsets_mm: [n_vertices] how far each is to move along its
-// normal (acquire/facet_offsets.h); unchanged when the shape is taken as it is. Throws ConfigError when it is none of a
-// person.
-meshing::Surface thin_shape(BodyShape& shape, int target_vertices, std::vector<double>& facet_offsets_mm);
+// normal (acquire/facet_offsets.h); unchanged when the shape is taken as it is. A note says when it has fewer vertices.
+// Throws ConfigError when it is none of a person.
+meshing::Surface thin_shape(BodyShape& shape, int target_vertices, std::vector<double>& facet_offsets_mm,
+                            std::vector<std::string>& notes);
 
 // What puts the soles on the floor, y = 0, and with given_height_mm > 0 scales to that height. height_mm: the height
 // then. Throws ConfigError when that is no person's.

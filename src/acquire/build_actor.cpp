@@ -252,7 +252,7 @@ class Builder {
   }
 
   void thin() {
-    surface() = thin_shape(shape_, options_.target_vertices, facet_offsets_mm_);
+    surface() = thin_shape(shape_, options_.target_vertices, facet_offsets_mm_, result_.notes);
     const PersonFrame down = stand_on_floor(surface(), given_height_mm_, height_mm_);
     for (Vector3d& p : surface().vertices) p = down.to_rest(p);
     move_views(down, views_);

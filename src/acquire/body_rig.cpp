@@ -98,11 +98,8 @@ const std::array<BodyBoneInfo, kBodyBoneCount> kBodyBones = {{
 BodyJoints place_joints(const SpaceKeypoints& keypoints, double height_mm, const Volume& volume,
                         std::vector<std::string>& notes) {
   const double s = height_mm / kTableHeightMm;
-  const auto at = [&](int k) {
-    if (!keypoints[k].found)
-      throw ConfigError("the network's " + std::string(kKeypointNames[k]) + " does not agree between the pictures");
-    return keypoints[k].position;
-  };
+  require_keypoints(keypoints);
+  const auto at = [&](int k) { return keypoints[k].position; };
   // What the network calls by these names is not where a joint turns: actor/keypoint_offsets.cpp the other way round,
   // and what is left in the mean of three actors standing in A-pose (docs/actor_build.md): the shoulders lie farther
   // out and the hips lower than in motion.
@@ -226,8 +223,25 @@ GivenJoints read_joints(const std::filesystem::path& path) {
   return given;
 }
 
+void take_given(const GivenJoints& given, const PersonFrame& frame, SpaceKeypoints& world) {
+  for (int k = kLeftHip; k <= kRightToe; ++k) {
+    const auto found = given.world.find(std::string(kKeypointNames[k]));
+    if (world[k].found || found == given.world.end()) continue;
+    world[k] = {true, given.to_world(frame) * found->second};
+  }
+}
+
+void require_keypoints(const SpaceKeypoints& keypoints, const GivenJoints& given, const std::string& or_else) {
+  for (int k = kLeftHip; k <= kRightToe; ++k)  // hips, shoulders and limbs
+    if (const std::string name(kKeypointNames[k]); !keypoints[k].found && !given.world.count(name))
+      throw ConfigError("the network's " + name +
+                        " does not agree between the pictures: one person, standing still, seen whole from all around "
+                        "is needed" +
+                        or_else);
+}
+
 void override_joints(const GivenJoints& given, const PersonFrame& frame, BodyJoints& joints) {
-  const double to_world = given.unit_mm > 0 ? given.unit_mm / frame.scale_mm : 1;
+  const double to_world = given.to_world(frame);
   for (int bone = 0; bone < kBodyBoneCount; ++bone)
     if (const auto found = given.world.find(kBodyBones[bone].joint_name); found != given.world.end())
       joints[bone] = frame.to_rest(to_world * found->second);
@@ -235,7 +249,7 @@ void override_joints(const GivenJoints& given, const PersonFrame& frame, BodyJoi
 
 std::map<std::string, Vector3d> face_markers(const SpaceKeypoints& keypoints, const GivenJoints& given,
                                              const PersonFrame& frame) {
-  const double to_world = given.unit_mm > 0 ? given.unit_mm / frame.scale_mm : 1;
+  const double to_world = given.to_world(frame);
   std::map<std::string, Vector3d> markers;
   for (Keypoint k : kFaceMarkers) {
     const std::string name(kKeypointNames[k]);

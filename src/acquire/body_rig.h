@@ -63,8 +63,18 @@ void make_symmetric(BodyJoints& joints);
 struct GivenJoints {
   std::map<std::string, Eigen::Vector3d> world;  // by joint name
   double unit_mm = 0;                            // 0: that of the world
+
+  double to_world(const PersonFrame& frame) const { return unit_mm > 0 ? unit_mm / frame.scale_mm : 1; }
 };
 GivenJoints read_joints(const std::filesystem::path& path);
+
+// Keypoints, in the world, that were not found take the place of the given joint of their name. They have no inliers.
+void take_given(const GivenJoints& given, const PersonFrame& frame, SpaceKeypoints& world);
+
+// Throws ConfigError naming a keypoint that place_joints needs and that is neither found nor given. or_else: what would
+// help as well.
+void require_keypoints(const SpaceKeypoints& keypoints, const GivenJoints& given = {}, const std::string& or_else = {});
+
 void override_joints(const GivenJoints& given, const PersonFrame& frame, BodyJoints& joints);
 
 // Where the four face markers are, rest frame: as given (names left_eye, right_eye, nose, chin), else as seen, else not

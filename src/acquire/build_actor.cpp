@@ -187,14 +187,18 @@ class Builder {
       result_.n_detected = static_cast<int>(
           std::count_if(detections.begin(), detections.end(), [](const Detections& seen) { return seen.person; }));
     }
+    const bool joints_may_be_given = turned_rad_.empty() && !colmap_;
+    require_keypoints(world, given_joints_, joints_may_be_given ? ", or its place in --joints" : "");
+    if (given_joints_.unit_mm == 0) take_given(given_joints_, frame_, world);  // it may tell how the person stands
     frame_ = find_person_frame(world, unit_in_mm(options_.unit), given_height_mm_, result_.notes,
                                colmap_world_ ? vertical_of(views_) : Vector3d(Vector3d::Zero()));
+    take_given(given_joints_, frame_, world);
     move_views(frame_, views_);
     keypoints_ = move_keypoints(frame_, world);
     double sum = 0;
     int count = 0;
     for (const SpacePoint& point : keypoints_)
-      if (point.found) sum += point.spread_rad * point.spread_rad, ++count;
+      if (point.n_inliers > 0) sum += point.spread_rad * point.spread_rad, ++count;
     result_.keypoint_rad = count > 0 ? std::sqrt(sum / count) : 0;
     if (result_.keypoint_rad > 0.02)
       note(format(

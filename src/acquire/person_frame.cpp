@@ -69,8 +69,7 @@ PersonFrame find_person_frame(const SpaceKeypoints& world, double unit_mm, doubl
   for (int k : {kLeftHip, kRightHip, kLeftShoulder, kRightShoulder, kLeftAnkle, kRightAnkle})
     if (!world[k].found)
       throw ConfigError("the network's " + std::string(kKeypointNames[k]) +
-                        " does not agree between the pictures: one person, standing still, seen whole from all around "
-                        "is needed");
+                        " does not agree between the pictures; in --joints it has to be in the unit of the world");
   const auto at = [&](int k) { return world[k].position; };
   const Vector3d shoulders = (at(kLeftShoulder) + at(kRightShoulder)) / 2,
                  ankles = (at(kLeftAnkle) + at(kRightAnkle)) / 2;

@@ -253,10 +253,11 @@ path find_view_poses(const path& pictures) {
     for (const char* name : {"cameras.yml", "cameras.yaml", "cameras.json", "cameras.xml", "cameras.calibration"})
       if (std::filesystem::exists(folder / name)) return folder / name;
   }
-  throw ConfigError("--cameras: neither " + pictures.string() +
-                    " nor the folder around it holds cameras.txt and images.txt (COLMAP text model), cameras.yml or "
-                    "cameras.calibration; --colmap "
-                    "finds them when COLMAP is installed");
+  throw ConfigError(
+      "--cameras: none of " + pictures.string() +
+      ", the folder around it, and sparse/0 and sparse there holds cameras.txt and images.txt (COLMAP text "
+      "model) or cameras.yml, .yaml, .json, .xml or .calibration; --colmap finds them when COLMAP is "
+      "installed");
 }
 
 }  // namespace livecap

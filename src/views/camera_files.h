@@ -25,8 +25,9 @@ bool is_colmap_model(const std::filesystem::path& folder);
 // line or view, and what would be right.
 std::vector<ViewPose> read_view_poses(const std::filesystem::path& path, const std::filesystem::path& pictures = {});
 
-// Where they are when nobody says: PICTURES, PICTURES/.., PICTURES/../sparse/0, each with a COLMAP text model,
-// cameras.yml or cameras.calibration. Throws ConfigError listing what was looked for.
+// Where they are when nobody says: the first of PICTURES, PICTURES/.., PICTURES/../sparse/0 and PICTURES/../sparse that
+// has a COLMAP text model or, looked for in this order, cameras.yml, .yaml, .json, .xml or .calibration. Throws
+// ConfigError listing what was looked for.
 std::filesystem::path find_view_poses(const std::filesystem::path& pictures);
 
 }  // namespace livecap

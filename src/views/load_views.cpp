@@ -128,6 +128,7 @@ std::vector<View> load_views(const ViewFiles& files, std::vector<std::string>& n
     if (!folder.empty() && !std::filesystem::is_directory(folder))
       throw IoError(folder.string() + ": is no folder (" + option + ")");
   const path where = files.cameras.empty() ? find_view_poses(files.images) : files.cameras;
+  if (files.cameras.empty()) notes.push_back("cameras: of " + where.string() + " (--cameras says otherwise)");
   std::vector<View> views;
   std::vector<double> sharp;
   int n_missing = 0, n_no_mask = 0, n_no_labels = 0;

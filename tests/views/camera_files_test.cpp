@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "livecap/error.h"
 #include "support/comma_locale.h"
+#include "support/refusal.h"
 #include "support/tolerances.h"
 
 namespace livecap {
@@ -116,6 +117,23 @@ TEST_F(CameraFiles, OpenCvYamlGivesTheSame) {
       << failure(folder_ / "cameras.yml");
   write("cameras.yml", "nonsense");
   EXPECT_NE(failure(folder_ / "cameras.yml").find("cameras.yml"), std::string::npos);
+}
+
+// The nearest folder first; every name that the message lists.
+TEST_F(CameraFiles, AreLookedForAroundThePictures) {
+  const auto pictures = folder_ / "shoot" / "images", shoot = folder_ / "shoot";
+  std::filesystem::create_directories(pictures);
+  std::filesystem::create_directories(shoot / "sparse" / "0");
+  for (const auto& where : {shoot / "sparse", shoot / "sparse" / "0", shoot, pictures})
+    for (const char* name : {"cameras.calibration", "cameras.xml", "cameras.json", "cameras.yaml", "cameras.yml"}) {
+      write_file_atomically(where / name, "x");
+      EXPECT_EQ(find_view_poses(pictures), where / name);
+    }
+  for (const char* name : {"cameras.txt", "images.txt"}) write_file_atomically(pictures / name, "x");
+  EXPECT_EQ(find_view_poses(pictures), pictures);
+  std::filesystem::remove_all(shoot);
+  test::expect_refused<ConfigError>([&] { find_view_poses(pictures); },
+                                    {"sparse/0 and sparse", "cameras.yml, .yaml, .json, .xml or .calibration"});
 }
 
 TEST_F(CameraFiles, SkeletoolCamerasTakeThePicturesOfTheirNames) {

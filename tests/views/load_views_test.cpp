@@ -185,6 +185,21 @@ TEST_F(LoadViews, LabelsOfAPaletteAreItsIndices) {
   for (const View& view : load_views(given, notes)) EXPECT_EQ(view.labels.pixels[30 * kWidth + 40], 2);
 }
 
+TEST_F(LoadViews, TheCamerasThatAreFoundAreTold) {
+  std::vector<std::string> names, notes;
+  for (int i = 0; i < 8; ++i) {
+    names.push_back(format("a/%d.png", i));
+    write_png(dotted(40, 30), folder_ / "images" / names.back());
+  }
+  write_model(names);
+  load_views(files(), notes);
+  EXPECT_TRUE(notes.empty());
+  ViewFiles given = files();
+  given.cameras.clear();
+  load_views(given, notes);
+  EXPECT_EQ(notes, std::vector<std::string>{"cameras: of " + folder_.string() + " (--cameras says otherwise)"});
+}
+
 // One that nobody writes to: opened, it would wait for ever.
 TEST_F(LoadViews, APipeIsNoPicture) {
   const std::filesystem::path pipe = folder_ / "images/a/pipe.png";

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "base/scratch_folder.h"
 #include "base/text.h"
 #include "image/image_io.h"

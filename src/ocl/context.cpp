@@ -37,35 +37,31 @@ DeviceContext::DeviceContext(const DeviceInfo& info, const std::string& track)
   cl_int status = CL_SUCCESS;
   const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM,
                                               reinterpret_cast<cl_context_properties>(info.platform), 0};
-  context_ = clCreateContext(properties, 1, &info_.device, nullptr, nullptr, &status);
+  context_.reset(clCreateContext(properties, 1, &info_.device, nullptr, nullptr, &status));
   check(status, "clCreateContext", info_.label());
   open_queue(track);
 }
 
 DeviceContext::DeviceContext(const DeviceContext& sibling, SharedMemory, const std::string& track)
-    : info_(sibling.info_), context_(sibling.context_), programs_(sibling.programs_) {
-  check(clRetainContext(context_), "clRetainContext", info_.label());
+    : info_(sibling.info_), programs_(sibling.programs_) {
+  check(clRetainContext(sibling.context()), "clRetainContext", info_.label());
+  context_.reset(sibling.context());
   open_queue(track);
 }
 
 void DeviceContext::open_queue(const std::string& track) {
   cl_int status = CL_SUCCESS;
-  queue_ = clCreateCommandQueue(context_, info_.device, tracing() ? CL_QUEUE_PROFILING_ENABLE : 0, &status);
-  if (status != CL_SUCCESS) {
-    clReleaseContext(context_);
-    check(status, "clCreateCommandQueue", info_.label());
-  }
-  if (!is_cpu()) copies_ = std::make_unique<PinnedCopies>(context_, queue_);
-  if (tracing()) trace_queue(context_, queue_, track);
+  queue_.reset(clCreateCommandQueue(context(), info_.device, tracing() ? CL_QUEUE_PROFILING_ENABLE : 0, &status));
+  check(status, "clCreateCommandQueue", info_.label());
+  if (!is_cpu()) copies_ = std::make_unique<PinnedCopies>(context(), queue());
+  if (tracing()) trace_queue(context(), queue(), track);
 }
 
 DeviceContext::~DeviceContext() {
-  if (queue_) clFinish(queue_);
+  clFinish(queue());
   copies_.reset();
-  if (traced_queues > 0) end_queue_trace(queue_);
-  programs_.reset();
-  if (queue_) clReleaseCommandQueue(queue_);
-  if (context_) clReleaseContext(context_);
+  if (traced_queues > 0) end_queue_trace(queue());
+  programs_.reset();  // before the context they are of
 }
 
 cl_program DeviceContext::program(const std::string& path, const std::string& options) {
@@ -86,14 +82,14 @@ cl_program DeviceContext::build(const std::string& path, const std::string& extr
                               " -D LC_POCL=" + (info_.is_pocl() ? "1" : "0") +
                               (extra_options.empty() ? "" : " " + extra_options);
   const std::filesystem::path cache_file = program_cache_file(source, options, info_);
-  cl_program program = load_cached_program(cache_file, context_, info_.device, options);
+  cl_program program = load_cached_program(cache_file, context(), info_.device, options);
   if (!program) {
     if (!cache_file.empty() && !is_compiled_program(cache_file))
       log_warning("first run of these kernels on this device: compiling kernels/" + path);
     const char* text = source.c_str();
     const size_t size = source.size();
     cl_int status = CL_SUCCESS;
-    program = clCreateProgramWithSource(context_, 1, &text, &size, &status);
+    program = clCreateProgramWithSource(context(), 1, &text, &size, &status);
     check(status, "clCreateProgramWithSource", path);
     status = clBuildProgram(program, 1, &info_.device, options.c_str(), nullptr, nullptr);
     if (status != CL_SUCCESS) {
@@ -112,12 +108,12 @@ cl_program DeviceContext::build(const std::string& path, const std::string& extr
 }
 
 void DeviceContext::start() {
-  if (!is_cpu()) check(clFlush(queue_), "clFlush", info_.label());
+  if (!is_cpu()) check(clFlush(queue()), "clFlush", info_.label());
 }
 
 void DeviceContext::finish() {
   if (copies_) return copies_->finish();
-  check(clFinish(queue_), "clFinish", info_.label());
+  check(clFinish(queue()), "clFinish", info_.label());
 }
 
 }  // namespace livecap::ocl

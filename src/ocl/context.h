@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "ocl/device.h"
+#include "ocl/handles.h"
 #include "ocl/pinned_copies.h"
 
 namespace livecap::ocl {
@@ -32,8 +33,8 @@ class DeviceContext {
   bool is_cpu() const { return info_.is_cpu; }
   // Rows of a work-item of kernels/shared/lanes.h.
   int lanes() const { return info_.is_cpu ? info_.cpu_lanes : 1; }
-  cl_context context() const { return context_; }
-  cl_command_queue queue() const { return queue_; }
+  cl_context context() const { return context_.get(); }
+  cl_command_queue queue() const { return queue_.get(); }
   // How host memory comes to a GPU and back; none on CPUs.
   PinnedCopies* copies() const { return copies_.get(); }
 
@@ -63,8 +64,8 @@ class DeviceContext {
   cl_program build(const std::string& path, const std::string& options) const;
 
   DeviceInfo info_;
-  cl_context context_ = nullptr;
-  cl_command_queue queue_ = nullptr;
+  ContextHandle context_;
+  QueueHandle queue_;
   std::unique_ptr<PinnedCopies> copies_;
   std::shared_ptr<Programs> programs_;
 };

@@ -11,6 +11,7 @@
 
 #include "base/text.h"
 #include "base/trace.h"
+#include "livecap/error.h"
 #include "ocl/buffer.h"
 #include "support/test_device.h"
 
@@ -78,6 +79,50 @@ TEST(QueueTrace, QueuesWithoutATraceHaveNoTimes) {
   // Nor do they take part in one that begins later.
   start_trace();
   buffer.fill(1.0f);
+  EXPECT_EQ(ocl::traced_queues, 0);
+  stop_trace();
+}
+
+cl_uint references(cl_context context) {
+  cl_uint count = 0;
+  EXPECT_EQ(clGetContextInfo(context, CL_CONTEXT_REFERENCE_COUNT, sizeof(count), &count, nullptr), CL_SUCCESS);
+  return count;
+}
+
+// Its buffer and its event hold the context.
+TEST(QueueTrace, AQueueWithoutTimesIsRefusedAndLeavesNothingBehind) {
+  stop_trace();
+  ocl::DeviceContext device(ocl::select_device(test::device_selectors().front()));
+  ASSERT_FALSE(has_times(device));
+  const cl_uint before = references(device.context());
+  EXPECT_THROW(ocl::trace_queue(device.context(), device.queue(), "no times"), OclError);
+  EXPECT_EQ(references(device.context()), before);
+  EXPECT_EQ(ocl::traced_queues, 0);
+}
+
+TEST(QueueTrace, ACommandWithoutTimesDoesNotReleaseTheOnesBeforeItTwice) {
+  const ocl::DeviceInfo info = ocl::select_device(test::device_selectors().front());
+  stop_trace();
+  ocl::DeviceContext untimed(info);
+  start_trace();
+  std::optional<ocl::DeviceContext> timed(std::in_place, info, "the queue");
+  // A marker of each queue; kept, so that releasing one too often is seen and not a crash.
+  std::vector<cl_event> events;
+  for (const ocl::DeviceContext* of : {&*timed, &untimed}) {
+    ocl::QueueSpan span(timed->queue(), "marker");
+    ASSERT_NE(span.event(), nullptr);
+    ASSERT_EQ(clEnqueueMarkerWithWaitList(of->queue(), 0, nullptr, span.event()), CL_SUCCESS);
+    ASSERT_EQ(clFinish(of->queue()), CL_SUCCESS);
+    for (int kept = 0; kept < 2; ++kept) ASSERT_EQ(clRetainEvent(*span.event()), CL_SUCCESS);
+    events.push_back(*span.event());
+  }
+  timed.reset();
+  for (cl_event event : events) {
+    cl_uint count = 0;
+    EXPECT_EQ(clGetEventInfo(event, CL_EVENT_REFERENCE_COUNT, sizeof(count), &count, nullptr), CL_SUCCESS);
+    EXPECT_EQ(count, 2u);
+    for (cl_uint kept = 0; kept < count; ++kept) clReleaseEvent(event);
+  }
   EXPECT_EQ(ocl::traced_queues, 0);
   stop_trace();
 }

@@ -23,6 +23,14 @@ std::string build_log(cl_program program, cl_device_id device) {
   return log;
 }
 
+// The one that says why: of the first error, else the first of all.
+std::string telling_line(const std::string& log) {
+  const size_t error = log.find("error");
+  const size_t before = error == std::string::npos ? error : log.rfind('\n', error);
+  const size_t begin = before == std::string::npos ? 0 : before + 1;
+  return one_line(log.substr(begin, log.find('\n', begin) - begin));
+}
+
 }  // namespace
 
 DeviceContext::Programs::~Programs() {
@@ -95,8 +103,9 @@ cl_program DeviceContext::build(const std::string& path, const std::string& extr
     if (status != CL_SUCCESS) {
       const std::string log = build_log(program, info_.device);
       clReleaseProgram(program);
-      throw OclError("clBuildProgram failed: " + status_name(status) + " (kernels/" + path + " on " + info_.label() +
-                     ", options " + options + ")\n" + log);
+      const std::string where = "kernels/" + path + " on " + info_.label() + ", options " + options;
+      log_error("the build log of " + where + ":\n" + log);
+      throw OclError("clBuildProgram failed: " + status_name(status) + " (" + where + "): " + telling_line(log));
     }
     if (info_.is_pocl()) {
       mark_compiled_program(cache_file);

@@ -40,7 +40,7 @@ class DeviceContext {
 
   // The program of kernels/<path> with these extra options ("-D NAME=1"), built at the first request (from the binary
   // cache when it has it). LC_DEVICE=1, LC_CPU=0|1, LC_POCL=0|1, LC_VECTOR=lanes() are defined. Throws OclError with
-  // the build log.
+  // the build log's first error; all of it goes to the log.
   cl_program program(const std::string& path, const std::string& options = {});
 
   // So that a GPU begins now what is enqueued: some drivers else wait until somebody waits for it.

@@ -1,14 +1,19 @@
 #include "ocl/context.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <numeric>
 #include <thread>
 #include <vector>
 
+#include "base/text.h"
 #include "livecap/error.h"
+#include "livecap/log.h"
 #include "ocl/buffer.h"
 #include "ocl/kernel.h"
 #include "ocl/kernel_source.h"
@@ -150,6 +155,34 @@ TEST(Context, KernelsSeeTheArgumentsOfEachLaunch) {
     second = std::make_unique<ocl::Buffer<uint8_t>>(device, std::vector<uint8_t>(kWidth, 200));
     EXPECT_EQ(both(kWidth, *second), kWidth);
   });
+}
+
+// What an editor shows of an exception, and livecap_last_error() returns, is one line.
+TEST(Context, AProgramThatDoesNotBuildSaysWhyInOneLine) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / format("livecap_kernels_%d", int(::getpid()));
+  std::filesystem::create_directories(folder);
+  write_file_atomically(folder / "broken.cl", "kernel void broken(global int* x) {\n  *x = nowhere;\n}\n");
+  ::setenv("LIVECAP_KERNEL_DIR", folder.c_str(), 1);
+  std::string logged, message;
+  set_log_sink([&](LogLevel, const std::string& lines) { logged += lines + "\n"; });
+  test::on_every_device([&](ocl::DeviceContext& device) {
+    logged.clear();
+    message.clear();
+    try {
+      device.program("broken.cl");
+    } catch (const OclError& error) {
+      message = error.what();
+    }
+    EXPECT_NE(message.find("kernels/broken.cl"), std::string::npos) << message;
+    EXPECT_NE(message.find("nowhere"), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    EXPECT_NE(logged.find("nowhere"), std::string::npos) << logged;
+    EXPECT_GE(std::count(logged.begin(), logged.end(), '\n'), 2) << logged;
+  });
+  set_log_sink({});
+  ::unsetenv("LIVECAP_KERNEL_DIR");
+  std::filesystem::remove_all(folder);
 }
 
 TEST(Context, UnknownSelectorListsWhatWouldBeValid) {

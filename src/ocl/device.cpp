@@ -258,10 +258,17 @@ DevicePair default_pair(const std::vector<DeviceInfo>& devices) {
       std::copy_if(devices.begin(), devices.end(), std::back_inserter(candidates), std::mem_fn(kind));
   }
   if (candidates.empty()) candidates = devices;
-  const DeviceInfo& first = candidates.at(0);
-  const auto second = std::find_if(candidates.begin() + 1, candidates.end(),
-                                   [&](const DeviceInfo& device) { return device.platform == first.platform; });
-  return {first, second != candidates.end() ? *second : first};
+  std::erase_if(candidates, [platform = candidates.at(0).platform](const DeviceInfo& device) {
+    return device.platform != platform;
+  });
+  const DeviceInfo strongest =
+      *std::max_element(candidates.begin(), candidates.end(),
+                        [](const DeviceInfo& a, const DeviceInfo& b) { return a.compute_units < b.compute_units; });
+  // Half of the work would take an integrated GPU longer than all of it takes the card beside it.
+  std::erase_if(candidates, [&](const DeviceInfo& device) {
+    return device.device_name != strongest.device_name && 2 * device.compute_units < strongest.compute_units;
+  });
+  return {candidates.front(), candidates.size() > 1 ? candidates[1] : candidates.front()};
 }
 
 DevicePair select_device_pair(const std::string& cnn_selector, const std::string& solver_selector) {

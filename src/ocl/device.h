@@ -60,8 +60,9 @@ struct DevicePair {
   DeviceInfo solver;
 };
 
-// Of these: the first two GPUs of one platform, the network's first, or the one GPU for both; without a GPU CPUs
-// likewise, else what there is. Of one platform, since two may offer the same processor. `devices` must not be empty.
+// Of these: the first two GPUs of the first one's platform that are about equally strong, the network's first, or the
+// strongest for both; without a GPU CPUs likewise, else what there is. Of one platform, since two may offer the same
+// processor. `devices` must not be empty.
 DevicePair default_pair(const std::vector<DeviceInfo>& devices);
 
 // Chooses both devices. Both selectors empty: default_pair. One of them empty: it is taken to be as the other. When

@@ -253,7 +253,7 @@ TEST(Depth, EmptyAndSingleTriangleMeshes) {
 }
 
 TEST(Depth, OverlapIsCounted) {
-  test::on_every_device([](ocl::DeviceContext& device) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
     for (int width : {1, 15, 16, 33, 70}) {
       Camera camera;
       camera.width = width;

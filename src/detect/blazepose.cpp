@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "detect/kernel_args.h"
 #include "detect/layout.h"
 #include "livecap/error.h"
 #include "nn/tflite_import.h"
@@ -12,7 +13,6 @@ namespace {
 
 constexpr int kHeatmapSize = LC_HEATMAP;
 constexpr int kWindow = LC_WINDOW, kRefineReach = kWindow / 2;
-constexpr char kProgram[] = "detect/crop.cl";
 
 static_assert(BlazePose::kLandmarkCount == LC_LANDMARKS && BlazePose::kCropSize == LC_CROP);
 
@@ -119,9 +119,9 @@ BlazePose::BlazePose(ocl::DeviceContext& device, const std::filesystem::path& mo
   outputs_on_device_ = ocl::Buffer<float>(device, outputs_.size());
   mask_on_device_ = ocl::Buffer<uint8_t>(device, mask_.size());
   steps_ = ocl::Buffer<int32_t>(device, size_t(4) * kCropSize);
-  crop_picture_ = {device, kProgram, "crop_picture"};
-  pose_outputs_ = {device, kProgram, "pose_outputs"};
-  mask_bytes_ = {device, kProgram, "mask_bytes"};
+  crop_picture_ = {device, kCropProgram, "crop_picture"};
+  pose_outputs_ = {device, kCropProgram, "pose_outputs"};
+  mask_bytes_ = {device, kCropProgram, "mask_bytes"};
 }
 
 void BlazePose::set_picture(const ImageRgb& image, ocl::Buffer<uint8_t>* on_device) {
@@ -136,28 +136,21 @@ void BlazePose::set_picture(const ImageRgb& image, ocl::Buffer<uint8_t>* on_devi
 
 // From the picture to landmarks_, score_, world_ and the heat maps' windows, with one read.
 void BlazePose::run_on_gpu(const CropRegion& crop) {
-  struct Blocks {  // of the kernel
-    int32_t picture_width, x0, y0, width, height, factor;
-    float share;
-  };
-  struct Offsets {
-    int32_t landmarks, score, heatmap, world;
-  };
   const CropBlocks b = crop_blocks(image_->width, image_->height, crop, kCropSize);
-  const Blocks blocks{image_->width,
-                      b.x_begin,
-                      b.y_begin,
-                      (b.x_end - b.x_begin) / b.factor,
-                      (b.y_end - b.y_begin) / b.factor,
-                      b.factor,
-                      1.0f / static_cast<float>(b.factor * b.factor)};
+  const BlocksArg blocks{image_->width,
+                         b.x_begin,
+                         b.y_begin,
+                         (b.x_end - b.x_begin) / b.factor,
+                         (b.y_end - b.y_begin) / b.factor,
+                         b.factor,
+                         1.0f / static_cast<float>(b.factor * b.factor)};
   steps_.write_later(fixed_steps(b.from_crop, kCropSize, kCropSize));
   crop_picture_.launch(ocl::Range{kCropSize, kCropSize, 32, 2}, kCropSize, mirrored_ ? 1 : 0, blocks, net_.input_at(),
                        *picture_on_device_, steps_, net_.arena());
   do {
     net_.run();
     pose_outputs_.launch(heatmap_.size(), 64,
-                         Offsets{net_.output_at(0), net_.output_at(1), net_.output_at(2), net_.output_at(3)},
+                         OutputsArg{net_.output_at(0), net_.output_at(1), net_.output_at(2), net_.output_at(3)},
                          net_.arena(), outputs_on_device_);
     if (!mask_.empty())
       mask_bytes_.launch(mask_.size(), 64, net_.output_at(4), mirrored_ ? 1 : 0, net_.arena(), mask_on_device_);

@@ -13,6 +13,8 @@ namespace {
 // A square that covers 9x9 pixels at 1000 mm, and one of 5x5 behind its middle at 2000 mm, in a picture of 37x31.
 constexpr int kWidth = 37, kHeight = 31, kGrow = 2;
 constexpr int kFrontPixels = 9 * 9;
+// A mask of all columns from the squares' middle on, which halves them.
+constexpr int kMaskFrom = 18, kMaskPixels = (kWidth - kMaskFrom) * kHeight, kMaskedPixels = 5 * 9;
 constexpr int kGrownPixels = (9 + 2 * kGrow) * (9 + 2 * kGrow);
 
 Mesh two_squares() {
@@ -66,6 +68,23 @@ std::vector<ocl::SelfTestResult> raster_self_test(ocl::DeviceContext& device) {
   const std::vector<int32_t> visible = visibility.visible().read_all();
   results.push_back(counted("visible_vertices", 4, std::count(visible.begin(), visible.end(), 1)));
   results.push_back(counted("contour_vertices", 4, static_cast<long>(visibility.read_contour().size())));
+  if (!device.is_cpu()) {
+    SurfaceVisibility both(device, mesh);
+    both.find_visible_and_contour(positions, ocl::Buffer<float>(device, facing), raster);
+    const std::vector<int32_t> seen = both.visible().read_all();
+    results.push_back(counted("visible_and_contour", 44,
+                              10 * std::count(seen.begin(), seen.end(), 1) + long(both.read_contour().size())));
+  }
+  std::vector<uint8_t> mask(size_t(kWidth) * kHeight, 0);
+  for (int p = 0; p < kWidth * kHeight; ++p) mask[p] = p % kWidth >= kMaskFrom ? 255 : 0;
+  results.push_back(counted("row_overlaps",
+                            std::lround(1e6 * kMaskedPixels / (kFrontPixels + kMaskPixels - kMaskedPixels)),
+                            std::lround(1e6 * raster.intersection_over_union(ocl::Buffer<uint8_t>(device, mask)))));
+  DepthRasterizer depth_alone(device, mesh, kWidth, kHeight);
+  depth_alone.render_depth(positions, camera);
+  const std::vector<float> alone = depth_alone.depth().read_all();
+  results.push_back(counted(device.is_cpu() ? "raster_depths" : "raster_nearest alone", 0,
+                            std::mismatch(alone.begin(), alone.end(), depth.begin()).first == alone.end() ? 0 : 1));
   const std::vector<uint8_t> part_image = parts.part_image().read_all();
   results.push_back(counted("part_bits, part_grow_rows, part_grow_columns", kGrownPixels,
                             std::count(part_image.begin(), part_image.end(), uint8_t(kHead))));

@@ -41,6 +41,7 @@ class Bench {
     system();
     scalars();
     vectors();
+    iterations();
     snapping();
     return results_;
   }
@@ -302,6 +303,24 @@ class Bench {
     kernel(kSurfaceSlicesProgram, "move_vertices")
         .launch(lane_items_, lane_local(), rows_, stride_, 2.5f, planes({3, 4, 0}), v);
     expect("move_vertices", at(v, 2, 3), {11.5f, 22, 30});
+  }
+
+  // A = diag(1, 1, 3) and b = (1, 2, 3) at every vertex, not preconditioned: two eigenvalues are two iterations.
+  void iterations() {
+    if (!device_.is_cpu()) return;
+    const auto planes = [&](const Floats& values) { return ocl::Buffer<float>(device_, constant(values)); };
+    const ocl::Buffer<int32_t> no_links(device_, std::vector<int32_t>(graph_.slice_offsets.size(), 0));
+    const ocl::Buffer<float> blocks = planes({1, 0, 0, 1, 0, 3}), inverse = planes({1, 0, 0, 1, 0, 1});
+    ocl::Buffer<float> p = planes({1, 2, 3, 0, 0, 0, 0}), q = planes({7, 7, 7}), step = planes({0, 0, 0}),
+                       r = planes({1, 2, 3}), z = planes({1, 2, 3}), products = planes({7}),
+                       scalars(device_, Floats{14.0f * float(rows_), 0, 0, 0});
+    kernel(kSurfaceSlicesProgram, "all_iterations")
+        .launch(1, 1, 2, rows_, stride_, 0.0f, no_links, no_links, blocks, blocks, blocks, inverse, p, q, step, r, z,
+                products, scalars);
+    Floats found = at(step, 1, 3);
+    for (const float x : at(r, 2, 3)) found.push_back(x);
+    found.push_back(scalars.read_all()[3]);
+    expect("all_iterations", found, {1, 2, 1, 0, 0, 0, 0});
   }
 
   void snapping() {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "support/kernel_bodies.h"
+#include "support/launched_kernels.h"
 
 namespace livecap {
 namespace {
@@ -12,6 +13,7 @@ TEST(SelfTest, AllKernelsGiveTheKnownAnswers) {
     const auto results = image_self_test(device);
     EXPECT_GE(results.size(), 5u);
     for (const auto& result : results) EXPECT_TRUE(result.ok) << result.kernel << ": " << result.detail;
+    test::expect_every_kernel_launched(device.info(), "image/image.cl", image_self_test);
   });
 }
 

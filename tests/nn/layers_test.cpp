@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
 
 #include "livecap/error.h"
 #include "nn/executor.h"
@@ -10,6 +12,7 @@
 #include "nn/random_graph.h"
 #include "nn/reference.h"
 #include "support/kernel_bodies.h"
+#include "support/launched_kernels.h"
 #include "support/test_device.h"
 #include "support/tolerances.h"
 
@@ -220,6 +223,10 @@ TEST(Layers, SelfTestPasses) {
     const auto results = nn::nn_self_test(device);
     EXPECT_GE(results.size(), 10u);
     for (const auto& result : results) EXPECT_TRUE(result.ok) << result.kernel << ": " << result.detail;
+    std::set<std::string> layers;  // of a GPU
+    if (!device.is_cpu()) layers = {"add", "logistic", "max_pool"};
+    test::expect_every_kernel_launched(device.info(), "nn/nn.cl", nn::nn_self_test, layers);
+    if (!device.is_cpu()) test::expect_every_kernel_launched(device.info(), "nn/layers.cl", nn::nn_self_test);
   });
 }
 

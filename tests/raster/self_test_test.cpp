@@ -4,6 +4,7 @@
 
 #include "scenes.h"
 #include "support/kernel_bodies.h"
+#include "support/launched_kernels.h"
 
 namespace livecap {
 namespace {
@@ -13,6 +14,7 @@ TEST(SelfTest, AllKernelsGiveTheKnownAnswers) {
     const auto results = raster_self_test(device);
     EXPECT_GE(results.size(), 7u);
     for (const auto& result : results) EXPECT_TRUE(result.ok) << result.kernel << ": " << result.detail;
+    test::expect_every_kernel_launched(device.info(), "raster/raster.cl", raster_self_test);
   });
 }
 

@@ -4,7 +4,9 @@
 
 #include <cstring>
 
+#include "actor/skinner.h"
 #include "support/kernel_bodies.h"
+#include "support/launched_kernels.h"
 #include "support/tolerances.h"
 #include "surface/reference_system.h"
 
@@ -321,6 +323,11 @@ TEST(SurfaceSolver, SelfTestPasses) {
     const auto results = surface_self_test(device);
     EXPECT_GE(results.size(), 10u);
     for (const auto& result : results) EXPECT_TRUE(result.ok) << result.kernel << ": " << result.detail;
+    test::expect_every_kernel_launched(device.info(), "surface/surface.cl", surface_self_test);
+    test::expect_every_kernel_launched(device.info(), "surface/slices.cl", [](ocl::DeviceContext& traced) {
+      surface_self_test(traced);
+      skinner_self_test(traced);
+    });
   });
 }
 

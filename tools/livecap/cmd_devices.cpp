@@ -13,6 +13,7 @@
 #include "base/text.h"
 #include "cloth/cloth_simulation.h"
 #include "command.h"
+#include "detect/self_test.h"
 #include "image/self_test.h"
 #include "livecap/error.h"
 #include "match/texture_matcher.h"
@@ -38,11 +39,12 @@ using SelfTest = std::function<std::vector<ocl::SelfTestResult>(ocl::DeviceConte
 // Every room that has kernels.
 const std::vector<std::pair<const char*, SelfTest>>& self_tests() {
   static const std::vector<std::pair<const char*, SelfTest>> tests = {
-      {"actor", skinner_self_test},   {"image", image_self_test},
-      {"raster", raster_self_test},   {"nn", nn::nn_self_test},
-      {"solve", solve_self_test},     {"pose", pose_self_test},
-      {"surface", surface_self_test}, {"acquire", acquire::acquire_self_test},
-      {"match", match_self_test},     {"cloth", cloth_self_test},
+      {"actor", skinner_self_test},         {"image", image_self_test},
+      {"raster", raster_self_test},         {"nn", nn::nn_self_test},
+      {"solve", solve_self_test},           {"pose", pose_self_test},
+      {"surface", surface_self_test},       {"acquire", acquire::acquire_self_test},
+      {"match", match_self_test},           {"cloth", cloth_self_test},
+      {"detect", detect::detect_self_test},
   };
   return tests;
 }

@@ -157,6 +157,7 @@ CaptureEngine::CaptureEngine(const MethodOptions& options, const DetectionOption
   p.solver.emplace(options, p.solver_device, p.surface_device, actor, camera);
   p.segmenter.emplace(p.segmenter_device, p.gate_device, background, camera, is_on(options, kMaskGating),
                       kFramesUnderWay);
+  p.segmenter->warm_up();
   network_ready.get();
   p.frames_waiting = is_on(options, kFixedLag) ? kLagPasses : 0;
   p.buffers_before = ocl::BufferMemory::made;

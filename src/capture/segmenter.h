@@ -22,6 +22,9 @@ class Segmenter {
   Segmenter(ocl::DeviceContext& device, ocl::DeviceContext& gate_device, const BackgroundModel& background,
             const Camera& camera, bool gated, int frames_under_way);
 
+  // Launches every kernel once, on a person in the middle of a grey picture, then forgets it.
+  void warm_up();
+
   // For the picture, before the frame is segmented. May be called by another thread.
   std::shared_ptr<DeviceFrame> take_frame() { return frames_.take(); }
 
@@ -32,6 +35,8 @@ class Segmenter {
   void segment(WorkItem& item);
 
  private:
+  static constexpr int64_t kNobodyYet = std::numeric_limits<int32_t>::max();
+
   // The network's, where it takes part: of the picture, or of the crop.
   const PersonMask& network_mask(const WorkItem& item) const { return gated_ ? item.detections.mask : no_mask_; }
   const CropMask* crop_mask(const WorkItem& item) const {
@@ -39,12 +44,13 @@ class Segmenter {
   }
 
   ocl::DeviceContext& device_;
+  int width_, height_;
   ForegroundSegmenter foreground_;
   DeviceDistanceField distance_;
   FramePool frames_;
   const PersonMask no_mask_;
   bool gated_;
-  int64_t missed_frames_ = std::numeric_limits<int32_t>::max();  // nobody yet
+  int64_t missed_frames_ = kNobodyYet;
 };
 
 }  // namespace livecap

@@ -1,4 +1,5 @@
-// Every program built and every kernel launched once before the first frame, so that no frame waits for a compiler.
+// Every program built and every kernel launched once before the first frame, so that no frame waits for a compiler:
+// those of the network and of the tracker. Those of the segmentation: Segmenter::warm_up().
 #pragma once
 
 #include "capture/tracker.h"

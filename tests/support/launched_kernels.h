@@ -25,22 +25,29 @@ inline std::string kernel_names(ocl::DeviceContext& device, const std::string& p
   return names;
 }
 
+// The trace of everything that was launched on the devices that `work` opens, as text.
+template <typename Work>
+std::string launched_by(Work&& work) {
+  const auto path = std::filesystem::temp_directory_path() / format("livecap_launches_%d.json", int(::getpid()));
+  start_trace();
+  work();
+  write_trace(path);
+  const std::string launched = read_file(path);
+  std::filesystem::remove(path);
+  return launched;
+}
+
 // Every kernel of the program, as this device has it, is launched by self_test(device), but those that nobody launches
 // on such a device.
 template <typename SelfTest>
 void expect_every_kernel_launched(const ocl::DeviceInfo& info, const std::string& program, SelfTest&& self_test,
                                   const std::set<std::string>& unused = {}) {
-  const auto path = std::filesystem::temp_directory_path() / format("livecap_launches_%d.json", int(::getpid()));
-  start_trace();
   std::string names;
-  {
+  const std::string launched = launched_by([&] {
     ocl::DeviceContext device(info);
     self_test(device);
     names = kernel_names(device, program);
-  }
-  write_trace(path);
-  const std::string launched = read_file(path);
-  std::filesystem::remove(path);
+  });
   std::istringstream list(names);
   int n = 0;
   for (std::string name; std::getline(list, name, ';'); ++n)

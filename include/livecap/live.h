@@ -111,9 +111,9 @@ class LiveCapture {
   const LiveActor& actor() const;
 
   // Copies the picture; waits only where every_picture asks for it. False when the capture has ended: by on_result, by
-  // close(), or by an error, which close() throws. Throws ConfigError for a picture of another size than the camera's,
-  // without pixels, with rows that are too short, of an unknown format, or of a time that is not finite and later than
-  // the one before; LogicError from on_result.
+  // close(), or by an error, which close() throws; whatever the picture. Throws ConfigError for a picture of another
+  // size than the camera's, without pixels, with rows that are too short, of an unknown format, or of a time that is
+  // not finite and later than the one before; LogicError from on_result.
   [[nodiscard]] bool push(const Picture& picture);
 
   // Waits until every picture has its result, then ends. Throws what went wrong on the way (OclError, or whatever

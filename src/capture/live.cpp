@@ -222,6 +222,7 @@ bool LiveCapture::push(const Picture& picture) {
   s.require_outside("push()");
   if (!(picture.time_s > s.last_time_s) || !std::isfinite(picture.time_s))
     throw ConfigError(
+  if (s.pictures.aborted()) return false;  // whatever the picture is
         format("picture %lld: its time is %g s, it must be finite and later than that of the one before%s",
                static_cast<long long>(s.n_pushed), picture.time_s,
                s.n_pushed == 0 ? "" : format(" (%g s)", s.last_time_s).c_str()));

@@ -236,6 +236,11 @@ TEST_F(Calls, ACaptureRefusesWhatCannotBeAndGoesOn) {
 // One thread pushes faster than anybody can capture, another polls: each picture is heard of, and what is polled is
 // always newer and was never dropped.
 TEST_F(Calls, PollingIsForTheNewest) {
+  // Also of pictures that it would refuse: a program that waits for the end must not take it for its own mistake.
+  expect_failed(scene.push(1), LIVECAP_ENDED, "livecap_close() says");
+  livecap_picture small = scene.picture(4);
+  small.width /= 2;
+  expect_failed(livecap_push(scene.capture(), &small), LIVECAP_ENDED, "livecap_close() says");
   LIVECAP_MODEL_OR_SKIP(model, "lite");
   std::vector<int32_t> heard;
   const EmptyScene scene(

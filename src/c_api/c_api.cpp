@@ -9,6 +9,7 @@
 #include <new>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -36,13 +37,30 @@ livecap_error failed(livecap_error error, const char* message) noexcept {
   return error;
 }
 
+// Messages of the library name options of the program; here they are fields and arguments, of other units in part.
+std::string in_names_of_c(const std::string& message) {
+  double height_m = 0, least_m = 0, most_m = 0;
+  if (std::sscanf(message.c_str(), "--height %lf m: must be between %lf and %lf metres", &height_m, &least_m,
+                  &most_m) == 3) {
+    char line[128];
+    std::snprintf(line, sizeof line, "height_mm %g: must be %g to %g", 1000 * height_m, 1000 * least_m, 1000 * most_m);
+    return line;
+  }
+  for (const auto& [option, field] : {std::pair{std::string_view("--actor "), "actor "},
+                                      {"--rigidity ", "rigidity "},
+                                      {"--without ", "without "},
+                                      {"--fov ", "fov_deg "}})
+    if (message.starts_with(option)) return field + message.substr(option.size());
+  return message;
+}
+
 // What act() returns, or what it throws as a code.
 template <typename Act>
 livecap_error guarded(Act&& act) noexcept {
   try {
     return act();
   } catch (const ConfigError& error) {
-    return failed(LIVECAP_CONFIG_ERROR, error.what());
+    return failed(LIVECAP_CONFIG_ERROR, in_names_of_c(error.what()).c_str());
   } catch (const IoError& error) {
     return failed(LIVECAP_IO_ERROR, error.what());
   } catch (const OclError& error) {
@@ -90,6 +108,18 @@ Picture picture_from_c(const livecap_picture& c) {
           c.time_s};
 }
 
+// Of a list with commas; spaces around a name and empty names do not count.
+std::vector<std::string> names_of(const std::string& list) {
+  constexpr char kSpaces[] = " \t\r\n";
+  std::vector<std::string> names;
+  std::istringstream parts(list);
+  for (std::string part; std::getline(parts, part, ',');) {
+    const size_t begin = part.find_first_not_of(kSpaces);
+    if (begin != std::string::npos) names.push_back(part.substr(begin, part.find_last_not_of(kSpaces) + 1 - begin));
+  }
+  return names;
+}
+
 LiveOptions options_from_c(const livecap_options& c) {
   LiveOptions options;
   options.every_picture = c.every_picture != 0;
@@ -101,8 +131,7 @@ LiveOptions options_from_c(const livecap_options& c) {
     throw ConfigError("livecap_options: n_background is " + std::to_string(c.n_background) + " but background is " +
                       (c.background ? "not NULL; it must not be negative" : "NULL"));
   for (int i = 0; i < c.n_background; ++i) options.background.push_back(picture_from_c(c.background[i]));
-  std::istringstream names(text(c.without));
-  for (std::string name; std::getline(names, name, ',');) options.without.push_back(name);
+  options.without = names_of(text(c.without));
   options.rigidity = c.rigidity;
   options.cnn_device = text(c.cnn_device);
   options.solver_device = text(c.solver_device);

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -51,6 +52,7 @@ livecap_options good_options() {
 void expect_failed(livecap_error got, livecap_error expected, const std::string& what) {
   const std::string line = livecap_last_error();
   EXPECT_EQ(got, expected) << line;
+  EXPECT_EQ(line.find("--"), std::string::npos) << line;  // there is no command line
   EXPECT_NE(line.find(what), std::string::npos) << line;
   EXPECT_EQ(line.find('\n'), std::string::npos) << line;
 }
@@ -89,12 +91,14 @@ TEST_F(Calls, OptionsThatCannotBeAreRefused) {
   expect_refused(LIVECAP_CONFIG_ERROR, "struct_size is 0", [](Options& o) { o.struct_size = 0; });
   expect_refused(LIVECAP_CONFIG_ERROR, "struct_size", [](Options& o) { o.struct_size -= 8; });
   expect_refused(LIVECAP_CONFIG_ERROR, "struct_size", [](Options& o) { o.struct_size += 8; });
-  expect_refused(LIVECAP_CONFIG_ERROR, "--actor is missing", [](Options& o) { o.actor = nullptr; });
+  expect_refused(LIVECAP_CONFIG_ERROR, "actor is missing", [](Options& o) { o.actor = nullptr; });
   expect_refused(LIVECAP_CONFIG_ERROR, "kilt", [](Options& o) { o.actor = "builtin:kilt"; });
   expect_refused(LIVECAP_IO_ERROR, "no_such_actor.glb", [](Options& o) { o.actor = "no_such_actor.glb"; });
-  expect_refused(LIVECAP_CONFIG_ERROR, "--height", [](Options& o) { o.height_mm = 1.78; });
-  expect_refused(LIVECAP_CONFIG_ERROR, "--rigidity", [](Options& o) { o.rigidity = -1; });
-  expect_refused(LIVECAP_CONFIG_ERROR, "hands", [](Options& o) { o.without = "face,hands"; });
+  expect_refused(LIVECAP_CONFIG_ERROR, "height_mm 1.78: must be 500 to 3000", [](Options& o) { o.height_mm = 1.78; });
+  expect_refused(LIVECAP_CONFIG_ERROR, "height_mm nan",
+                 [](Options& o) { o.height_mm = std::numeric_limits<double>::quiet_NaN(); });
+  expect_refused(LIVECAP_CONFIG_ERROR, "rigidity -1", [](Options& o) { o.rigidity = -1; });
+  expect_refused(LIVECAP_CONFIG_ERROR, "without hands: ", [](Options& o) { o.without = "face,,cloth, hands ,"; });
   expect_refused(LIVECAP_CONFIG_ERROR, "camera: image size", [](Options& o) { o.camera = {}; });
   expect_refused(LIVECAP_CONFIG_ERROR, "distortion", [](Options& o) { o.camera.distortion[4] = 0. / 0.; });
   expect_refused(LIVECAP_CONFIG_ERROR, "floor.normal", [](Options& o) { o.camera.floor_distance_mm = 900; });
@@ -149,7 +153,7 @@ TEST_F(Calls, CamerasAreThoseOfCpp) {
   ASSERT_EQ(livecap_load_camera((scratch / "camera.json").c_str(), &c), LIVECAP_OK);
   expect_same(c);
 
-  expect_failed(livecap_camera_from_fov(640, 360, 180, &c), LIVECAP_CONFIG_ERROR, "180");
+  expect_failed(livecap_camera_from_fov(640, 360, 180, &c), LIVECAP_CONFIG_ERROR, "fov_deg 180");
   expect_failed(livecap_load_camera("no_such_camera.json", &c), LIVECAP_IO_ERROR, "no_such_camera.json");
 }
 

@@ -6,6 +6,7 @@
 
 #include "base/text.h"
 #include "image/empty_picture.h"
+#include "image/picture_size.h"
 #include "image/video_camera.h"
 #include "livecap/error.h"
 
@@ -13,6 +14,7 @@ namespace livecap {
 
 FrameReader::FrameReader(const CaptureOptions& options)
     : options_(options), video_(std::make_unique<VideoReader>(options.video)), info_(video_->info()) {
+  require_picture_size(options.video, info_.width, info_.height);
   camera_ = video_camera(options.camera, options.fov_deg, info_, options.video);
   undistorter_.emplace(camera_);
   undistorted_camera_ = undistorter_->undistorted_camera();

@@ -19,7 +19,8 @@ namespace livecap {
 
 class FrameReader {
  public:
-  // Opens the video and the camera. Throws IoError when their sizes differ.
+  // Opens the video and the camera. Throws IoError when their sizes differ, ConfigError for
+  // a size that no capture takes.
   // CaptureOptions::decoded: and reads all frames asked for.
   explicit FrameReader(const CaptureOptions& options);
 

@@ -17,6 +17,7 @@
 #include "capture/channel.h"
 #include "capture/engine.h"
 #include "export/export_frame.h"
+#include "image/picture_size.h"
 #include "image/undistort.h"
 #include "livecap/error.h"
 
@@ -110,6 +111,7 @@ std::vector<LiveBonePose> bone_poses(const Skeleton& skeleton, const Pose& pose)
 void LiveOptions::validate() const {
   MethodOptions::validate();
   camera.validate();
+  require_picture_size("camera", camera.width, camera.height);
 }
 
 struct LiveCapture::State {
@@ -220,9 +222,9 @@ const LiveActor& LiveCapture::actor() const {
 bool LiveCapture::push(const Picture& picture) {
   State& s = *state_;
   s.require_outside("push()");
+  if (s.pictures.aborted()) return false;  // whatever the picture is
   if (!(picture.time_s > s.last_time_s) || !std::isfinite(picture.time_s))
     throw ConfigError(
-  if (s.pictures.aborted()) return false;  // whatever the picture is
         format("picture %lld: its time is %g s, it must be finite and later than that of the one before%s",
                static_cast<long long>(s.n_pushed), picture.time_s,
                s.n_pushed == 0 ? "" : format(" (%g s)", s.last_time_s).c_str()));

@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 #include "image/layout.h"
+#include "image/picture_size.h"
 #include "image/silhouette.h"
 #include "livecap/error.h"
 
@@ -11,7 +12,6 @@ namespace {
 constexpr char kDistanceFile[] = "image/image.cl";
 constexpr int32_t kBand = 64;    // rows of a work-item
 constexpr int32_t kStrip = 512;  // columns of a work-item
-constexpr int kMaxSize = 16000;
 constexpr size_t kTile = 16;
 
 // Words that a work-item of row_distances needs at most, for planes of this stride: LC_ROW_SCRATCH.
@@ -32,8 +32,8 @@ struct DistanceArg {
 
 DeviceDistanceField::DeviceDistanceField(ocl::DeviceContext& device, int width, int height)
     : width_(width), height_(height), is_cpu_(device.is_cpu()) {
-  if (width < 1 || height < 1 || width > kMaxSize || height > kMaxSize)
-    throw ConfigError(format("distance field: picture of %dx%d, must be 1..%d", width, height, kMaxSize));
+  if (width < 1 || height < 1 || width > kPictureSidePx.most || height > kPictureSidePx.most)
+    throw ConfigError(format("distance field: picture of %dx%d, must be 1..%g", width, height, kPictureSidePx.most));
   stride_ = (blocks_of(width) + 2) * LC_BLOCK;  // a beginning between two blocks costs one; a column before and behind
   const size_t n = size_t(stride_) * height;
   if (is_cpu_) {

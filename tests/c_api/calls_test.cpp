@@ -100,6 +100,12 @@ TEST_F(Calls, OptionsThatCannotBeAreRefused) {
   expect_refused(LIVECAP_CONFIG_ERROR, "rigidity -1", [](Options& o) { o.rigidity = -1; });
   expect_refused(LIVECAP_CONFIG_ERROR, "without hands: ", [](Options& o) { o.without = "face,,cloth, hands ,"; });
   expect_refused(LIVECAP_CONFIG_ERROR, "camera: image size", [](Options& o) { o.camera = {}; });
+  for (const auto& [width, height] : {std::pair{640, 1}, {16001, 10}, {100000, 100000}}) {
+    expect_refused(LIVECAP_CONFIG_ERROR, "px a side", [w = width, h = height](Options& o) {
+      EXPECT_EQ(livecap_camera_from_fov(w, h, 60, &o.camera), LIVECAP_OK);
+      o.actor = "no_such_actor.glb";  // which is read later
+    });
+  }
   expect_refused(LIVECAP_CONFIG_ERROR, "distortion", [](Options& o) { o.camera.distortion[4] = 0. / 0.; });
   expect_refused(LIVECAP_CONFIG_ERROR, "floor.normal", [](Options& o) { o.camera.floor_distance_mm = 900; });
   expect_refused(LIVECAP_CONFIG_ERROR, "n_background is 1", [](Options& o) { o.n_background = 1; });
@@ -230,6 +236,11 @@ TEST_F(Calls, ACaptureRefusesWhatCannotBeAndGoesOn) {
   EXPECT_EQ(livecap_close(scene.capture()), LIVECAP_OK);
   EXPECT_EQ(livecap_close(scene.capture()), LIVECAP_OK);
   expect_failed(scene.push(3), LIVECAP_ENDED, "livecap_close() says");
+  // Also of pictures that it would refuse: a program that waits for the end must not take it for its own mistake.
+  expect_failed(scene.push(1), LIVECAP_ENDED, "livecap_close() says");
+  livecap_picture small = scene.picture(4);
+  small.width /= 2;
+  expect_failed(livecap_push(scene.capture(), &small), LIVECAP_ENDED, "livecap_close() says");
   const livecap_result* last = livecap_poll(scene.capture());
   ASSERT_NE(last, nullptr);
   EXPECT_EQ(last->index, 1);
@@ -240,11 +251,6 @@ TEST_F(Calls, ACaptureRefusesWhatCannotBeAndGoesOn) {
 // One thread pushes faster than anybody can capture, another polls: each picture is heard of, and what is polled is
 // always newer and was never dropped.
 TEST_F(Calls, PollingIsForTheNewest) {
-  // Also of pictures that it would refuse: a program that waits for the end must not take it for its own mistake.
-  expect_failed(scene.push(1), LIVECAP_ENDED, "livecap_close() says");
-  livecap_picture small = scene.picture(4);
-  small.width /= 2;
-  expect_failed(livecap_push(scene.capture(), &small), LIVECAP_ENDED, "livecap_close() says");
   LIVECAP_MODEL_OR_SKIP(model, "lite");
   std::vector<int32_t> heard;
   const EmptyScene scene(

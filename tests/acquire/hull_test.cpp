@@ -6,6 +6,7 @@
 
 #include "acquire/true_actor.h"
 #include "livecap/error.h"
+#include "support/launched_kernels.h"
 #include "support/test_device.h"
 #include "support/tolerances.h"
 
@@ -108,6 +109,7 @@ TEST(Hull, SelfTestPasses) {
   test::on_every_device([](ocl::DeviceContext& device) {
     for (const auto& result : acquire::acquire_self_test(device))
       EXPECT_TRUE(result.ok) << result.kernel << result.detail;
+    test::expect_every_kernel_launched(device.info(), "acquire/carve.cl", acquire::acquire_self_test);
   });
 }
 

@@ -8,6 +8,7 @@
 #include "cloth/scene.h"
 #include "livecap/error.h"
 #include "support/kernel_bodies.h"
+#include "support/launched_kernels.h"
 #include "support/tolerances.h"
 
 namespace livecap {
@@ -353,6 +354,7 @@ TEST(ClothSimulation, WithoutKneesNothingMoves) {
 TEST(ClothSimulation, SelfTestPasses) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
     for (const auto& result : cloth_self_test(device)) EXPECT_TRUE(result.ok) << result.kernel << ": " << result.detail;
+    test::expect_every_kernel_launched(device.info(), "cloth/cloth.cl", cloth_self_test);
   });
 }
 

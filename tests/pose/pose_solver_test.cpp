@@ -9,6 +9,7 @@
 #include "livecap/error.h"
 #include "solve/term_table.h"
 #include "support/kernel_bodies.h"
+#include "support/launched_kernels.h"
 #include "support/pose_reference.h"
 #include "support/pose_scene.h"
 #include "support/tolerances.h"
@@ -522,6 +523,10 @@ TEST(PoseSolver, SelfTestPassesOnEveryDevice) {
         const bool chooses = PoseSolver(device, test::make_test_actor(0.7), test::portrait_camera(), {}).chooses();
         EXPECT_EQ(results.size(), 7u + takes_steps + chooses);
         for (const auto& result : results) EXPECT_TRUE(result.ok) << result.kernel << ": " << result.detail;
+        std::vector<const char*> programs = {"pose/pose.cl", "pose/slices.cl"};
+        if (!device.is_cpu()) programs = {"pose/gauss_newton.cl"};
+        if (chooses) programs.push_back("pose/choose.cl");
+        for (const char* program : programs) test::expect_every_kernel_launched(device.info(), program, pose_self_test);
       },
       test::Doubles::kAlsoWithout);
 }

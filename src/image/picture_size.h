@@ -7,7 +7,7 @@
 
 namespace livecap {
 
-// Squares of distances in larger ones do not fit into 32 bits; nothing halves the side of smaller ones.
+// The distance field counts pixels in 15 bits; a side of one pixel cannot be halved.
 inline constexpr ValueRange kPictureSidePx{2, 16000};
 
 // what: whose pictures. Throws ConfigError.

@@ -51,7 +51,7 @@ TEST(Device, AWeakGpuBesideAStrongOneGetsNoWork) {
 TEST(Device, GpusOfAboutTheSameStrengthShareTheWork) {
   expect_pair({gpu(1, "older card", 20), gpu(2, "card", 40)}, 1, 2);
   expect_pair({gpu(1, "older card", 19), gpu(2, "card", 40)}, 2, 2);
-  // Parts of one card (MIG) have one name.
+  // One name is enough.
   expect_pair({gpu(1, "card", 14), gpu(2, "card", 98)}, 1, 2);
 }
 

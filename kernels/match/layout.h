@@ -72,6 +72,7 @@ typedef struct {
   float visible_tolerance_mm, contour_tolerance_mm;
   int texels, texture_width, texture_height;  // see textured_actor
   float focal_px;
+  float blur;  // see blur_actor
   float variance_floor;
   float min_facing, skin_range_mm;  // see skin_brightness
 } SeeOptions;

@@ -16,6 +16,7 @@
 // Those that contract products first: raster/triangle.h ends that.
 #include "raster/visibility.cl"
 //
+#include "match/blur.cl"
 #include "match/normalise.cl"
 #include "match/patch_match.cl"
 #include "match/pictures.cl"
@@ -58,9 +59,9 @@ static int n_tiles(MatchBox box) {
 // moved: how far the round before moved a keypoint, px; below 0 where it failed. box: of the picture. dual_quats,
 // displacement, rest, bones, weights: surface/skin.cl; fan_offsets, fan_corners: likewise; fan_triangles, candidates:
 // raster/visibility.cl; share to camera, light to box_depth: match/patch_match.cl and match/pictures.cl (light, weight:
-// the camera's pyramid, then the actor's box); skin_vertices to off_tint: match/skin_shading.cl. Out: those not const;
-// both [width*height]: raster/depth_and_id.h.
-// state: see all_arrived.h. memory: LC_SEE_LOCAL floats.
+// the camera's pyramid, then the actor's box; blurred: match/blur.cl); skin_vertices to off_tint:
+// match/skin_shading.cl. Out: those not const; both [width*height]: raster/depth_and_id.h. state: see all_arrived.h.
+// memory: LC_SEE_LOCAL floats.
 kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
     SeeOptions see, float4 pinhole, MatchBox box, PatchOptions patch, float4 tints, float2 off_tint,
     global const float* moved, global const float* rest, global const float* displacement, global const int* bones,
@@ -71,8 +72,8 @@ kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
     global const float* skin_areas, global const uchar* is_skin, global const uchar* rgb,
     global const float* signed_distance, global float* skinned, global float* normals, global float* projected,
     global ulong* both, global int* visible, global int* contour, global float* light, global float* weight,
-    global float* box_depth, global float* actor, global float* camera, global float* matches, global float* samples,
-    volatile global int* state, local float4* memory) {
+    global float* box_depth, global float* blurred, global float* actor, global float* camera, global float* matches,
+    global float* samples, volatile global int* state, local float4* memory) {
   const int id = dealt_place(), n_items = get_global_size(0), back = n_items - 1 - id;
   const int group = get_group_id(0), n_groups = get_num_groups(0), n = see.n_vertices;
   const MatchBox here = level_box(box, patch.level);
@@ -112,6 +113,10 @@ kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
                  light + actor_at, weight + actor_at, box_depth);
   together = all_arrived(together, state, 3 * n_groups, &given_up);
 
+  for (int i = id; together && i < here.width * here.height; i += n_items)
+    blur_pixel(i % here.width, i / here.width, here, see.blur, light + actor_at, weight + actor_at, blurred);
+  together = all_arrived(together, state, 4 * n_groups, &given_up);
+
   // The actor's tiles, then those of the camera's levels.
   int n_all = n_tiles(here);
   for (int level = 0; see.new_picture && level <= LC_MATCH_LEVELS; ++level) n_all += n_tiles(level_box(box, level));
@@ -123,12 +128,13 @@ kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
     }
     const MatchBox at_level = level_box(box, level);
     const int columns = tile_columns(at_level), at = of < 0 ? actor_at : level_offset(box, level);
-    normalise_tile(tile % columns, tile / columns, get_local_id(0), at_level, level, see.variance_floor, light + at,
-                   weight + at, (local float*)memory, somebody + turn, of < 0 ? actor : camera + at);
+    normalise_tile(tile % columns, tile / columns, get_local_id(0), at_level, level, see.variance_floor,
+                   of < 0 ? blurred : light + at, weight + at, (local float*)memory, somebody + turn,
+                   of < 0 ? actor : camera + at);
     if (get_local_id(0) == 0) somebody[turn ^ 1] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
   }
-  together = all_arrived(together, state, 4 * n_groups, &given_up);
+  together = all_arrived(together, state, 5 * n_groups, &given_up);
 
   const Level at_level = {here.width, here.height, actor, box_depth, camera + level_offset(box, patch.level)};
   for (int first = group * LC_SEE_GROUP / PATCH; together && first < n; first += n_groups * LC_SEE_GROUP / PATCH)

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "capture/pose_shares.h"
+
 namespace livecap {
 namespace {
 
@@ -57,7 +59,7 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
   for (int i = 0; i < actor.n_vertices(); ++i) hanging[i] = hangs(actor, i) ? 1.0f : 0.0f;
   if (std::count(hanging.begin(), hanging.end(), 1.0f) == 0) return;
   hangs_ = ocl::Buffer<float>(device, hanging);
-  cloth_matcher_.emplace(device, actor, camera, options.match, kClothMatchProgram);
+  cloth_matcher_.emplace(device, actor, camera, options_for(actor, options).match, kClothMatchProgram);
   if (!cloth_matcher_->usable()) {
     cloth_matcher_.reset();
   } else if (options.behind_share > 0) {

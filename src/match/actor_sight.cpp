@@ -49,6 +49,7 @@ void ActorSight::look(const Look& look) {
                        .texture_width = texture.width,
                        .texture_height = texture.height,
                        .focal_px = m.focal_px_,
+                       .blur = m.options_.blur,
                        .variance_floor = m.options_.variance_floor,
                        .min_facing = s.options_.min_facing,
                        .skin_range_mm = s.options_.depth_range_mm};
@@ -63,7 +64,7 @@ void ActorSight::look(const Look& look) {
       shades ? s.vertices_ : no_ints, shades ? s.limbs_ : no_ints, shades ? s.albedo_ : no_floats,
       shades ? s.areas_ : no_floats, shades ? s.is_skin_ : look.frame.rgb, look.frame.rgb, look.frame.signed_distance,
       look.skinned, look.normals, rasterizer_.projected_, drawn_, visibility_.visible_, visibility_.contour_, m.light_,
-      m.weight_, m.depth_, m.actor_, m.camera_, m.matches_, shades ? s.samples_ : look.normals, look.state,
+      m.weight_, m.depth_, m.blurred_, m.actor_, m.camera_, m.matches_, shades ? s.samples_ : look.normals, look.state,
       ocl::LocalMemory{sizeof(float) * LC_SEE_LOCAL});
 }
 

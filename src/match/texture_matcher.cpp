@@ -63,6 +63,7 @@ void MatchOptions::validate() const {
   };
   if (iterations < 1 || iterations > 100)
     throw ConfigError(format("match option iterations is %d; it must be in 1..100", iterations));
+  if (!(blur >= 0 && blur <= 1)) throw ConfigError(format("match option blur is %g; it must be between 0 and 1", blur));
   positive("variance_floor", variance_floor);
   positive("softness", softness);
   positive("max_move_px", max_move_px);
@@ -116,11 +117,13 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
   light_ = {device, pyramid_size(w, h) + beside};
   weight_ = {device, pyramid_size(w, h) + beside};
   if (is_cpu_) sums_ = {device, 3 * box};
+  blurred_ = {device, box};
   actor_ = {device, box};
   depth_ = {device, box};
   camera_ = {device, pyramid_size(w, h)};
   textured_actor_ = {device, program, "textured_actor"};
   camera_picture_ = {device, program, "camera_picture"};
+  blur_actor_ = {device, program, "blur_actor"};
   normalise_ = {device, program, "normalise"};
   halve_picture_ = {device, program, "halve_picture"};
   match_patches_ = {device, program, "match_patches"};
@@ -142,16 +145,16 @@ int TextureMatcher::level_offset(int level) const {
   return offset;
 }
 
-// light_ and weight_ of a level, all from `offset` on.
-void TextureMatcher::normalise(int level, int offset, ocl::Buffer<float>& normal) {
+// light and weight_ of a level, all from `offset` on.
+void TextureMatcher::normalise(int level, int offset, const ocl::Buffer<float>& light, ocl::Buffer<float>& normal) {
   const MatchBox box = level_box(level);
   const size_t height = box.height;
   if (is_cpu_) {
     normalise_.launch((height + LC_MATCH_BAND - 1) / LC_MATCH_BAND, 1, box, level, offset, options_.variance_floor,
-                      light_, weight_, sums_, normal);
+                      light, weight_, sums_, normal);
   } else {
     normalise_.launch(ocl::Range{size_t(box.width), round_up(height, LC_MATCH_TILE), LC_MATCH_TILE, LC_MATCH_TILE}, box,
-                      level, offset, options_.variance_floor, light_, weight_, normal);
+                      level, offset, options_.variance_floor, light, weight_, normal);
   }
 }
 
@@ -176,7 +179,7 @@ void TextureMatcher::set_picture(const DeviceFrame& frame, const PixelBox& perso
   for (int level = 0; level <= LC_MATCH_LEVELS; ++level) {
     const MatchBox box = level_box(level);
     const int offset = level_offset(level);
-    if (level >= finest) normalise(level, offset, camera_);
+    if (level >= finest) normalise(level, offset, light_, camera_);
     if (level == LC_MATCH_LEVELS) break;
     halve_picture_.launch(ocl::Range{size_t(box.width / 16), size_t(box.height / 2), 1, 1}, box.width, box.width / 2,
                           box.height / 2, offset, offset + box.width * box.height, light_, weight_);
@@ -198,7 +201,10 @@ void TextureMatcher::match(const DepthRasterizer& raster, const ocl::Buffer<floa
   textured_actor_.launch(is_cpu_ ? rows : pixels, box, level, width_, height_, texture.texels, texture.width,
                          texture.height, raster.triangle_ids(), raster.depth(), raster.projected(), raster.triangles(),
                          uvs_, texture_, light_, weight_, depth_);
-  normalise(level, 0, actor_);
+  blur_actor_.launch(
+      ocl::Range{size_t(is_cpu_ ? box.width / 16 : box.width), size_t(box.height), is_cpu_ ? 1u : 16u, 1}, box,
+      options_.blur, light_, weight_, blurred_);
+  normalise(level, 0, blurred_, actor_);
   if (is_cpu_) {
     match_patches_.launch((n_vertices_ + LC_MATCH_VERTICES - 1) / LC_MATCH_VERTICES, 1, n_vertices_, box,
                           patch_options(level), level_offset(level), focal_px_, positions, normals, visible,

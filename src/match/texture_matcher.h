@@ -29,6 +29,7 @@ inline constexpr char kClothMatchProgram[] = "match/match_cloth.cl";
 
 struct MatchOptions {
   int iterations = 4;
+  float blur = 0.15f;            // of the drawn actor: what a neighbour of a pixel counts (kernels/match/blur.cl)
   float variance_floor = 5e-4f;  // of luminance in [0,1]: contrast below is noise
   float softness = 0.002f;       // contrast^2 per px^2 of normalised pictures whose direction counts half
   float max_move_px = 4;         // of the level; further away a match is accidental
@@ -82,7 +83,7 @@ class TextureMatcher {
   MatchBox level_box(int level) const;
   int level_offset(int level) const;
   PatchOptions patch_options(int level) const;
-  void normalise(int level, int offset, ocl::Buffer<float>& normal);
+  void normalise(int level, int offset, const ocl::Buffer<float>& light, ocl::Buffer<float>& normal);
 
   MatchOptions options_;
   int width_, height_;
@@ -103,12 +104,14 @@ class TextureMatcher {
   ocl::Buffer<float> light_;       // of the camera's pyramid, then of the actor
   ocl::Buffer<float> weight_;      // likewise
   ocl::Buffer<float> sums_;        // 3 boxes, on CPUs
+  ocl::Buffer<float> blurred_;     // the actor's light, box of the level
   ocl::Buffer<float> actor_;       // box of the level
   ocl::Buffer<float> depth_;       // likewise
   ocl::Buffer<float> camera_;      // pyramid, full resolution first
   ocl::Buffer<float> matches_;     // [LC_MATCH*n_vertices], see match/layout.h
   ocl::Kernel textured_actor_;
   ocl::Kernel camera_picture_;
+  ocl::Kernel blur_actor_;
   ocl::Kernel normalise_;
   ocl::Kernel halve_picture_;
   ocl::Kernel match_patches_;

@@ -372,7 +372,8 @@ std::vector<double> energies_with(ocl::DeviceContext& device, bool guessed, bool
 
 TEST(PoseStage, KeypointsOutlineAndShadingCountMoreWhereWeightsAreGuessed) {
   test::on_every_device([](ocl::DeviceContext& device) {
-    TrackerOptions guess, weighted;
+    TrackerOptions guess, weighted, shaded;
+    weighted.match.blur = shaded.match.blur = 0;
     guess.guessed.keypoint_2d = 5;
     guess.guessed.silhouette = 3;
     guess.guessed.shading = 1.5;
@@ -383,7 +384,6 @@ TEST(PoseStage, KeypointsOutlineAndShadingCountMoreWhereWeightsAreGuessed) {
     EXPECT_EQ(energies_with(device, false, false, guess), as_ever) << "painted weights";
     EXPECT_EQ(energies_with(device, true, false, guess), energies_with(device, false, false, weighted));
     EXPECT_NE(energies_with(device, true, false, {}), as_ever);
-    TrackerOptions shaded;
     shaded.pose.weights.shading *= 1.5;
     const std::vector<double> in_a_skirt = energies_with(device, false, true, shaded);
     EXPECT_NE(energies_with(device, true, true, guess), in_a_skirt);

@@ -307,6 +307,11 @@ TEST(TextureMatcher, RefusesWhatDoesNotFit) {
     MatchOptions bad;
     bad.min_correlation = 1.5f;
     EXPECT_THROW(TextureMatcher(device, actor, plane_camera(), bad), ConfigError);
+    for (const float blur : {-0.1f, 1.1f, NAN}) {
+      MatchOptions blurred;
+      blurred.blur = blur;
+      EXPECT_THROW(TextureMatcher(device, actor, plane_camera(), blurred), ConfigError);
+    }
   });
 }
 

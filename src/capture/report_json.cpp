@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "image/video.h"
 #include "ocl/buffer.h"
 #include "synth/named_actor.h"
@@ -95,7 +96,7 @@ std::string report_json(const CaptureOptions& options, const CaptureReport& repo
                          {"mean_error_mm", glb.mean_error_mm},
                          {"max_error_mm", glb.max_error_mm},
                          {"bytes", glb.bytes}};
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 }  // namespace livecap

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "base/html_text.h"
+#include "base/json_text.h"
 #include "base/text.h"
 
 namespace livecap {
@@ -154,7 +155,7 @@ std::string ablation_json(const Ablation& ablation) {
                     {"joint_jitter_ratio", value(f.joint_jitter)},
                     {"frames_lost", f.n_lost}});
   }
-  return Json{{"video", ablation.video}, {"rows", rows}}.dump(2);
+  return json_text(Json{{"video", ablation.video}, {"rows", rows}}, 2);
 }
 
 std::string ablation_html(const Ablation& ablation) {

@@ -4,6 +4,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "base/text.h"
 
 namespace livecap {
@@ -81,7 +82,7 @@ std::string bars_json(const std::vector<Bar>& bars) {
                     {"value", bar.known() ? nlohmann::ordered_json(bar.value) : nlohmann::ordered_json(nullptr)},
                     {"passed", bar.known() ? nlohmann::ordered_json(bar.passed()) : nlohmann::ordered_json(nullptr)}});
   }
-  return json.dump(2);
+  return json_text(json, 2);
 }
 
 }  // namespace livecap

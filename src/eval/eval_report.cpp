@@ -2,6 +2,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "base/text.h"
 #include "eval/evaluate.h"
 
@@ -230,7 +231,7 @@ std::string eval_report_json(const EvalReport& report) {
                               {"legs_exchanged", frame.legs_exchanged},
                               {"arm_inside_trunk", frame.limb_inside}});
   }
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 }  // namespace livecap

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "base/json_text.h"
 #include "base/log.h"
 #include "base/srgb.h"
 #include "base/text.h"
@@ -76,7 +77,7 @@ class GlbBuilder {
     document["buffers"] = json::array({{{"byteLength", bin_.size()}}});
     document["bufferViews"] = views_;
     document["accessors"] = accessors_;
-    std::string text = document.dump(-1, ' ', false, json::error_handler_t::replace);
+    std::string text = json_text(document);
     text.resize((text.size() + 3) / 4 * 4, ' ');
     auto u32 = [](size_t value) {
       const auto v = static_cast<uint32_t>(value);

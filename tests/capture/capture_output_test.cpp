@@ -41,6 +41,19 @@ std::vector<double> times_in(const fs::path& film) {
   return times;
 }
 
+// The name of a folder need not be UTF-8, which JSON has to be.
+TEST(CaptureOutput, TheReportIsWrittenWhateverTheFolderIsCalled) {
+  CaptureOptions options = options_into("capture_output_caf\xe9");
+  options.background = options.out + "/background.png";
+  const Actor actor = test::small_actor();
+  CaptureOutput::make_folder(options);
+  CaptureOutput output(options, actor, "glb", camera_from_fov(kSize, kSize, 60), kFps);
+  WorkItem item = item_of(0);
+  output.publish(item);
+  const std::string report = read_file(output.finish({}, "", {}).report);
+  EXPECT_NE(report.find("capture_output_caf\xef\xbf\xbd/background.png"), std::string::npos) << report;
+}
+
 // Pictures that live pacing drops have rows; the film shows the next one when it was taken.
 TEST(CaptureOutput, DroppedPicturesDoNotSpeedUpTheFilm) {
   CaptureOptions options = options_into("capture_output_dropped");

@@ -89,6 +89,13 @@ TEST(Ablation, Text) {
   EXPECT_EQ(ablation_html(table()).find("&plusmn;"), std::string::npos);
 }
 
+// A folder's name need not be UTF-8, and hours of work must not end at it.
+TEST(Ablation, JsonOfANameThatIsNoUtf8) {
+  Ablation ablation = table();
+  ablation.video = "caf\xe9/video.mp4";
+  EXPECT_EQ(nlohmann::json::parse(ablation_json(ablation))["video"], "caf\xef\xbf\xbd/video.mp4");
+}
+
 TEST(Ablation, Json) {
   const nlohmann::json json = nlohmann::json::parse(ablation_json(table()));
   ASSERT_EQ(json["rows"].size(), 4u);

@@ -343,6 +343,12 @@ TEST_F(Evaluate, RefusesATruthWithoutAnybody) {
   EXPECT_THROW(evaluate({folder_ / "capture", empty, "", "", {}}), IoError);
 }
 
+TEST_F(Evaluate, JsonOfANameThatIsNoUtf8) {
+  EvalReport report;
+  report.views.push_back({"caf\xe9.json", {}});
+  EXPECT_NE(eval_report_json(report).find("\"caf\xef\xbf\xbd.json\""), std::string::npos);
+}
+
 TEST_F(Evaluate, JsonHoldsEveryFrame) {
   const std::string json = eval_report_json(compare({0, 0, 0, 0}, {"nobody", "ok", "ok", "ok"}));
   EXPECT_NE(json.find("\"joint_similarity_aligned_mm\""), std::string::npos);

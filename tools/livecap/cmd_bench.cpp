@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "actor/actor.h"
+#include "base/json_text.h"
 #include "base/require_apart.h"
 #include "base/require_writable.h"
 #include "base/scratch_folder.h"
@@ -184,7 +185,7 @@ int run(const BenchOptions& options) {
   json["network_arithmetic"] = network_share_json(options.model, stages["network"], network_roofline);
   if (options.growth) json["growth"] = measure_growth(options, scratch.path());
   if (options.json) {
-    std::printf("%s\n", json.dump(2).c_str());
+    std::printf("%s\n", json_text(json, 2).c_str());
   } else {
     print_report(json);
     if (options.growth) print_growth(json["growth"]);

@@ -161,6 +161,8 @@ CaptureFolder open_capture(const fs::path& folder, const std::string& actor, con
   capture.rows = read_rows(folder, capture.joints);
   capture.fps = frames_per_second(capture.rows);
   capture.video = field<std::string>(options, "video", "");
+  capture.first = field<int64_t>(options, "first", 0);
+  capture.frames = field<int64_t>(options, "frames", -1);
   capture.run = describe(options);
   capture.speed = speed_of(report, capture.rows);
   if (fs::exists(folder / "angles.csv", ignored)) capture.angles = read_angles_csv(folder / "angles.csv");

@@ -24,10 +24,12 @@ struct CaptureSpeed {
 struct CaptureFolder {
   std::filesystem::path path;
   Actor actor;
-  Camera camera;      // of the video as it came, with its distortion
-  double fps = 0;     // of the video, from the time stamps of the rows; 30 when they do not tell
-  std::string video;  // empty: not known
-  std::string run;    // the options that differ from the defaults, for titles; empty: none
+  Camera camera;        // of the video as it came, with its distortion
+  double fps = 0;       // of the video, from the time stamps of the rows; 30 when they do not tell
+  std::string video;    // empty: not known
+  int64_t first = 0;    // frame of the video that the capture began at
+  int64_t frames = -1;  // the most it was asked for; -1: all
+  std::string run;      // the options that differ from the defaults, for titles; empty: none
   CaptureSpeed speed;
   std::vector<FrameRow> rows;
   JointTrack joints;

@@ -110,10 +110,13 @@ std::string worst_frames(const EvalReport& report, const char* name, int digits,
 
 std::string eval_report_text(const EvalReport& report) {
   std::string text;
-  text += format("frames %lld, with a person %lld: tracked %lld, lost %lld, without any result %lld; invented %lld\n",
-                 static_cast<long long>(report.n_frames), static_cast<long long>(report.n_person),
-                 static_cast<long long>(report.n_tracked), static_cast<long long>(report.n_lost),
-                 static_cast<long long>(report.n_without_result), static_cast<long long>(report.n_invented));
+  text += format(
+      "frames %lld, with a person %lld of %lld in the truth%s: tracked %lld, lost %lld, without any result %lld; "
+      "invented %lld\n",
+      static_cast<long long>(report.n_frames), static_cast<long long>(report.n_person),
+      static_cast<long long>(report.n_true_person), report.n_not_asked > 0 ? " (capture --first, --frames)" : "",
+      static_cast<long long>(report.n_tracked), static_cast<long long>(report.n_lost),
+      static_cast<long long>(report.n_without_result), static_cast<long long>(report.n_invented));
   text += format("%-34s %8s %8s %8s %8s\n", "", "mean", "median", "worst 5%", "worst");
   text += summary_line("silhouette IoU", report.iou, 4, true);
   for (const ViewScore& view : report.views) {
@@ -170,6 +173,7 @@ std::string eval_report_json(const EvalReport& report) {
   Json json = {
       {"frames_total", report.n_frames},
       {"frames_with_person", report.n_person},
+      {"frames_with_person_in_truth", report.n_true_person},
       {"frames_tracked", report.n_tracked},
       {"frames_lost", report.n_lost},
       {"frames_without_result", report.n_without_result},

@@ -56,15 +56,29 @@ void warn_of_joints(const EvalOptions& options, size_t n_pairs, const std::vecto
   }
 }
 
-// Frames without a row are not judged, which is for the reader to know.
-void warn_of_gaps(const CaptureFolder& capture) {
-  int64_t n = 0;
-  for (size_t i = 1; i < capture.rows.size(); ++i)
-    n += std::max<int64_t>(0, capture.rows[i].index - capture.rows[i - 1].index - 1);
-  if (n > 0)
-    log_warning(capture.path.string() + format(": has no row for %lld of the frames from its first to its last, which "
-                                               "are not judged; a row with empty cells is a frame without a result",
-                                               static_cast<long long>(n)));
+// Was this frame of the video to be captured, as far as the capture says?
+bool was_asked_for(const CaptureFolder& capture, int64_t index) {
+  return index >= capture.first && (capture.frames < 0 || index - capture.first < capture.frames);
+}
+
+// Counts the frames with a person that have no row, anywhere in the truth. They are not judged, which is for the reader
+// to know where nobody asked for it.
+void find_gaps(const CaptureFolder& capture, TruthFolder& truth, EvalReport& report) {
+  int64_t n_missing = 0;
+  size_t row = 0;
+  for (int64_t index = 0, n = n_true_frames(truth); index < n; ++index) {
+    while (row < capture.rows.size() && capture.rows[row].index < index) ++row;
+    const bool has_row = row < capture.rows.size() && capture.rows[row].index == index;
+    if (has_row || !has_person(truth, index, capture.camera)) continue;
+    ++(was_asked_for(capture, index) ? n_missing : report.n_not_asked);
+  }
+  report.n_true_person = report.n_person + n_missing + report.n_not_asked;
+  if (n_missing > 0)
+    log_warning(
+        capture.path.string() +
+        format(": has no row for %lld of the %lld frames in which the truth has a person, which are not judged; "
+               "a row with empty cells is a frame without a result",
+               static_cast<long long>(n_missing), static_cast<long long>(report.n_true_person)));
 }
 
 // Errors of such a size say nothing of the capture.
@@ -90,7 +104,6 @@ EvalReport evaluate(const EvalOptions& options) {
   TruthFolder truth = open_truth(options.truth, capture.vertices ? true_mesh.n_vertices() : 0);
   VertexJudge surface(capture.actor, true_mesh, capture.fps);
   const std::vector<JointPair> pairs = match_joints(capture.joints.names, truth.joints.names);
-  warn_of_gaps(capture);
   if (!truth.joints.empty())
     warn_of_joints(options, pairs.size(), joints_not_captured(capture.joints.names, truth.joints.names));
   if (!capture.vertices && !options.views.empty())
@@ -141,6 +154,7 @@ EvalReport evaluate(const EvalOptions& options) {
     throw IoError(options.truth.string() +
                   format(": has nobody in any of the %lld captured frames", static_cast<long long>(report.n_frames)));
   }
+  find_gaps(capture, truth, report);
   report.n_lost = report.n_person - report.n_tracked;
   report.losses = count_losses(person, tracked);
   silhouettes.finish(report);

@@ -62,6 +62,8 @@ struct EvalReport {
   std::string run;               // what was unusual about the capture, CaptureFolder::run
   int64_t n_frames = 0;          // rows of the capture
   int64_t n_person = 0;          // of these the truth has a person in: the frames judged
+  int64_t n_true_person = 0;     // all that the truth has a person in, with a row or without
+  int64_t n_not_asked = 0;       // of these without a row because of the capture's --first or --frames
   int64_t n_tracked = 0;         // judged frames with status ok or initialized
   int64_t n_lost = 0;            // judged frames with another status
   int64_t n_without_result = 0;  // judged frames in which the capture has no mesh, or being a skeleton no joint

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "base/text.h"
 #include "eval/capture_folder.h"
@@ -12,6 +13,31 @@
 namespace livecap {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kMaskName = "%06lld.png";
+
+std::vector<float> true_vertices(TruthFolder& truth, int64_t index) {
+  if (!truth.vertices || index >= truth.vertices->n_samples()) return {};
+  std::vector<float> positions(3 * static_cast<size_t>(truth.vertices->n_points()));
+  truth.vertices->read(static_cast<int>(index), positions);
+  const bool known = std::all_of(positions.begin(), positions.end(), [](float value) { return std::isfinite(value); });
+  return known ? to_camera_mm(std::move(positions)) : std::vector<float>();
+}
+
+std::vector<float> true_joints(const TruthFolder& truth, int64_t index) {
+  if (index >= static_cast<int64_t>(truth.joints.frames.size())) return {};
+  return to_camera_mm(truth.joints.frames[index]);
+}
+
+bool is_person(const TruthFolder& truth, const TruthFrame& frame) {
+  return truth.vertices          ? !frame.vertices_mm.empty()
+         : !truth.joints.empty() ? !frame.joints_mm.empty()
+                                 : mask_has_person(frame.mask);
+}
+
+}  // namespace
 
 TruthFolder open_truth(const fs::path& folder, int n_vertices) {
   std::error_code ignored;
@@ -34,7 +60,7 @@ TruthFolder open_truth(const fs::path& folder, int n_vertices) {
 }
 
 ImageGray read_mask(const fs::path& folder, int64_t index, const Camera& camera) {
-  const fs::path file = folder / format("%06lld.png", static_cast<long long>(index));
+  const fs::path file = folder / format(kMaskName, static_cast<long long>(index));
   std::error_code ignored;
   if (folder.empty() || !fs::exists(file, ignored)) return {};
   ImageGray mask = read_image_gray(file);
@@ -46,22 +72,31 @@ ImageGray read_mask(const fs::path& folder, int64_t index, const Camera& camera)
 }
 
 TruthFrame truth_frame(TruthFolder& truth, int64_t index, const Camera& camera) {
-  TruthFrame frame;
-  if (truth.vertices && index < truth.vertices->n_samples()) {
-    std::vector<float> positions(3 * static_cast<size_t>(truth.vertices->n_points()));
-    truth.vertices->read(static_cast<int>(index), positions);
-    const bool known =
-        std::all_of(positions.begin(), positions.end(), [](float value) { return std::isfinite(value); });
-    if (known) frame.vertices_mm = to_camera_mm(std::move(positions));
-  }
-  if (index < static_cast<int64_t>(truth.joints.frames.size())) {
-    frame.joints_mm = to_camera_mm(truth.joints.frames[index]);
-  }
-  frame.mask = read_mask(truth.masks, index, camera);
-  frame.person = truth.vertices          ? !frame.vertices_mm.empty()
-                 : !truth.joints.empty() ? !frame.joints_mm.empty()
-                                         : mask_has_person(frame.mask);
+  TruthFrame frame{true_vertices(truth, index), true_joints(truth, index), read_mask(truth.masks, index, camera)};
+  frame.person = is_person(truth, frame);
   return frame;
+}
+
+bool has_person(TruthFolder& truth, int64_t index, const Camera& camera) {
+  TruthFrame frame;
+  if (truth.vertices)
+    frame.vertices_mm = true_vertices(truth, index);
+  else if (!truth.joints.empty())
+    frame.joints_mm = true_joints(truth, index);
+  else
+    frame.mask = read_mask(truth.masks, index, camera);
+  return is_person(truth, frame);
+}
+
+int64_t n_true_frames(const TruthFolder& truth) {
+  if (truth.vertices) return truth.vertices->n_samples();
+  if (!truth.joints.empty()) return static_cast<int64_t>(truth.joints.frames.size());
+  int64_t n = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(truth.masks)) {
+    long long index = 0;
+    if (std::sscanf(entry.path().filename().c_str(), kMaskName, &index) == 1) n = std::max<int64_t>(n, index + 1);
+  }
+  return n;
 }
 
 }  // namespace livecap

@@ -121,9 +121,10 @@ std::string motion_table(const EvalReport& report) {
          format("arms in %lld frames, legs in %lld", static_cast<long long>(report.n_arms_exchanged),
                 static_cast<long long>(report.n_legs_exchanged)));
   }
-  fact("frames", format("%lld with a person, %lld tracked, %lld lost, %lld invented",
-                        static_cast<long long>(report.n_person), static_cast<long long>(report.n_tracked),
-                        static_cast<long long>(report.n_lost), static_cast<long long>(report.n_invented)));
+  fact("frames", format("%lld of %lld with a person, %lld tracked, %lld lost, %lld invented",
+                        static_cast<long long>(report.n_person), static_cast<long long>(report.n_true_person),
+                        static_cast<long long>(report.n_tracked), static_cast<long long>(report.n_lost),
+                        static_cast<long long>(report.n_invented)));
   fact("losses",
        format("%lld, %lld recovered, longest %lld frames; %lld frames until first tracked",
               static_cast<long long>(report.losses.n_losses), static_cast<long long>(report.losses.n_recovered),

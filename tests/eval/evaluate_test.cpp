@@ -291,7 +291,8 @@ TEST_F(Evaluate, MillimetresAreWarnedOf) {
       "joint_right_shoulder_x,joint_right_shoulder_y,joint_right_shoulder_z,joint_left_wrist_x,joint_left_wrist_y,"
       "joint_left_wrist_z\n"
       "1,0,0,-3000,200,500,-3100,-200,500,-2900,,,\n"
-      "2,0,0,-3000,200,500,-3100,-200,500,-2900,,,\n");
+      "2,0,0,-3000,200,500,-3100,-200,500,-2900,,,\n"
+      "3,0,0,-3000,200,500,-3100,-200,500,-2900,,,\n");
   std::vector<std::string> lines;
   const EvalReport report = with_log(lines, [&] { return evaluate(options); });
   ASSERT_EQ(lines.size(), 1u);
@@ -313,14 +314,54 @@ TEST_F(Evaluate, OneLineNamesTheJointsThatACaptureLacks) {
   std::vector<std::string> lines;
   const EvalReport report = with_log(lines, [&] { return evaluate(options); });
   ASSERT_EQ(lines.size(), 2u);
-  EXPECT_NE(lines[0].find("no row for 1 of the frames"), std::string::npos) << lines[0];
-  EXPECT_NE(lines[1].find("joints.csv: has no columns joint_<name>_x, _y, _z of root, which"), std::string::npos)
-      << lines[1];
+  EXPECT_NE(lines[0].find("joints.csv: has no columns joint_<name>_x, _y, _z of root, which"), std::string::npos)
+      << lines[0];
+  EXPECT_NE(lines[1].find("no row for 1 of the 3 frames"), std::string::npos) << lines[1];
   EXPECT_EQ(report.joint_mm.n, 6);
   EXPECT_NEAR(report.video_fps, 15, test::kDoubleExact);  // every second frame
   const std::string text = eval_report_text(report);
   EXPECT_EQ(text.find("root-aligned"), std::string::npos) << text;
   EXPECT_EQ(text.find("nan"), std::string::npos) << text;
+}
+
+// Who leaves out the frames that went wrong is told, also at the start and the end; who captured a part on purpose is
+// not.
+TEST_F(Evaluate, FramesThatAreLeftOutAreToldWhereverTheyAre) {
+  const std::string head =
+      "index,joint_root_x,joint_root_y,joint_root_z,joint_left_shoulder_x,joint_left_shoulder_y,joint_left_shoulder_z,"
+      "joint_right_shoulder_x,joint_right_shoulder_y,joint_right_shoulder_z,joint_left_wrist_x,joint_left_wrist_y,"
+      "joint_left_wrist_z\n";
+  const EvalOptions options = other_program(head + "2,0,0,-3,0.2,0.5,-3.1,-0.2,0.5,-2.9,0.3,0.1,-3.2\n");
+  const auto kinds = {"vertices.pc2", "joints.json", "masks"};  // which truth tells of persons
+  for (const char* kind : kinds) {
+    const fs::path truth = folder_ / "part_of_truth";
+    fs::remove_all(truth);
+    fs::create_directories(truth);
+    fs::copy(folder_ / "truth" / kind, truth / kind, fs::copy_options::recursive);
+    fs::copy_file(folder_ / "truth/joints.json", truth / "joints.json", fs::copy_options::skip_existing);
+    if (std::string(kind) == "masks") fs::remove(truth / "joints.json");
+    EvalOptions against = options;
+    against.truth = truth;
+    std::vector<std::string> lines;
+    const EvalReport report = with_log(lines, [&] { return evaluate(against); });
+    ASSERT_EQ(lines.size(), 1u) << kind;
+    EXPECT_EQ(lines[0], options.capture.string() +
+                            ": has no row for 2 of the 3 frames in which the truth has a person, which are not judged; "
+                            "a row with empty cells is a frame without a result");
+    EXPECT_EQ(eval_report_text(report).find("frames 1, with a person 1 of 3 in the truth: tracked"), 0u);
+    EXPECT_NE(eval_report_json(report).find("\"frames_with_person_in_truth\": 3"), std::string::npos);
+  }
+
+  write_file_atomically(options.capture / "report.json", R"({"options": {"first": 2, "frames": 1}})");
+  std::vector<std::string> lines;
+  EvalReport report = with_log(lines, [&] { return evaluate(options); });
+  EXPECT_TRUE(lines.empty()) << lines[0];
+  EXPECT_EQ(eval_report_text(report).find("frames 1, with a person 1 of 3 in the truth (capture --first, --frames):"),
+            0u);
+  write_file_atomically(options.capture / "report.json", R"({"options": {"first": 2, "frames": -1}})");
+  report = with_log(lines, [&] { return evaluate(options); });  // stopped before its end
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_NE(lines[0].find("no row for 1 of the 3 frames"), std::string::npos) << lines[0];
 }
 
 TEST_F(Evaluate, RowsOfAnotherFrameAreRefused) {

@@ -92,6 +92,18 @@ float number(const Table& table, size_t row, const char* name, const std::filesy
   return has_column(table, name) ? number(table, row, column(table, name, path), path) : std::nanf("");
 }
 
+// The columns of a point stand side by side. x: that of its x.
+void require_y_and_z(const Table& table, size_t x, const std::string& point, const std::filesystem::path& path) {
+  for (size_t axis : {1, 2}) {
+    const std::string expected = point + "_" + "xyz"[axis];
+    const std::string found =
+        x + axis < table.columns.size() ? '"' + table.columns[x + axis] + '"' : "the end of the line";
+    if (found != '"' + expected + '"')
+      throw IoError(path.string() + ": after column \"" + table.columns[x + axis - 1] + "\" must come \"" + expected +
+                    "\", not " + found);
+  }
+}
+
 std::vector<float> read_joint_frame(const nlohmann::json& frame, size_t n_joints, const std::string& where) {
   if (frame.is_null()) return {};
   if (!frame.is_array() || frame.size() != n_joints) {
@@ -141,11 +153,12 @@ JointTrack read_joints_csv(const std::filesystem::path& path) {
   std::vector<size_t> columns;  // of x; y and z follow
   const std::string end = "_x";
   for (const std::string prefix : {"joint_", "keypoint_"}) {
-    for (size_t c = 0; c + 2 < table.columns.size(); ++c) {
+    for (size_t c = 0; c < table.columns.size(); ++c) {
       const std::string& title = table.columns[c];
       if (!title.starts_with(prefix) || !title.ends_with(end)) continue;
       const std::string name = title.substr(prefix.size(), title.size() - prefix.size() - end.size());
       if (std::find(track.names.begin(), track.names.end(), name) != track.names.end()) continue;
+      require_y_and_z(table, c, prefix + name, path);
       track.names.push_back(name);
       columns.push_back(c);
     }

@@ -115,6 +115,20 @@ TEST_F(SequenceFiles, AJointWinsOverTheKeypointOfTheSameName) {
   EXPECT_EQ(track.frames.at(0), (std::vector<float>{4, 5, 6}));
 }
 
+// Read by place they would be other joints' coordinates, which no figure tells.
+TEST_F(SequenceFiles, ColumnsOfAPointStandSideBySide) {
+  const auto message = [&](const std::string& columns) {
+    return refusal([&] { read_joints_csv(file("j.csv", "index," + columns + "\n0,1,2,3,4,5,6\n")); });
+  };
+  const std::string path = (folder_ / "j.csv").string();
+  EXPECT_EQ(message("joint_neck_x,joint_root_x,joint_neck_y,joint_root_y,joint_neck_z,joint_root_z"),
+            path + ": after column \"joint_neck_x\" must come \"joint_neck_y\", not \"joint_root_x\"");
+  EXPECT_EQ(message("a,b,c,d,joint_neck_x,joint_neck_y"),
+            path + ": after column \"joint_neck_y\" must come \"joint_neck_z\", not the end of the line");
+  EXPECT_EQ(message("joint_neck_x,joint_neck_y,joint_neck_z,keypoint_toe_x,joint_toe_y,joint_toe_z"),
+            path + ": after column \"keypoint_toe_x\" must come \"keypoint_toe_y\", not \"joint_toe_y\"");
+}
+
 TEST_F(SequenceFiles, AnglesCsv) {
   const AngleTrack track =
       read_angles_csv(file("angles.csv", "index,pts_ms,tracked,neck_x,left_elbow_y\n0,0,0,,\n1,40,1,-3.5,90\n"));

@@ -195,6 +195,16 @@ std::vector<InputFile> capture_inputs(const std::string& option, const fs::path&
   return inputs;
 }
 
+void require_rows(const CaptureFolder& capture, const std::vector<int64_t>& rows, const char* file, size_t n,
+                  const char* entries) {
+  for (int64_t row : rows) {
+    if (capture.rows[row].tracked() && row >= static_cast<int64_t>(n))
+      throw IoError((capture.path / file).string() +
+                    format(": has %zu %s, frames.csv %zu rows: they are of different runs or one is cut off", n,
+                           entries, capture.rows.size()));
+  }
+}
+
 std::vector<float> to_camera_mm(std::vector<float> positions) {
   for (size_t i = 0; i + 2 < positions.size(); i += 3) {
     positions[i] *= 1000;

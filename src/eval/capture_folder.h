@@ -58,6 +58,11 @@ std::string own_camera_file(const std::filesystem::path& folder);
 // names. Nothing of a folder that is none.
 std::vector<InputFile> capture_inputs(const std::string& option, const std::filesystem::path& folder);
 
+// Where somebody was tracked in one of the rows, `file` has to have an entry, of which it has n. Throws IoError.
+// entries: what they are called.
+void require_rows(const CaptureFolder& capture, const std::vector<int64_t>& rows, const char* file, size_t n,
+                  const char* entries);
+
 // metres, glTF frame -> mm, camera frame.
 std::vector<float> to_camera_mm(std::vector<float> positions);
 

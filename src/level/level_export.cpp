@@ -32,6 +32,10 @@ class LevelClip {
       const int64_t after = capture_.rows[row].index - options.first;
       if (after >= 0 && (options.frames < 0 || after < options.frames)) rows_.push_back(row);
     }
+    const bool needs_vertices =
+        std::ranges::any_of(options.out, [](const fs::path& out) { return out.extension() != ".bvh"; });
+    if (capture_.vertices && needs_vertices)
+      require_rows(capture_, rows_, "vertices.pc2", capture_.vertices->n_samples(), "samples");
     if (!options.camera.empty()) capture_.camera.floor = floor_of_file(options.camera);
     floor_ = options.level_camera ? floor_of_level_camera(capture_) : find_floor(capture_);
     for (int64_t row : rows_) {

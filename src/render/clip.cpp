@@ -43,16 +43,6 @@ Vector3d median_root(const Clip& clip) {
   return {median(places[0]), median(places[1]), median(places[2])};
 }
 
-// Where somebody was tracked, `file` has to have an entry.
-void require_rows(const Clip& clip, const char* file, size_t n, const char* entries) {
-  for (int64_t row : clip.rows) {
-    if (clip.tracked(row) && row >= static_cast<int64_t>(n))
-      throw IoError((clip.capture.path / file).string() +
-                    format(": has %zu %s, frames.csv %zu rows: they are of different runs or one is cut off", n,
-                           entries, clip.capture.rows.size()));
-  }
-}
-
 }  // namespace
 
 std::vector<Vector3d> Clip::joints(int64_t row) const {
@@ -77,11 +67,11 @@ Clip open_clip(const RenderOptions& options) {
     throw IoError((fs::path(options.capture) / "vertices.pc2").string() +
                   ": is missing; `livecap capture` writes it beside report.json");
   clip.rows = chosen_rows(clip.capture, options);
-  require_rows(clip, "vertices.pc2", static_cast<size_t>(clip.capture.vertices->n_samples()), "samples");
-  require_rows(clip, "joints.csv", clip.capture.joints.frames.size(), "rows");
+  require_rows(clip.capture, clip.rows, "vertices.pc2", clip.capture.vertices->n_samples(), "samples");
+  require_rows(clip.capture, clip.rows, "joints.csv", clip.capture.joints.frames.size(), "rows");
   const bool uses_angles = options.is_about_person() || options.style == "displacement";
   if (uses_angles && !clip.capture.angles.empty())
-    require_rows(clip, "angles.csv", clip.capture.angles.frames.size(), "rows");
+    require_rows(clip.capture, clip.rows, "angles.csv", clip.capture.angles.frames.size(), "rows");
   if (!options.is_about_person()) return clip;
   clip.place_mm = median_root(clip);
   clip.floor = find_floor(clip.capture).floor;

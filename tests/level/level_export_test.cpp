@@ -212,6 +212,28 @@ TEST_F(LevelExport, TakesTheCameraToBeLevelWhenAsked) {
     EXPECT_NEAR(up.sample(5)[i] - up.sample(5)[i % 3], own.sample(5)[i] - own.sample(5)[i % 3], test::kFloatChain);
 }
 
+TEST_F(LevelExport, RefusesVerticesThatAreCutOff) {
+  const fs::path cut = folder_ / "cut";
+  fs::create_directories(cut);
+  for (const char* file : {"camera.json", "report.json", "frames.csv", "joints.csv", "angles.csv"})
+    fs::copy_file(folder_ / file, cut / file);
+  {
+    Pc2Writer pc2(cut / "vertices.pc2", actor_.n_vertices());
+    for (int64_t k = 0; k < kFrames / 2; ++k) pc2.append(camera_vertices_m(k));
+  }
+  for (const char* out : {"cut.pc2", "cut.glb"}) {
+    LevelExportOptions asked = options(out);
+    asked.capture = cut;
+    expect_refused<IoError>(asked, {"cut/vertices.pc2: has 20 samples, frames.csv 40 rows"});
+    EXPECT_FALSE(fs::exists(folder_ / out)) << out;
+    asked.frames = kFrames / 2;  // as far as it goes
+    EXPECT_EQ(export_level(asked).frames, kFrames / 2);
+  }
+  LevelExportOptions asked = options("cut.bvh");  // needs none
+  asked.capture = cut;
+  EXPECT_EQ(export_level(asked).frames, kFrames);
+}
+
 TEST_F(LevelExport, RefusesWhatItCannotExport) {
   expect_refused<ConfigError>(options("up.fbx"), {"up.fbx", ".glb, .bvh or .pc2"});
   LevelExportOptions asked = options("first.glb");

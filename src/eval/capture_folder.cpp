@@ -183,14 +183,14 @@ std::vector<InputFile> capture_inputs(const std::string& option, const fs::path&
   std::vector<InputFile> inputs;
   if (folder.empty()) return inputs;
   for (const char* name : {"report.json", "actor.glb", "camera.json", "vertices.pc2", "frames.csv", "joints.csv",
-                           "angles.csv", "detections.jsonl"})
+                           "angles.csv", "detections.jsonl", "capture.glb", "motion.bvh", "overlay.mp4"})
     inputs.push_back({option, folder / name});
   std::error_code ignored;
   const fs::path report_path = folder / "report.json";
   if (!fs::is_regular_file(report_path, ignored)) return inputs;
   const nlohmann::json report = nlohmann::json::parse(read_file(report_path), nullptr, false);
   if (!report.is_object()) return inputs;
-  for (const char* name : {"video", "camera", "actor"})
+  for (const char* name : {"video", "camera", "actor", "background", "detections"})
     inputs.push_back({option, field<std::string>(report.value("options", nlohmann::json()), name, "")});
   return inputs;
 }

@@ -54,8 +54,8 @@ CaptureFolder open_capture(const std::filesystem::path& folder, const std::strin
 // Empty: an older capture has none.
 std::string own_camera_file(const std::filesystem::path& folder);
 
-// Everything that is read of a capture, for require_apart(): the files in the folder and those that its report.json
-// names. Nothing of a folder that is none.
+// What a capture is and was made from, for require_apart(): the files of the folder, read or not, and those that its
+// report.json names. Nothing of a folder that is none.
 std::vector<InputFile> capture_inputs(const std::string& option, const std::filesystem::path& folder);
 
 // Where somebody was tracked in one of the rows, `file` has to have an entry, of which it has n. Throws IoError.

@@ -56,7 +56,7 @@ check 'links' test -L page.html -a -L film.mp4 -a -s below/page.html -a -s below
 # No input is a result, and no two results are one file.
 before=$(sums)
 for file in good/report.json good/joints.csv good/vertices.pc2 good/actor.glb seq/truth/joints.json seq/actor.glb \
-  seq/truth/masks/000003.png; do
+  seq/truth/masks/000003.png seq/truth/labels.npy seq/background.png good/capture.glb good/motion.bvh; do
   expect 2 "$file overwritten --html" "${eval[@]}" --html "$file"
   expect 2 "$file overwritten --out" "${eval[@]}" --out "$file"
 done
@@ -66,6 +66,12 @@ expect 2 'both.html two --html' "${eval[@]}" --html both.html --out both.html
 expect 2 'seq/actor.glb overwritten --html' actor compare builtin:trousers seq/actor.glb --html seq/actor.glb
 expect 2 'good/vertices.pc2 overwritten' export --capture good --out good/vertices.pc2
 expect 2 'up.glb two' export --capture good --out up.glb --out ./up.glb
+expect 2 'good/capture.glb overwritten --out' export --capture good --out good/capture.glb
+expect 2 'good/motion.bvh overwritten --out' export --capture good --out good/motion.bvh
+cp film.mp4 good/overlay.mp4
+expect 2 'good/overlay.mp4 overwritten --out' render --capture good --out good/overlay.mp4
+check 'the overlay is what it was' cmp -s film.mp4 good/overlay.mp4
+rm good/overlay.mp4
 ln -s good/report.json film2.mp4
 expect 2 'report.json overwritten' render --capture good --out film2.mp4
 check 'inputs are what they were' test "$before" = "$(sums)"

@@ -243,6 +243,11 @@ TEST_F(LevelExport, RefusesWhatItCannotExport) {
   fs::copy_file(folder_ / "vertices.pc2", folder_ / "kept.pc2");
   expect_refused<ConfigError>(options("vertices.pc2"), {"vertices.pc2", "would be overwritten", "--out"});
   EXPECT_EQ(read_file(folder_ / "vertices.pc2"), read_file(folder_ / "kept.pc2"));
+  for (const char* name : {"motion.bvh", "capture.glb"}) {  // of the capture, though nothing reads them
+    write_file_atomically(folder_ / name, "kept");
+    expect_refused<ConfigError>(options(name), {name, "would be overwritten", "--out"});
+    EXPECT_EQ(read_file(folder_ / name), "kept");
+  }
   asked = options("twice.glb");
   asked.out.push_back(folder_ / "twice.glb");
   expect_refused<ConfigError>(asked, {"twice.glb", "two results"});

@@ -98,7 +98,7 @@ int run_all(EvalCommand options) {
                 &ablation.rows[ablation.pose_only].draws.front(), &ablation);
 }
 
-// The captures and the truth stay what was compared.
+// The captures, the truth and the sequence that it lies in stay what was compared.
 void require_inputs_kept(const EvalCommand& options) {
   std::vector<InputFile> inputs = capture_inputs("--capture", options.eval.capture);
   for (const InputFile& input : capture_inputs("--pose-only", options.pose_only)) inputs.push_back(input);
@@ -108,7 +108,9 @@ void require_inputs_kept(const EvalCommand& options) {
       inputs.push_back({option, entry.path()});
   };
   const fs::path& truth = options.eval.truth;
-  for (const char* name : {"vertices.pc2", "joints.json", "../actor.glb"}) inputs.push_back({"--truth", truth / name});
+  for (const char* name : {"vertices.pc2", "joints.json", "labels.npy", "../actor.glb", "../background.png",
+                           "../camera.json", "../video.mp4"})
+    inputs.push_back({"--truth", truth / name});
   add_masks("--truth", truth / "masks");
   for (const auto& [camera, masks] : options.views) {
     inputs.push_back({"--view", camera});

@@ -98,6 +98,10 @@ bool comes_after_gap(const CaptureFolder& capture, int64_t row) {
 
 }  // namespace
 
+void require_going_on(const EvalOptions& options) {
+  if (options.go_on && !options.go_on()) throw Error("interrupted");
+}
+
 EvalReport evaluate(const EvalOptions& options) {
   CaptureFolder capture = open_capture(options.capture, options.actor, options.camera, options.truth / "masks");
   const TrueMesh true_mesh(options.truth, options.truth_actor, capture.actor);
@@ -120,6 +124,7 @@ EvalReport evaluate(const EvalOptions& options) {
   report.n_frames = static_cast<int64_t>(capture.rows.size());
   std::vector<bool> person, tracked;
   for (int64_t row = 0; row < report.n_frames; ++row) {
+    require_going_on(options);
     FrameEval frame;
     frame.index = capture.rows[row].index;
     frame.row = row;

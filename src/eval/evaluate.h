@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <string>
 #include <utility>
@@ -26,6 +27,7 @@ struct EvalOptions {
   std::string camera;             // empty: what report.json names
   std::vector<ExtraView> views;   // further cameras with masks
   std::string truth_actor;  // the mesh of vertices.pc2; empty: actor.glb beside the truth folder, when it is there
+  std::function<bool()> go_on{};  // asked once a frame, also where pictures are made of what was compared
 };
 
 struct FrameEval {
@@ -111,8 +113,9 @@ struct EvalReport {
 };
 
 // Throws IoError naming the file when a folder does not hold what is needed, the sizes do not fit together or the truth
-// has nobody in any captured frame.
+// has nobody in any captured frame, Error when go_on says no.
 EvalReport evaluate(const EvalOptions& options);
+void require_going_on(const EvalOptions& options);
 
 std::string eval_report_text(const EvalReport& report);
 // Everything, frames included.

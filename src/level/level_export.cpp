@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "base/part_file.h"
 #include "base/require_apart.h"
 #include "base/require_writable.h"
 #include "base/text.h"
@@ -21,11 +22,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+struct Stopped {};
+
 // The rows asked for, in a level frame.
 class LevelClip {
  public:
-  explicit LevelClip(const LevelExportOptions& options)
-      : capture_(open_capture(options.capture, options.actor, own_camera_file(options.capture), {})) {
+  LevelClip(const LevelExportOptions& options, const std::function<bool()>& go_on)
+      : go_on_(go_on), capture_(open_capture(options.capture, options.actor, own_camera_file(options.capture), {})) {
     if (capture_.angles.empty())
       throw IoError((options.capture / "angles.csv").string() + ": is missing; `livecap capture` writes it");
     for (int64_t row = 0; row < static_cast<int64_t>(capture_.rows.size()); ++row) {
@@ -60,6 +63,10 @@ class LevelClip {
     }
   }
 
+  // Asked once a frame. Throws Stopped.
+  void require_going_on() const {
+    if (go_on_ && !go_on_()) throw Stopped();
+  }
   const CaptureFolder& capture() const { return capture_; }
   const CaptureFloor& floor() const { return floor_; }
   const Eigen::Isometry3d& level() const { return level_; }
@@ -74,6 +81,7 @@ class LevelClip {
 
   // [3*n] metres, glTF axes, of a tracked frame; NaN where the capture has none.
   void vertices(int frame, std::span<float> vertices_m) {
+    require_going_on();
     std::vector<float> points = captured_vertices(capture_, rows_[frame]);
     points.resize(vertices_m.size(), std::numeric_limits<float>::quiet_NaN());
     for (size_t i = 0; i < points.size(); i += 3) {
@@ -91,6 +99,7 @@ class LevelClip {
     return *camera.floor;
   }
 
+  const std::function<bool()>& go_on_;
   CaptureFolder capture_;
   std::vector<int64_t> rows_;
   std::vector<CapturedFrame> poses_;  // of rows_
@@ -112,6 +121,7 @@ void write_glb(LevelClip& clip, const fs::path& path) {
 void write_motion(const LevelClip& clip, const fs::path& path, double unit_m) {
   BvhWriter bvh(path, clip.capture().actor, clip.capture().fps, unit_m);
   for (const CapturedFrame& frame : clip.poses()) {
+    clip.require_going_on();
     if (frame.tracked)
       bvh.append(frame.pose);
     else
@@ -140,7 +150,7 @@ Eigen::Isometry3d level_from_camera(const Floor& floor, const Eigen::Vector3d& p
   return Eigen::Isometry3d(turn) * Eigen::Translation3d(-origin);
 }
 
-LevelExportReport export_level(const LevelExportOptions& options) {
+LevelExportReport export_level(const LevelExportOptions& options, const std::function<bool()>& go_on) {
   for (const fs::path& out : options.out) {
     const fs::path kind = out.extension();
     if (kind != ".glb" && kind != ".bvh" && kind != ".pc2")
@@ -152,15 +162,21 @@ LevelExportReport export_level(const LevelExportOptions& options) {
   inputs.push_back({"--actor", options.actor});
   inputs.push_back({"--camera", options.camera});
   require_apart(inputs, options.out);
-  LevelClip clip(options);
-  for (const fs::path& out : options.out) {
-    const fs::path kind = out.extension();
-    if (kind == ".glb") write_glb(clip, out);
-    if (kind == ".bvh") write_motion(clip, out, options.bvh_unit_m);
-    if (kind == ".pc2") write_points(clip, out);
+  LevelClip clip(options, go_on);
+  LevelExportReport report;
+  try {
+    for (const fs::path& out : options.out) {
+      const fs::path kind = out.extension();
+      PartFile part(out);
+      if (kind == ".glb") write_glb(clip, part.path());
+      if (kind == ".bvh") write_motion(clip, part.path(), options.bvh_unit_m);
+      if (kind == ".pc2") write_points(clip, part.path());
+      part.finish();
+      ++report.files;
+    }
+  } catch (const Stopped&) {
   }
 
-  LevelExportReport report;
   const Floor& floor = clip.floor().floor;
   report.floor = clip.floor().source;
   report.tilt = tilt_above({{floor.up.x(), floor.up.y(), floor.up.z()}, floor.offset_mm});

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,7 @@ struct LevelExportOptions {
 };
 
 struct LevelExportReport {
+  size_t files = 0;  // of `out` that are written, in their order; fewer than all: stopped
   FloorSource floor = FloorSource::kLevelCamera;
   CameraTilt tilt;
   double camera_height_mm = 0;
@@ -39,7 +41,8 @@ Eigen::Isometry3d level_from_camera(const Floor& floor, const Eigen::Vector3d& p
 // The files are as `livecap capture` makes them, in a frame whose origin is below the root in the first tracked frame
 // of those asked for. A .glb has the camera that captured it. Throws ConfigError for an ending of another kind or a
 // camera without floor, IoError naming the file of the capture that is missing or does not fit, or when nobody was
-// tracked in what is asked for.
-LevelExportReport export_level(const LevelExportOptions& options);
+// tracked in what is asked for. go_on is asked once a frame and file: when it says no, the file at hand and those after
+// it are left as they were.
+LevelExportReport export_level(const LevelExportOptions& options, const std::function<bool()>& go_on = {});
 
 }  // namespace livecap

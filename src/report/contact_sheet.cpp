@@ -105,7 +105,7 @@ ImageRgb error_picture(const std::vector<float>& vertices, const std::vector<flo
 
 // The frames of the video that are wanted, by index; empty when it cannot be read. given: by the user, else the
 // capture's own.
-std::map<int64_t, ImageRgb> read_frames(const std::string& given, const std::string& own,
+std::map<int64_t, ImageRgb> read_frames(const EvalOptions& options, const std::string& given, const std::string& own,
                                         const std::set<int64_t>& wanted, const Undistorter& undistorter) {
   const std::string& video = given.empty() ? own : given;
   std::map<int64_t, ImageRgb> images;
@@ -113,7 +113,7 @@ std::map<int64_t, ImageRgb> read_frames(const std::string& given, const std::str
   try {
     if (given.empty()) require_no_pipe(own);
     VideoReader reader(video);
-    for (Frame frame; reader.read(frame) && frame.index <= *wanted.rbegin();) {
+    for (Frame frame; (!options.go_on || options.go_on()) && reader.read(frame) && frame.index <= *wanted.rbegin();) {
       if (wanted.count(frame.index)) images[frame.index] = undistorter.undistort(frame.image);
     }
   } catch (const Error& error) {
@@ -133,7 +133,7 @@ ContactSheet contact_sheet(const EvalOptions& options, const std::string& video,
   const Undistorter undistorter(capture.camera);
   const Camera camera = undistorter.undistorted_camera();
   const std::set<int64_t> wanted(frames.begin(), frames.end());
-  const std::map<int64_t, ImageRgb> inputs = read_frames(video, capture.video, wanted, undistorter);
+  const std::map<int64_t, ImageRgb> inputs = read_frames(options, video, capture.video, wanted, undistorter);
 
   ContactSheet sheet;
   sheet.has_video = !inputs.empty();
@@ -142,6 +142,7 @@ ContactSheet contact_sheet(const EvalOptions& options, const std::string& video,
   for (int64_t row = 0; row < static_cast<int64_t>(capture.rows.size()); ++row) {
     const int64_t index = capture.rows[row].index;
     if (!wanted.count(index)) continue;
+    require_going_on(options);
     const TruthFrame expected = truth_frame(truth, index, capture.camera);
     const std::vector<float> vertices = captured_vertices(capture, row);
     const ImageGray captured = render_silhouette(vertices, capture.actor.mesh.triangles, capture.camera);

@@ -375,6 +375,15 @@ TEST_F(Evaluate, RowsOfAnotherFrameAreRefused) {
   test::expect_refused<IoError>([&] { evaluate(options); }, {"joints.csv: line 3 is of frame 2", "frame 3"});
 }
 
+TEST_F(Evaluate, StopsWhenItIsTold) {
+  compare({0, 0, 0, 0}, {"nobody", "ok", "ok", "ok"});
+  int n_asked = 0;
+  EvalOptions options{folder_ / "capture", folder_ / "truth", "", "", {}};
+  options.go_on = [&] { return ++n_asked < 3; };
+  test::expect_refused<Error>([&] { evaluate(options); }, {"interrupted"});
+  EXPECT_EQ(n_asked, 3);
+}
+
 TEST_F(Evaluate, RefusesATruthWithoutAnybody) {
   compare({0, 0, 0, 0}, {"nobody", "ok", "ok", "ok"});
   const fs::path empty = folder_ / "empty";

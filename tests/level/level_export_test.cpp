@@ -212,6 +212,23 @@ TEST_F(LevelExport, TakesTheCameraToBeLevelWhenAsked) {
     EXPECT_NEAR(up.sample(5)[i] - up.sample(5)[i % 3], own.sample(5)[i] - own.sample(5)[i % 3], test::kFloatChain);
 }
 
+// Stopped in the second of three files: the first is whole, the others are what they were.
+TEST_F(LevelExport, AStoppedExportLeavesOldFilesAsTheyWere) {
+  for (const char* second : {"second.bvh", "second.pc2", "second.glb"}) {
+    LevelExportOptions asked = options("first.bvh");
+    asked.out.insert(asked.out.end(), {folder_ / second, folder_ / "third.pc2"});
+    for (const char* name : {"first.bvh", second, "third.pc2"}) write_file_atomically(folder_ / name, "old");
+    int n_asked = 0;
+    EXPECT_EQ(export_level(asked, [&] { return ++n_asked < kFrames + kFrames / 2; }).files, 1u);
+    EXPECT_NE(read_file(folder_ / "first.bvh"), "old");
+    EXPECT_EQ(read_file(folder_ / second), "old");
+    EXPECT_EQ(read_file(folder_ / "third.pc2"), "old");
+    EXPECT_FALSE(fs::exists(folder_ / (std::string(second) + ".part")));
+    EXPECT_EQ(export_level(asked, [] { return true; }).files, 3u);
+    EXPECT_NE(read_file(folder_ / second), "old");
+  }
+}
+
 TEST_F(LevelExport, RefusesVerticesThatAreCutOff) {
   const fs::path cut = folder_ / "cut";
   fs::create_directories(cut);

@@ -20,6 +20,7 @@
 #include "livecap/capture.h"
 #include "livecap/error.h"
 #include "method_options.h"
+#include "progress.h"
 #include "report/html_report.h"
 #include "value_checks.h"
 
@@ -128,6 +129,8 @@ void require_inputs_kept(const EvalCommand& options) {
 }
 
 int run(EvalCommand options) {
+  catch_interrupt();
+  options.eval.go_on = [] { return !interrupted(); };
   for (const auto& [camera, masks] : options.views) options.eval.views.push_back(open_view(camera, masks));
   if (!options.html.empty()) require_writable(options.html);
   if (!options.ablate && !options.out.empty()) require_writable(options.out);

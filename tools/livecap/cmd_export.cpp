@@ -9,7 +9,9 @@
 #include "bvh_unit.h"
 #include "command.h"
 #include "level/level_export.h"
+#include "livecap/error.h"
 #include "method_options.h"
+#include "progress.h"
 
 namespace livecap::tools {
 namespace {
@@ -35,7 +37,9 @@ int run(const ExportCommand& options) {
   level.capture = options.capture;
   level.bvh_unit_m = bvh_unit_m(options.bvh_unit);
   level.out.assign(options.out.begin(), options.out.end());
-  const LevelExportReport report = export_level(level);
+  catch_interrupt();
+  const LevelExportReport report = export_level(level, [] { return !interrupted(); });
+  if (report.files < options.out.size()) throw Error("interrupted; " + options.out[report.files] + " was not written");
   for (const std::string& out : options.out)
     std::printf("%s: %lld frames, the person in %lld of them\n", out.c_str(), static_cast<long long>(report.frames),
                 static_cast<long long>(report.tracked));

@@ -99,6 +99,20 @@ for signal in INT TERM HUP; do
 done
 started devices
 stopped_by INT devices
+mkdir long && cp good/actor.glb good/camera.json long
+for file in frames joints angles; do
+  awk -v of=2 'NR == 1 { print; next } { row[NR] = $0; sub(/^[^,]*,[^,]*/, "", row[NR]) }
+    END { for (k = 0; k < 30000; ++k) print k "," 33 * k row[of + k % (NR - 1)] }' "good/$file.csv" >"long/$file.csv"
+done
+for what in 'export --out long.bvh' 'eval --truth seq/truth --html long.bvh'; do
+  for signal in INT TERM; do
+    echo old >long.bvh
+    read -ra args <<<"$what"
+    started "${args[@]}" --capture long
+    stopped_by "$signal" "${args[0]}"
+    check "${args[0]} stopped by SIG$signal: the old file" test "$(cat long.bvh)" = old
+  done
+done
 started live "${sequence[@]}" --actor seq/actor.glb --model lite
 stopped_by INT 'live before its first picture'
 { "$livecap" synth --actor builtin:trousers --frames 40 --out unread 2>&1 >/dev/null; echo $? >code; } | true

@@ -81,14 +81,42 @@ void find_gaps(const CaptureFolder& capture, TruthFolder& truth, EvalReport& rep
                static_cast<long long>(n_missing), static_cast<long long>(report.n_true_person)));
 }
 
-// Errors of such a size say nothing of the capture.
-void warn_of_unit(const EvalOptions& options, double times_as_far) {
+// Errors of such a size say nothing of the capture. One side is much farther away than the other, or behind the camera.
+void warn_of_places(const EvalOptions& options, const JointJudge& joints) {
   constexpr double kMuch = 20, kMillimetres = 300;
-  if (!(times_as_far >= kMuch)) return;
-  log_warning((options.capture / "joints.csv").string() +
-              format(": its joints are %.0f times as far from the camera as the true ones: are these %s? metres are "
-                     "expected",
-                     times_as_far, times_as_far < kMillimetres ? "cm" : "mm"));
+  const JointJudge::Place captured = joints.captured_place(), truth = joints.true_place();
+  const std::string ours = (options.capture / "joints.csv").string(), theirs = (options.truth / "joints.json").string();
+  const auto too_far = [](const std::string& file, double times, const char* than) {
+    if (times >= kMuch && std::isfinite(times))
+      log_warning(file + format(": its joints are %.0f times as far from the camera as the %s ones: are these %s? "
+                                "metres are expected",
+                                times, than, times < kMillimetres ? "cm" : "mm"));
+  };
+  too_far(ours, captured.away_mm / truth.away_mm, "true");
+  too_far(theirs, truth.away_mm / captured.away_mm, "captured");
+  for (const auto& [file, place] : {std::pair{ours, captured}, {theirs, truth}}) {
+    if (place.z_mm < 0)
+      log_warning(file +
+                  ": its joints are behind the camera: z is negative before it; of OpenCV's axes write "
+                  "(x, -y, -z)");
+  }
+}
+
+// Motion is told by times: wrong ones look like another frame rate, or like none.
+void warn_of_times(const CaptureFolder& capture) {
+  constexpr double kFewest = 1, kMost = 1000;
+  std::error_code ignored;
+  const bool has_frames = std::filesystem::exists(capture.path / "frames.csv", ignored);
+  const std::string file = (capture.path / (has_frames ? "frames.csv" : "joints.csv")).string();
+  if (!(capture.fps >= kFewest && capture.fps <= kMost))
+    log_warning(file + format(": pts_ms says %.4g frames a second, expected %g to %g: is it in milliseconds?",
+                              capture.fps, kFewest, kMost));
+  for (size_t row = 1; row < capture.rows.size(); ++row) {
+    if (!(capture.rows[row].pts_ms < capture.rows[row - 1].pts_ms)) continue;
+    log_warning(file + format(": line %zu: pts_ms falls from %.10g to %.10g: frames must follow each other in time",
+                              row + 2, capture.rows[row - 1].pts_ms, capture.rows[row].pts_ms));
+    return;
+  }
 }
 
 // Frames are missing in the video before this row: no motion is known across the gap.
@@ -165,7 +193,8 @@ EvalReport evaluate(const EvalOptions& options) {
   silhouettes.finish(report);
   surface.finish(report);
   joints.finish(report);
-  warn_of_unit(options, joints.times_as_far());
+  warn_of_places(options, joints);
+  warn_of_times(capture);
   body_points.finish(report);
   network.finish(report);
   judge_limits(capture, report);

@@ -76,9 +76,8 @@ void JointJudge::judge(const std::vector<JointPair>& known, const std::vector<fl
   const std::vector<double> direct = point_distances(ours, theirs);
   frame.joint_mm = mean_of(direct);
   append(direct_, direct);
-  const std::vector<float> camera(ours.size(), 0);
-  append(captured_away_, point_distances(ours, camera));
-  append(true_away_, point_distances(theirs, camera));
+  captured_.add(ours);
+  true_.add(theirs);
 
   const int root = index_of(known, "root"), neck = index_of(known, "neck");
   const std::vector<double> from_root = root >= 0 ? root_aligned_distances(ours, theirs, root) : std::vector<double>();
@@ -120,9 +119,9 @@ void JointJudge::finish(EvalReport& report) {
       combined(foot_slide(captured_foot_[0], true_foot_[0], fps_), foot_slide(captured_foot_[1], true_foot_[1], fps_));
 }
 
-double JointJudge::times_as_far() const {
-  const Summary ours = summarize(captured_away_), theirs = summarize(true_away_);
-  return theirs.median > 0 ? ours.median / theirs.median : std::numeric_limits<double>::quiet_NaN();
+void JointJudge::Places::add(const std::vector<float>& points) {
+  append(away_mm, point_distances(points, std::vector<float>(points.size(), 0)));
+  for (size_t i = 2; i < points.size(); i += 3) z_mm.push_back(points[i]);
 }
 
 void JointJudge::add_foot(int side, const std::vector<float>& ours, const std::vector<float>& theirs) {

@@ -36,8 +36,12 @@ class JointJudge {
   void skip();
   void finish(EvalReport& report);
 
-  // How often as far from the camera the captured joints are as the true ones, by the medians; NaN without either.
-  double times_as_far() const;
+  // Where the joints of one side are, by the medians; NaN without any.
+  struct Place {
+    double away_mm, z_mm;  // from the camera, and before it
+  };
+  Place captured_place() const { return captured_.median(); }
+  Place true_place() const { return true_.median(); }
 
  private:
   void judge(const std::vector<JointPair>& known, const std::vector<float>& captured, const std::vector<float>& truth,
@@ -48,7 +52,12 @@ class JointJudge {
   double fps_;
   int root_;  // among the pairs; -1: not among them
   std::vector<double> direct_, aligned_, from_root_;
-  std::vector<double> captured_away_, true_away_;   // of each known joint from the camera
+  struct Places {
+    std::vector<double> away_mm, z_mm;  // of each known joint
+    void add(const std::vector<float>& points);
+    Place median() const { return {summarize(away_mm).median, summarize(z_mm).median}; }
+  };
+  Places captured_, true_;
   size_t missed_similarity_ = 0, missed_root_ = 0;  // joints without a result
   std::vector<std::vector<double>> per_joint_;      // [n_pairs]
   JitterMeter jitter_;

@@ -304,6 +304,65 @@ TEST_F(Evaluate, MillimetresAreWarnedOf) {
   EXPECT_EQ(text.find("nan"), std::string::npos) << text;
 }
 
+// Truth in mm; either side in OpenCV's axes, in metres or not.
+TEST_F(Evaluate, TruthInMillimetresAndJointsBehindTheCameraAreWarnedOf) {
+  const auto joints = [](double scale, double turn) {
+    const auto row = [&](int k) {
+      return format("%d,%g,%g,%g,%g,%g,%g,%g,%g,%g\n", k, 0.0, 0.0, -3 * turn * scale, 0.2 * scale, 0.5 * turn * scale,
+                    -3.1 * turn * scale, -0.2 * scale, 0.5 * turn * scale, -2.9 * turn * scale);
+    };
+    return "index,joint_root_x,joint_root_y,joint_root_z,joint_left_shoulder_x,joint_left_shoulder_y,"
+           "joint_left_shoulder_z,joint_right_shoulder_x,joint_right_shoulder_y,joint_right_shoulder_z\n" +
+           row(1) + row(2) + row(3);
+  };
+  const auto lines_of = [&](const EvalOptions& options) {
+    std::vector<std::string> lines;
+    with_log(lines, [&] { return evaluate(options); });
+    std::erase_if(lines, [](const std::string& line) { return line.find("left_wrist") != std::string::npos; });
+    return lines;
+  };
+  EvalOptions options = other_program(joints(1, 1));
+  EXPECT_TRUE(lines_of(options).empty());
+  const std::string behind =
+      ": its joints are behind the camera: z is negative before it; of OpenCV's axes write (x, -y, -z)";
+  const std::string csv = (options.capture / "joints.csv").string();
+  EXPECT_EQ(lines_of(other_program(joints(1, -1))), std::vector<std::string>{csv + behind});
+
+  options = other_program(joints(1, 1));
+  options.truth = folder_ / "wrong_truth";
+  fs::create_directories(options.truth);
+  const std::string json = (options.truth / "joints.json").string();
+  const std::string head = R"({"names":["Hips","LeftArm","RightArm"],"frames":[null)";
+  const auto three = [](const std::string& frame) { return frame + frame + frame + "]}"; };
+  write_file_atomically(json, head + three(",[[0,0,-3000],[200,500,-3100],[-200,500,-2900]]"));
+  EXPECT_EQ(lines_of(options), std::vector<std::string>{json + ": its joints are 1000 times as far from the camera as "
+                                                               "the captured ones: are these mm? metres are expected"});
+  write_file_atomically(json, head + three(",[[0,0,3],[0.2,-0.5,3.1],[-0.2,-0.5,2.9]]"));
+  EXPECT_EQ(lines_of(options), std::vector<std::string>{json + behind});
+}
+
+TEST_F(Evaluate, TimesThatCannotBeAreWarnedOf) {
+  const auto lines_of = [&](const std::vector<double>& pts_ms) {
+    std::string joints = "index,pts_ms,joint_root_x,joint_root_y,joint_root_z\n";
+    for (int k = 1; k < kHandFrames; ++k) joints += format("%d,%.10g,0,0,-3\n", k, pts_ms[k - 1]);
+    const EvalOptions options = other_program(joints);
+    std::vector<std::string> lines;
+    with_log(lines, [&] { return evaluate(options); });
+    std::erase_if(lines, [](const std::string& line) { return line.find("pts_ms") == std::string::npos; });
+    return lines;
+  };
+  const std::string file = (folder_ / "other_program/joints.csv").string();
+  EXPECT_TRUE(lines_of({40, 80, 120}).empty());
+  EXPECT_TRUE(lines_of({0, 0, 0}).empty());  // not known
+  EXPECT_EQ(lines_of({0.04, 0.08, 0.12}),
+            std::vector<std::string>{
+                file + ": pts_ms says 2.5e+04 frames a second, expected 1 to 1000: is it in milliseconds?"});
+  EXPECT_EQ(lines_of({40000, 80000, 120000}).size(), 1u);
+  EXPECT_EQ(
+      lines_of({80, 40, 120}),
+      std::vector<std::string>{file + ": line 3: pts_ms falls from 80 to 40: frames must follow each other in time"});
+}
+
 TEST_F(Evaluate, OneLineNamesTheJointsThatACaptureLacks) {
   const EvalOptions options = other_program(
       "index,joint_neck_x,joint_neck_y,joint_neck_z,joint_left_shoulder_x,joint_left_shoulder_y,joint_left_shoulder_z,"

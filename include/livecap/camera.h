@@ -25,7 +25,8 @@ struct Camera {
   std::optional<FloorPlane> floor{};   // where somebody has measured it
 
   bool has_distortion() const;
-  // Throws ConfigError when a size or focal length is not positive or the principal point is not finite, and for a
+  // Throws ConfigError when a size or focal length is not positive or the principal point is not finite, for a lens
+  // that cannot be (angles, focal lengths more than a factor of 2 apart, distortion that folds the picture), and for a
   // floor that cannot be: a normal that is not of unit length (within 0.001) or points down, a camera that is not above
   // it.
   void validate() const;

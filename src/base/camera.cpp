@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kUnitNormal = 1e-3;
 constexpr double kNarrowestDeg = 0.1;  // the longest telephoto lenses see half a degree
+constexpr double kMostSqueezed = 2;    // of anamorphic lenses
+constexpr double kMostMoved = 4;       // a corner, by its lens, as a multiple of its distance from the axis
 // A camera may look down steeply or be held on its side, but nobody films upside down: such a normal's sign is wrong.
 constexpr double kDownY = 0.5;
 // Of a camera above its floor. Metres are the likeliest mistake.
@@ -28,6 +30,11 @@ double degrees(double tangent) {
 
 // Intrinsics in mm, in shares of the picture or of another picture's size are numbers as well.
 void validate_angles(const Camera& c) {
+  if (!(c.fx / c.fy <= kMostSqueezed && c.fy / c.fx <= kMostSqueezed))
+    throw ConfigError(
+        format("camera: focal lengths fx %g, fy %g: one is more than %g times the other; both are in pixels "
+               "of the picture",
+               c.fx, c.fy, kMostSqueezed));
   const double side = degrees(std::max(std::max(std::abs(c.cx), std::abs(c.width - 1 - c.cx)) / c.fx,
                                        std::max(std::abs(c.cy), std::abs(c.height - 1 - c.cy)) / c.fy));
   const double whole = 2 * degrees(0.5 * std::max(c.width / c.fx, c.height / c.fy));
@@ -39,6 +46,32 @@ void validate_angles(const Camera& c) {
   throw ConfigError(
       format("camera: a picture of %dx%d with fx %g, fy %g, cx %g, cy %g ", c.width, c.height, c.fx, c.fy, c.cx, c.cy) +
       angle + "; all of them are in pixels of that picture");
+}
+
+// A picture is folded where the radius r (1 + k1 r^2 + k2 r^4 + k3 r^6) of a point in it no longer grows with its
+// angle.
+void validate_distortion(const Camera& c) {
+  constexpr int kSteps = 64;
+  const auto& [k1, k2, p1, p2, k3] = c.distortion;
+  const double corner = std::hypot(std::max(std::abs(c.cx), std::abs(c.width - 1 - c.cx)) / c.fx,
+                                   std::max(std::abs(c.cy), std::abs(c.height - 1 - c.cy)) / c.fy);
+  const std::string numbers = format("camera: distortion k1 %g, k2 %g, p1 %g, p2 %g, k3 %g ", k1, k2, p1, p2, k3);
+  const char* right = "; of OpenCV's lens model for this picture, without unit, in the order k1, k2, p1, p2, k3";
+  double radial = 1;
+  for (int i = 1; i <= kSteps; ++i) {
+    const double r = corner * i / kSteps, r2 = r * r;
+    if (radial * r >= corner) break;  // outside of the picture
+    radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+    if (!(1 + r2 * (3 * k1 + r2 * (5 * k2 + r2 * 7 * k3)) > 0))
+      throw ConfigError(numbers + format("folds the picture %.0f %% of the way to its corner", 100.0 * i / kSteps) +
+                        right);
+  }
+  const double r2 = corner * corner;
+  const double moved = 1 + r2 * (k1 + r2 * (k2 + r2 * k3)) + 3 * corner * (std::abs(p1) + std::abs(p2));
+  if (!(moved <= kMostMoved))
+    throw ConfigError(
+        numbers + format("moves a corner to %.3g times its distance from the axis, more than %g", moved, kMostMoved) +
+        right);
 }
 
 void validate(const FloorPlane& floor) {
@@ -75,6 +108,7 @@ void Camera::validate() const {
   for (double k : distortion) {
     if (!std::isfinite(k)) throw ConfigError("camera: a distortion coefficient is not finite");
   }
+  if (has_distortion()) validate_distortion(*this);
   if (floor) livecap::validate(*floor);
 }
 

@@ -69,8 +69,38 @@ TEST(Camera, IntrinsicsInOtherUnitsAreRefused) {
   refused(35, 35, 269.5, 479.5, "pixels of that picture");
   refused(1010, 1009, 269.5, 26950, "cy 26950");
   refused(1e6, 1e6, 269.5, 479.5, "degrees wide, less than 0.1");
-  Camera cut_out{540, 960, 4000, 4000, -3500, 1200, {}};  // of a larger picture
+  refused(1e308, 1009, 269.5, 479.5, "fx 1e+308, fy 1009: one is more than 2 times the other");
+  refused(1010, 450, 269.5, 479.5, "more than 2 times");
+  refused(1010, 2100, 269.5, 479.5, "more than 2 times");
+  EXPECT_NO_THROW((Camera{540, 960, 1000, 2000, 269.5, 479.5, {}}.validate()));  // anamorphic
+  Camera cut_out{540, 960, 4000, 4000, -3500, 1200, {}};                         // of a larger picture
   EXPECT_NO_THROW(cut_out.validate());
+}
+
+// Of pixels, of another model or in another order.
+TEST(Camera, DistortionThatNoLensHasIsRefused) {
+  const auto message = [](const std::array<double, 5>& distortion) {
+    const Camera wrong{540, 960, 1010, 1009, 269.5, 479.5, distortion};
+    try {
+      wrong.validate();
+    } catch (const ConfigError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  // The corner is 0.545 focal lengths from the axis: with k1 alone the fold is at sqrt(1 / (3 * 2)) = 0.408 of them.
+  EXPECT_EQ(message({-2, 0, 0, 0, 0}),
+            "camera: distortion k1 -2, k2 0, p1 0, p2 0, k3 0 folds the picture 75 % of the way to its corner; of "
+            "OpenCV's lens model for this picture, without unit, in the order k1, k2, p1, p2, k3");
+  EXPECT_NE(message({-1e300, 0, 0, 0, 0}).find("folds"), std::string::npos);
+  EXPECT_NE(message({1e308, -1e308, 0, 0, 1e308}).find("distortion"), std::string::npos);
+  EXPECT_NE(message({0, 0, 0, 0, -30}).find("folds"), std::string::npos);
+  EXPECT_NE(message({100, 0, 0, 0, 0}).find("times its distance from the axis, more than 4"), std::string::npos);
+  EXPECT_NE(message({0, 0, 5, 0, 0}).find("times its distance"), std::string::npos);
+  // Of an action camera, of a telephoto lens, and one that turns back outside of the picture only.
+  EXPECT_EQ(message({-0.27, 0.11, 0.0003, -0.0002, -0.02}), "");
+  EXPECT_EQ(message({0.12, -0.4, 0, 0, 0.9}), "");
+  EXPECT_EQ(message({-1, 0, 0, 0, 0}), "");
 }
 
 TEST(Camera, BothEndsOfTheRangeAreFieldsOfView) {

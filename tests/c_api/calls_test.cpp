@@ -153,7 +153,7 @@ TEST_F(Calls, CamerasAreThoseOfCpp) {
   ASSERT_EQ(livecap_camera_from_fov(640, 360, 75, &c), LIVECAP_OK);
   expect_same(c);
   camera.fy = 1.25 * camera.fx;
-  camera.distortion = {0.5, -0.25, 0.125, 2, 3};
+  camera.distortion = {0.5, -0.25, 0.125, 0.0625, 0.75};
   camera.floor = FloorPlane{{0, -1, 0}, 875};
   save_camera(camera, scratch / "camera.json");
   ASSERT_EQ(livecap_load_camera((scratch / "camera.json").c_str(), &c), LIVECAP_OK);

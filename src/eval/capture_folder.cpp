@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "base/is_there.h"
 #include "base/text.h"
 #include "eval/metrics.h"
 #include "image/image_io.h"
@@ -137,10 +138,9 @@ CaptureFolder open_capture(const fs::path& folder, const std::string& actor, con
                            const fs::path& masks) {
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored)) throw IoError(folder.string() + ": is not a folder");
-  if (!fs::exists(folder / "joints.csv", ignored))
-    throw IoError(folder.string() + ": is no capture folder (no joints.csv)");
+  if (!is_there(folder / "joints.csv")) throw IoError(folder.string() + ": is no capture folder (no joints.csv)");
   const fs::path report_path = folder / "report.json";
-  const bool has_report = fs::exists(report_path, ignored);  // other programs write none, nor does a run that is killed
+  const bool has_report = is_there(report_path);  // other programs write none, nor does a run that is killed
   const nlohmann::json report =
       has_report ? nlohmann::json::parse(read_file(report_path), nullptr, false) : nlohmann::json::object();
   if (!report.is_object()) throw IoError(report_path.string() + ": is not a JSON object");

@@ -56,6 +56,27 @@ void warn_of_joints(const EvalOptions& options, size_t n_pairs, const std::vecto
   }
 }
 
+// A truth that ends early, or lacks masks, does not say that nobody is there.
+void warn_of_incomplete(const CaptureFolder& capture, const TruthFolder& truth) {
+  const auto n_joints = static_cast<int64_t>(truth.joints.frames.size());
+  int64_t n_unknown = 0, first_unknown = 0, n_without_joints = 0;
+  for (const FrameRow& row : capture.rows) {
+    n_without_joints += row.index >= n_joints;
+    if (tells_of(truth, row.index)) continue;
+    if (n_unknown++ == 0) first_unknown = row.index;
+  }
+  if (n_unknown > 0)
+    log_warning(
+        best_truth(truth).string() +
+        format(": has no entry for %lld of the %zu captured frames, the first of them %lld; they count as frames "
+               "without a person",
+               static_cast<long long>(n_unknown), capture.rows.size(), static_cast<long long>(first_unknown)));
+  if (truth.vertices && !truth.joints.empty() && n_without_joints > 0)
+    log_warning((truth.path / "joints.json").string() +
+                format(": has %lld frames, %lld of the captured ones come after them: their joints are not judged",
+                       static_cast<long long>(n_joints), static_cast<long long>(n_without_joints)));
+}
+
 // Was this frame of the video to be captured, as far as the capture says?
 bool was_asked_for(const CaptureFolder& capture, int64_t index) {
   return index >= capture.first && (capture.frames < 0 || index - capture.first < capture.frames);
@@ -138,6 +159,7 @@ EvalReport evaluate(const EvalOptions& options) {
   const std::vector<JointPair> pairs = match_joints(capture.joints.names, truth.joints.names);
   if (!truth.joints.empty())
     warn_of_joints(options, pairs.size(), joints_not_captured(capture.joints.names, truth.joints.names));
+  warn_of_incomplete(capture, truth);
   if (!capture.vertices && !options.views.empty())
     throw IoError(options.capture.string() + ": has no vertices.pc2, which further views need");
   SilhouetteJudge silhouettes(capture, options.views);

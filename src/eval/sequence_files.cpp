@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "base/json_text.h"
 #include "base/log.h"
 #include "base/number_text.h"
 #include "base/text.h"
@@ -110,15 +111,21 @@ std::vector<float> read_joint_frame(const nlohmann::json& frame, size_t n_joints
     throw IoError(where + format(": expected null or %zu positions", n_joints));
   }
   std::vector<float> positions;
+  bool known = true;
   for (const nlohmann::json& point : frame) {
-    if (point.is_null()) return {};
+    if (point.is_null()) {
+      known = false;
+      continue;
+    }
     if (!point.is_array() || point.size() != 3) throw IoError(where + ": expected [x,y,z] per joint");
     for (const nlohmann::json& value : point) {
-      if (!value.is_number()) return {};
-      positions.push_back(value.get<float>());
+      if (!value.is_number() && !value.is_null())
+        throw IoError(where + ": " + one_line(json_text(value), 40) + " must be a number or null");
+      known = known && value.is_number();
+      positions.push_back(known ? value.get<float>() : 0);
     }
   }
-  return positions;
+  return known ? positions : std::vector<float>();
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/is_there.h"
 #include "base/text.h"
 #include "eval/capture_folder.h"
 #include "image/image_io.h"
@@ -17,6 +18,10 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kMaskName = "%06lld.png";
+
+fs::path mask_file(const fs::path& folder, int64_t index) {
+  return folder / format(kMaskName, static_cast<long long>(index));
+}
 
 std::vector<float> true_vertices(TruthFolder& truth, int64_t index) {
   if (!truth.vertices || index >= truth.vertices->n_samples()) return {};
@@ -44,15 +49,15 @@ TruthFolder open_truth(const fs::path& folder, int n_vertices) {
   if (!fs::is_directory(folder, ignored)) throw IoError(folder.string() + ": is not a folder");
   TruthFolder truth;
   truth.path = folder;
-  if (const fs::path file = folder / "vertices.pc2"; fs::exists(file, ignored)) {
+  if (const fs::path file = folder / "vertices.pc2"; is_there(file)) {
     truth.vertices.emplace(file);
     if (n_vertices > 0 && truth.vertices->n_points() != n_vertices) {
       throw IoError(file.string() + format(": has %d points, the capture has %d; of another mesh give --truth-actor",
                                            truth.vertices->n_points(), n_vertices));
     }
   }
-  if (fs::exists(folder / "joints.json", ignored)) truth.joints = read_joints_json(folder / "joints.json");
-  if (fs::is_directory(folder / "masks", ignored)) truth.masks = folder / "masks";
+  if (is_there(folder / "joints.json")) truth.joints = read_joints_json(folder / "joints.json");
+  if (is_there(folder / "masks") && fs::is_directory(folder / "masks", ignored)) truth.masks = folder / "masks";
   if (!truth.vertices && truth.joints.empty() && truth.masks.empty()) {
     throw IoError(folder.string() + ": holds none of vertices.pc2, joints.json, masks/");
   }
@@ -60,9 +65,9 @@ TruthFolder open_truth(const fs::path& folder, int n_vertices) {
 }
 
 ImageGray read_mask(const fs::path& folder, int64_t index, const Camera& camera) {
-  const fs::path file = folder / format(kMaskName, static_cast<long long>(index));
-  std::error_code ignored;
-  if (folder.empty() || !fs::exists(file, ignored)) return {};
+  if (folder.empty()) return {};
+  const fs::path file = mask_file(folder, index);
+  if (!is_there(file)) return {};
   ImageGray mask = read_image_gray(file);
   if (mask.width != camera.width || mask.height != camera.height) {
     throw IoError(file.string() +
@@ -88,14 +93,25 @@ bool has_person(TruthFolder& truth, int64_t index, const Camera& camera) {
   return is_person(truth, frame);
 }
 
+bool tells_of(const TruthFolder& truth, int64_t index) {
+  const bool by_masks = !truth.vertices && truth.joints.empty();
+  return by_masks ? is_there(mask_file(truth.masks, index)) : index < n_true_frames(truth);
+}
+
+fs::path best_truth(const TruthFolder& truth) {
+  return truth.vertices ? truth.path / "vertices.pc2" : truth.joints.empty() ? truth.masks : truth.path / "joints.json";
+}
+
 int64_t n_true_frames(const TruthFolder& truth) {
   if (truth.vertices) return truth.vertices->n_samples();
   if (!truth.joints.empty()) return static_cast<int64_t>(truth.joints.frames.size());
   int64_t n = 0;
-  for (const fs::directory_entry& entry : fs::directory_iterator(truth.masks)) {
+  std::error_code code;
+  for (const fs::directory_entry& entry : fs::directory_iterator(truth.masks, code)) {
     long long index = 0;
     if (std::sscanf(entry.path().filename().c_str(), kMaskName, &index) == 1) n = std::max<int64_t>(n, index + 1);
   }
+  if (code) throw IoError(truth.masks.string() + ": cannot be listed: " + code.message());
   return n;
 }
 

@@ -37,8 +37,11 @@ TruthFrame truth_frame(TruthFolder& truth, int64_t index, const Camera& camera);
 // TruthFrame::person alone, of which only the best truth is read.
 bool has_person(TruthFolder& truth, int64_t index, const Camera& camera);
 
-// How many frames, from 0 on, the best truth tells of.
+// How many frames, from 0 on, the best truth tells of; whether it has an entry of one, be it that nobody is there; and
+// which file or folder it is.
 int64_t n_true_frames(const TruthFolder& truth);
+bool tells_of(const TruthFolder& truth, int64_t index);
+std::filesystem::path best_truth(const TruthFolder& truth);
 
 // masks/%06d.png of a frame; empty when there is none. Throws IoError when it is not of the camera's size.
 ImageGray read_mask(const std::filesystem::path& folder, int64_t index, const Camera& camera);

@@ -40,10 +40,14 @@ class Evaluate : public test::CaptureByHand {
   // What action() says while it runs.
   template <typename Action>
   static EvalReport with_log(std::vector<std::string>& lines, Action&& action) {
-    set_log_sink([&](LogLevel, const std::string& line) { lines.push_back(line); });
-    EvalReport report = action();
-    set_log_sink({});
-    return report;
+    struct Sink {
+      explicit Sink(std::vector<std::string>& to) {
+        set_log_sink([&to](LogLevel, const std::string& line) { to.push_back(line); });
+      }
+      ~Sink() { set_log_sink({}); }
+    };
+    const Sink sink(lines);
+    return action();
   }
 };
 
@@ -432,6 +436,40 @@ TEST_F(Evaluate, RowsOfAnotherFrameAreRefused) {
   const EvalOptions options = other_program("index," + row + "1,0,0,-3\n2,0,0,-3\n");
   write_file_atomically(options.capture / "frames.csv", "index,status\n1,ok\n3,ok\n");
   test::expect_refused<IoError>([&] { evaluate(options); }, {"joints.csv: line 3 is of frame 2", "frame 3"});
+}
+
+// What the truth does not tell is not that nobody is there.
+TEST_F(Evaluate, ATruthThatEndsEarlyIsToldOf) {
+  compare({0, 0, 0, 0}, {"nobody", "ok", "ok", "ok"});
+  const fs::path truth = folder_ / "short_truth";
+  const auto lines_of = [&] {
+    std::vector<std::string> lines;
+    with_log(lines, [&] { return evaluate({folder_ / "capture", truth, "", "", {}}); });
+    return lines;
+  };
+  fs::create_directories(truth);
+  const std::string two = R"({"names":["Hips","LeftArm","RightArm","LeftHand"],"frames":[null,)"
+                          R"([[0,0,-3],[0.2,0.5,-3.1],[-0.2,0.5,-2.9],[0.3,0.1,-3.2]]]})";
+  write_file_atomically(truth / "joints.json", two);
+  const std::string end = " for 2 of the 4 captured frames, the first of them 2; they count as frames without a person";
+  EXPECT_EQ(lines_of(), std::vector<std::string>{(truth / "joints.json").string() + ": has no entry" + end});
+  fs::copy_file(folder_ / "truth/vertices.pc2", truth / "vertices.pc2");
+  EXPECT_EQ(lines_of(), std::vector<std::string>{(truth / "joints.json").string() +
+                                                 ": has 2 frames, 2 of the captured ones come after them: their joints "
+                                                 "are not judged"});
+  fs::remove(truth / "joints.json");
+  fs::remove(truth / "vertices.pc2");
+  fs::create_directories(truth / "masks");
+  for (const char* mask : {"000001.png", "000003.png"})
+    fs::copy_file(folder_ / "truth/masks" / mask, truth / "masks" / mask);
+  EXPECT_EQ(lines_of(), std::vector<std::string>{(truth / "masks").string() +
+                                                 ": has no entry for 2 of the 4 captured frames, the first of them 0; "
+                                                 "they count as frames without a person"});
+  // Whether it is there cannot be known, as in a folder without permission.
+  fs::create_symlink("000002.png", truth / "masks/000002.png");
+  test::expect_refused<IoError>(lines_of, {"masks/000002.png: cannot be read"});
+  fs::create_symlink("vertices.pc2", truth / "vertices.pc2");
+  test::expect_refused<IoError>(lines_of, {"short_truth/vertices.pc2: cannot be read"});
 }
 
 TEST_F(Evaluate, StopsWhenItIsTold) {

@@ -61,6 +61,9 @@ TEST_F(SequenceFiles, BrokenJointsJsonNamesTheField) {
   EXPECT_NE(message(R"({"frames":[]})").find("\"names\""), std::string::npos);
   EXPECT_NE(message(R"({"names":["a"],"frames":3})").find("\"frames\""), std::string::npos);
   EXPECT_NE(message(R"({"names":["a"],"frames":[[[1,2,3],[1,2,3]]]})").find("\"frames\"[0]"), std::string::npos);
+  EXPECT_NE(message(R"({"names":["a"],"frames":[null,[[1,"2",3]]]})").find("\"frames\"[1]: \"2\" must be a number or"),
+            std::string::npos);
+  EXPECT_NE(message(R"({"names":["a","b"],"frames":[[null,[1,true,3]]]})").find("true must be"), std::string::npos);
   EXPECT_NE(message(R"({"names":["a"],"frames":[[[1,2]]]})").find("\"frames\"[0]"), std::string::npos);
   EXPECT_NE(message(R"({"names":[7],"frames":[]})").find("\"names\""), std::string::npos);
   EXPECT_NE(refusal([&] { read_joints_json(folder_ / "none.json"); }).find("none.json"), std::string::npos);

@@ -10,6 +10,7 @@
 #include "image/image_io.h"
 #include "image/video.h"
 #include "livecap/error.h"
+#include "synth/numbered_files.h"
 
 namespace livecap::render {
 namespace {
@@ -70,12 +71,15 @@ class Folder : public PictureSink {
       throw IoError(folder.string() + ": cannot be made a folder" + (code ? ": " + code.message() : ""));
   }
   void write(int64_t index, const ScenePicture& picture) override {
-    write_picture(picture, folder_ / format("%06lld.png", static_cast<long long>(index)));
+    write_picture(picture, folder_ / format(kName, static_cast<int>(index)));
+    next_ = static_cast<int>(index) + 1;
   }
-  void finish() override {}
+  void finish() override { synth::remove_numbered_from(next_, folder_, kName); }
 
  private:
+  static constexpr const char* kName = "%06d.png";
   fs::path folder_;
+  int next_ = 0;
 };
 
 class OnePicture : public PictureSink {

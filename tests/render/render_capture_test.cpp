@@ -374,6 +374,22 @@ TEST_F(RenderCapture, StoppedEarlyWhatIsThereIsWhole) {
   EXPECT_TRUE(render_capture(options("whole.mp4"), [](int64_t done, int64_t) { return done < kFrames; }).complete);
 }
 
+// Pictures of an earlier, longer clip would count as this one's; other files are nobody's.
+TEST_F(RenderCapture, AFolderKeepsNoPicturesOfALongerClip) {
+  RenderOptions asked = options("again");
+  asked.background = "#0000ff";
+  asked.frames = 4;  // of the video; the capture's are 2 to 6
+  const fs::path again = folder_ / "again";
+  fs::create_directories(again);
+  for (const char* name : {"000000.png", "000002.png", "000005.png", "000007.png", "other.png", "0000003.png"})
+    write_file_atomically(again / name, "old");
+  EXPECT_EQ(render_capture(asked, {}).pictures, 2);
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(again)) names.push_back(entry.path().filename().string());
+  std::ranges::sort(names);
+  EXPECT_EQ(names, (std::vector<std::string>{"0000003.png", "000000.png", "000002.png", "000003.png", "other.png"}));
+}
+
 TEST_F(RenderCapture, AMovedActorIsReadFromTheFolder) {
   fs::copy_file(folder_ / "actor.glb", capture() / "actor.glb", fs::copy_options::overwrite_existing);
   write_report("nowhere/actor.glb");

@@ -186,10 +186,7 @@ CaptureReport CaptureOutput::finish(const ocl::DevicePair& devices, const std::s
   const std::vector<double> times_s = uneven_times_s(pts_ms, fps_);
   if (!times_s.empty())
     report.warnings.push_back(
-        options_.video +
-        format(": its frames do not come evenly at %g a second; capture.glb has their times, in motion.bvh%s they "
-               "follow each other at that rate",
-               fps_, overlay_ ? " and overlay.mp4" : ""));
+        uneven_warning(options_.video, fps_, "capture.glb", overlay_ ? "motion.bvh and overlay.mp4" : "motion.bvh"));
   pc2_.reset();
   report.pc2 = in_folder("vertices.pc2").string();
   report.bvh = in_folder("motion.bvh").string();

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "base/text.h"
+
 namespace livecap {
 
 std::vector<double> uneven_times_s(std::span<const double> pts_ms, double fps) {
@@ -14,6 +16,11 @@ std::vector<double> uneven_times_s(std::span<const double> pts_ms, double fps) {
     times_s.push_back(time_s);
   }
   return uneven ? times_s : std::vector<double>{};
+}
+
+std::string uneven_warning(const std::string& source, double fps, const std::string& timed, const std::string& even) {
+  return source + format(": its frames do not come evenly at %g a second; ", fps) + timed + " has their times, in " +
+         even + " they follow each other at that rate";
 }
 
 }  // namespace livecap

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 namespace livecap {
@@ -10,5 +11,9 @@ namespace livecap {
 // Seconds from the first frame. Empty where each lies within half a frame of i / fps (rounded time stamps are no
 // unevenness), and where the stamps do not grow or are not finite.
 std::vector<double> uneven_times_s(std::span<const double> pts_ms, double fps);
+
+// The warning of such frames. source: what has them; timed, even: the files made of it that tell their times and that
+// have one rate.
+std::string uneven_warning(const std::string& source, double fps, const std::string& timed, const std::string& even);
 
 }  // namespace livecap

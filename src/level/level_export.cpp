@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "base/log.h"
 #include "base/part_file.h"
 #include "base/require_apart.h"
 #include "base/require_writable.h"
@@ -107,6 +108,16 @@ class LevelClip {
   Eigen::Isometry3d level_;
 };
 
+// Of the files that know one rate only.
+void warn_of_uneven(const LevelClip& clip, const std::vector<fs::path>& out) {
+  std::string even;
+  for (const fs::path& file : out) {
+    if (file.extension() != ".glb") even += (even.empty() ? "" : " and ") + file.string();
+  }
+  if (!even.empty() && !clip.uneven_times_s().empty())
+    log_warning(uneven_warning(clip.capture().path.string(), clip.capture().fps, "a .glb", even));
+}
+
 void write_glb(LevelClip& clip, const fs::path& path) {
   CaptureGlbOptions options;
   options.fps = clip.capture().fps;
@@ -120,12 +131,21 @@ void write_glb(LevelClip& clip, const fs::path& path) {
 
 void write_motion(const LevelClip& clip, const fs::path& path, double unit_m) {
   BvhWriter bvh(path, clip.capture().actor, clip.capture().fps, unit_m);
+  // At rest before anybody is tracked, as in a .pc2: standing, where a writer that knows no floor has the root at 0.
+  const Eigen::Matrix3d camera_from_gltf = gltf_axes_from_camera().transpose();
+  Pose rest = rest_pose(clip.capture().actor.skeleton);
+  rest.root_translation_mm = camera_from_gltf * rest.root_translation_mm;
+  rest.root_rotation = camera_from_gltf * rest.root_rotation;
+  bool seen = false;
   for (const CapturedFrame& frame : clip.poses()) {
     clip.require_going_on();
+    seen = seen || frame.tracked;
     if (frame.tracked)
       bvh.append(frame.pose);
-    else
+    else if (seen)
       bvh.append_held();
+    else
+      bvh.append(rest);
   }
 }
 
@@ -163,6 +183,7 @@ LevelExportReport export_level(const LevelExportOptions& options, const std::fun
   inputs.push_back({"--camera", options.camera});
   require_apart(inputs, options.out);
   LevelClip clip(options, go_on);
+  warn_of_uneven(clip, options.out);
   LevelExportReport report;
   try {
     for (const fs::path& out : options.out) {

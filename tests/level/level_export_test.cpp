@@ -14,6 +14,7 @@
 #include "export/csv.h"
 #include "export/pc2.h"
 #include "livecap/error.h"
+#include "livecap/log.h"
 #include "support/refusal.h"
 #include "support/tolerances.h"
 #include "synth/synth.h"
@@ -163,6 +164,52 @@ TEST_F(LevelExport, PutsTheSkeletonThereToo) {
     EXPECT_LT((root - expected).norm(), test::kFloatChain);
     EXPECT_LT(zxy.norm(), test::kFloatTurn * 180 / M_PI);  // at rest the root's axes are the room's
   }
+}
+
+// Before anybody came the skeleton stands where the template of the .pc2 does.
+TEST_F(LevelExport, TheSkeletonStandsBeforeAnybodyCame) {
+  LevelExportOptions asked = options("before.bvh");
+  asked.bvh_unit_m = 1;
+  export_level(asked);
+  std::ifstream file(folder_ / "before.bvh");
+  std::string line;
+  while (std::getline(file, line) && !line.starts_with("Frame Time")) continue;
+  for (int k = 0; k < kEmpty; ++k) {
+    ASSERT_TRUE(std::getline(file, line));
+    std::istringstream numbers(line);
+    Vector3d root, zxy;
+    for (int i = 0; i < 3; ++i) numbers >> root[i];
+    for (int i = 0; i < 3; ++i) numbers >> zxy[i];
+    EXPECT_LT((root - actor_.skeleton.root_rest_mm / 1000).norm(), test::kFloatChain) << line;
+    EXPECT_LT(zxy.norm(), test::kFloatTurn * 180 / M_PI) << line;
+  }
+}
+
+// BVH and PC2 know one rate, which a capture of a phone has not.
+TEST_F(LevelExport, FramesThatComeUnevenlyAreTold) {
+  const fs::path uneven = folder_ / "uneven";
+  fs::create_directories(uneven);
+  for (const char* file : {"camera.json", "report.json", "joints.csv", "angles.csv"})
+    fs::copy_file(folder_ / file, uneven / file);
+  std::string frames = "index,pts_ms,status,latency_ms\n";
+  for (int k = 0; k < kFrames; ++k)
+    frames += format("%d,%d,%s,0\n", k, k < 9 ? 40 * k : 40 * k + 90, k < 2 ? "nobody" : "ok");
+  write_file_atomically(uneven / "frames.csv", frames);
+  const auto lines_of = [&](const char* out) {
+    LevelExportOptions asked = options(out);
+    asked.capture = uneven;
+    std::vector<std::string> lines;
+    set_log_sink([&](LogLevel, const std::string& line) { lines.push_back(line); });
+    export_level(asked);
+    set_log_sink({});
+    return lines;
+  };
+  EXPECT_EQ(lines_of("uneven.bvh"),
+            std::vector<std::string>{uneven.string() +
+                                     ": its frames do not come evenly at 25 a second; a .glb has their "
+                                     "times, in " +
+                                     (folder_ / "uneven.bvh").string() + " they follow each other at that rate"});
+  EXPECT_TRUE(lines_of("uneven.glb").empty());
 }
 
 TEST_F(LevelExport, GlbHasTheCameraThatCapturedIt) {

@@ -32,14 +32,6 @@ T field(const nlohmann::json& object, const char* name, T fallback) {
   }
 }
 
-// What to do when report.json does not say which actor or camera it was.
-std::string not_named(const fs::path& report_path, const std::string& what) {
-  std::error_code ignored;
-  const bool exists = fs::exists(report_path, ignored);
-  return report_path.string() + (exists ? ": field \"options." + what + "\" is missing" : ": no such file") +
-         "; give --" + what;
-}
-
 // The file, or for a capture that was given a field of view only, or never got as far as its report: the folder's own
 // copy, which has no distortion; a folder without one: the field of view at the size of the true masks.
 Camera load_camera_of(const fs::path& report_path, const std::string& named, const nlohmann::json& options,
@@ -128,6 +120,13 @@ void require_points(const Pc2Reader& vertices, const fs::path& file, const std::
 }
 
 }  // namespace
+
+std::string not_named(const fs::path& report_path, const std::string& what) {
+  std::error_code ignored;
+  const bool exists = fs::exists(report_path, ignored);
+  return report_path.string() + (exists ? ": field \"options." + what + "\" is missing" : ": no such file") +
+         "; give --" + what;
+}
 
 Actor load_actor_named(const std::string& name, double height_mm) {
   if (!is_builtin_actor(name)) return load_actor(name, height_mm);

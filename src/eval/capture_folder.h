@@ -50,6 +50,9 @@ Actor load_actor_named(const std::string& name, double height_mm);
 CaptureFolder open_capture(const std::filesystem::path& folder, const std::string& actor, const std::string& camera,
                            const std::filesystem::path& masks);
 
+// What to do when report.json does not say which actor, camera or video it was, or is not there.
+std::string not_named(const std::filesystem::path& report_path, const std::string& what);
+
 // The camera.json in the folder itself, whose frame everything in it is in: that of the video without distortion.
 // Empty: an older capture has none.
 std::string own_camera_file(const std::filesystem::path& folder);

@@ -25,7 +25,7 @@ std::vector<std::string> split(const std::string& line) {
   std::istringstream in(line);
   for (std::string cell; std::getline(in, cell, ',');) {
     while (!cell.empty() && (cell.back() == '\r' || cell.back() == ' ')) cell.pop_back();
-    cells.push_back(cell);
+    cells.push_back(cell.substr(std::min(cell.size(), cell.find_first_not_of(' '))));
   }
   if (!line.empty() && line.back() == ',') cells.emplace_back();
   return cells;
@@ -34,8 +34,10 @@ std::vector<std::string> split(const std::string& line) {
 // Plain comma-separated values, the first line names the columns. A last line without a line feed was cut off by a
 // crash and is left out, with a warning.
 Table read_table(const std::filesystem::path& path) {
-  const std::string bytes = read_file(path);
-  const size_t n_whole = bytes.rfind('\n') + 1;  // 0 where there is none
+  require_no_pipe(path);
+  std::string bytes = read_file(path);
+  if (bytes.starts_with("\xef\xbb\xbf")) bytes.erase(0, 3);  // byte order mark, as spreadsheets write it
+  const size_t n_whole = bytes.rfind('\n') + 1;              // 0 where there is none
   if (n_whole > 0 && n_whole < bytes.size())
     log_warning(path.string() + ": the last line has no line feed: it was cut off, and is left out");
   std::istringstream in(bytes.substr(0, n_whole));
@@ -136,6 +138,7 @@ int index_of(const std::vector<std::string>& names, const std::string& name) {
 }
 
 JointTrack read_joints_json(const std::filesystem::path& path) {
+  require_no_pipe(path);
   const nlohmann::json json = nlohmann::json::parse(read_file(path), nullptr, false);
   if (!json.is_object()) throw IoError(path.string() + ": is not a JSON object");
   const auto names = json.find("names");

@@ -52,7 +52,9 @@ void Pc2Writer::append(std::span<const float> xyz) {
   if (!file_) throw IoError(path_.string() + ": header cannot be updated");
 }
 
-Pc2Reader::Pc2Reader(const std::filesystem::path& path) : path_(path), file_(path, std::ios::binary) {
+Pc2Reader::Pc2Reader(const std::filesystem::path& path) : path_(path) {
+  require_no_pipe(path);  // opening one waits for who writes to it
+  file_.open(path, std::ios::binary);
   if (!file_) throw IoError(path.string() + ": cannot be read");
   char header[kHeaderBytes];
   if (!file_.read(header, sizeof header) || std::memcmp(header, kMagic, sizeof kMagic) != 0)

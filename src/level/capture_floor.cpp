@@ -35,6 +35,7 @@ CaptureFloor floor_of_level_camera(CaptureFolder& capture) {
   std::vector<int64_t> tracked;
   for (int64_t row = 0; row < static_cast<int64_t>(capture.rows.size()); ++row)
     if (capture.rows[row].tracked()) tracked.push_back(row);
+  if (tracked.empty()) throw IoError((capture.path / "frames.csv").string() + ": nobody was tracked in any frame");
   double lowest = -std::numeric_limits<double>::infinity();  // y points down
   const size_t step = std::max<size_t>(1, tracked.size() / kLowestSamples);
   for (size_t k = 0; k < tracked.size(); k += step) {

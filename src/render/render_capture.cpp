@@ -30,9 +30,7 @@ class VideoFrames {
  public:
   VideoFrames(const RenderOptions& options, const CaptureFolder& capture)
       : name_(options.video.empty() ? capture.video : options.video), undistorter_(capture.camera) {
-    if (name_.empty())
-      throw IoError((capture.path / "report.json").string() +
-                    ": field \"options.video\" is missing; give --video or --background '#rrggbb'");
+    if (name_.empty()) throw IoError(not_named(capture.path / "report.json", "video") + " or --background '#rrggbb'");
     if (is_webcam(name_))
       throw ConfigError("the video of " + capture.path.string() + " was " + name_ +
                         ", which shows something else now; give --video or --background '#rrggbb'");

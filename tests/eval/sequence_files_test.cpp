@@ -118,6 +118,19 @@ TEST_F(SequenceFiles, AJointWinsOverTheKeypointOfTheSameName) {
   EXPECT_EQ(track.frames.at(0), (std::vector<float>{4, 5, 6}));
 }
 
+// As spreadsheets and people write them.
+TEST_F(SequenceFiles, AByteOrderMarkAndBlanksAreNoPartOfACell) {
+  const JointTrack track =
+      read_joints_csv(file("j.csv",
+                           "\xef\xbb\xbf"
+                           "index, joint_root_x, joint_root_y, joint_root_z\r\n 4, 1, , -3\r\n5 ,1,2,  3 \r\n"));
+  EXPECT_EQ(track.names, std::vector<std::string>{"root"});
+  ASSERT_EQ(track.rows.size(), 2u);
+  EXPECT_EQ(track.rows[0].index, 4);
+  EXPECT_TRUE(track.frames[0].empty());
+  EXPECT_EQ(track.frames[1], (std::vector<float>{1, 2, 3}));
+}
+
 // Read by place they would be other joints' coordinates, which no figure tells.
 TEST_F(SequenceFiles, ColumnsOfAPointStandSideBySide) {
   const auto message = [&](const std::string& columns) {

@@ -55,6 +55,7 @@ expect 2 '--height: between 0.5 and 3 metres, not 17' synth --height 17 --out s
 expect 2 '--frames -4: between 0 and 100000' synth --frames -4 --out s
 expect 2 '--picture-height 7' synth --picture-height 7 --out s
 expect 2 '--seed: at least 0, not -1' synth --seed -1 --out s
+expect 2 '--seed: whole number 18446744073709551615, not 99999999999999999999999' synth --seed 99999999999999999999999 --out s
 for option in capture detect live 'actor build' 'actor fit' 'eval --ablate'; do
   expect 2 '--fov: must be between 1 and 170 degrees, not -5' $option --video seq/video.mp4 --fov -5
 done
@@ -286,6 +287,10 @@ printf 'POINTCACHE2\0\1\0\0\0\12\0\0\0\0\0\0\0\0\0\200\77\0\0\0\0' >tenth/vertic
 expect 2 'tenth/vertices.pc2 10 points' eval --capture good --truth tenth
 cp -r good other && cp tenth/vertices.pc2 other
 expect 2 'other/vertices.pc2 10 points' eval --capture other --truth seq/truth
+mkdir -p piped && mkfifo piped/vertices.pc2
+expect 2 'piped/vertices.pc2 pipe' eval --capture good --truth piped
+rm piped/vertices.pc2 && mkfifo piped/joints.json
+expect 2 'piped/joints.json pipe' eval --capture good --truth piped
 expect 2 'wide.json' eval --capture good --truth seq/truth --camera wide.json --view wide.json seq/truth/masks
 sed 's/"width": *540/"width": 640/' seq/camera.json >other.json
 expect 2 'masks 540x960 640x960' eval --capture good --truth seq/truth --camera other.json

@@ -124,6 +124,7 @@ cp -r good killed && rm killed/report.json killed/capture.glb
 check 'export of a killed run' test -s killed.glb
 "$livecap" -q render --capture killed --view left --out killed.png >out.txt 2>err.txt
 check 'render of a killed run' test -s killed.png
+expect 2 'killed/report.json: no such file --video --background' render --capture killed --out killed.png
 "$livecap" "${eval[@]/good/killed}" >out.txt 2>err.txt
 check 'eval of a killed run' grep -q vertex out.txt
 mkdir moved nothing && mv seq moved

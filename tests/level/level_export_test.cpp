@@ -276,6 +276,17 @@ TEST_F(LevelExport, AStoppedExportLeavesOldFilesAsTheyWere) {
   }
 }
 
+TEST_F(LevelExport, ACaptureOfNobodyIsSaidToBeThat) {
+  const fs::path empty = folder_ / "of_nobody";
+  fs::create_directories(empty);
+  for (const char* file : {"camera.json", "report.json", "joints.csv", "angles.csv", "vertices.pc2"})
+    fs::copy_file(folder_ / file, empty / file);
+  write_file_atomically(empty / "frames.csv", "index,pts_ms,status\n0,0,nobody\n1,40,lost\n");
+  LevelExportOptions asked = options("nobody.glb", false);
+  asked.capture = empty;
+  expect_refused<IoError>(asked, {"of_nobody/frames.csv: nobody was tracked in any frame"});
+}
+
 TEST_F(LevelExport, RefusesVerticesThatAreCutOff) {
   const fs::path cut = folder_ / "cut";
   fs::create_directories(cut);

@@ -387,7 +387,7 @@ TEST_F(RenderCapture, AFolderKeepsNoPicturesOfALongerClip) {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(again)) names.push_back(entry.path().filename().string());
   std::ranges::sort(names);
-  EXPECT_EQ(names, (std::vector<std::string>{"0000003.png", "000000.png", "000002.png", "000003.png", "other.png"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"000000.png", "0000003.png", "000002.png", "000003.png", "other.png"}));
 }
 
 TEST_F(RenderCapture, AMovedActorIsReadFromTheFolder) {

@@ -79,7 +79,10 @@ void add_synth_command(CLI::App& app, Action& action) {
   command->add_option("--fov", synth.fov_deg, "field of view of the longer side, degrees")->capture_default_str();
   command->add_option("--distance", options->distance_m, "camera to actor, metres")->capture_default_str();
   command->add_option("--noise", synth.noise, "sensor noise, 8-bit levels")->capture_default_str();
-  command->add_option("--seed", synth.seed, "of noise and room")->check(at_least(0))->capture_default_str();
+  command->add_option("--seed", synth.seed, "of noise and room")
+      ->check(at_least(0))
+      ->check(whole_number())
+      ->capture_default_str();
   command->add_flag("--floor", synth.floor, "camera.json also says where the floor is");
   command->add_flag("--no-cloth", options->no_cloth, "skinning only, no cloth simulation");
   command->callback([options, &action] { action = [options] { return run(*options); }; });

@@ -1,5 +1,7 @@
 #include "value_checks.h"
 
+#include <charconv>
+#include <cstdint>
 #include <cstdlib>
 #include <functional>
 
@@ -23,6 +25,18 @@ CLI::Validator number_check(const std::string& rule, const std::function<bool(do
 
 CLI::Validator not_empty() {
   return CLI::Validator([](const std::string& text) { return text.empty() ? "must not be empty" : ""; }, "");
+}
+
+CLI::Validator whole_number() {
+  const std::string rule = "whole number from 0 to 18446744073709551615";
+  return CLI::Validator(
+      [rule](const std::string& text) {
+        uint64_t value = 0;
+        const char* end = text.data() + text.size();
+        const auto [at, error] = std::from_chars(text.data(), end, value);
+        return error == std::errc() && at == end ? std::string() : "must be a " + rule + ", not " + text;
+      },
+      "");
 }
 
 CLI::Validator above(double bound) {

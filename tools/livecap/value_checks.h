@@ -12,6 +12,9 @@ namespace livecap::tools {
 // Not "", which a script makes of a variable that is not set.
 CLI::Validator not_empty();
 
+// Of uint64_t, which CLI11 takes for the largest where a number does not fit.
+CLI::Validator whole_number();
+
 // The error of each number: "--frames: must be at least 1, not 0".
 CLI::Validator above(double bound);
 CLI::Validator at_least(double least);

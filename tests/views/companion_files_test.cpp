@@ -19,27 +19,23 @@ ImageGray dot(int width, int height, int at = 0) {
   return image;
 }
 
-class CompanionFilesTest : public testing::Test {
- protected:
-  // The bright pixel of the upright file of `picture`.
-  int dot_of(CompanionFiles& files, const StoredPicture& picture) {
-    const auto file = files.of(picture.name);
-    const ImageGray image = files.upright(read_image_gray(file), file, picture);
-    return static_cast<int>(std::find(image.pixels.begin(), image.pixels.end(), 255) - image.pixels.begin());
-  }
-
-  ScratchFolder folder_;
-};
+// The bright pixel of the upright file of `picture`.
+int dot_of(CompanionFiles& files, const StoredPicture& picture) {
+  const auto file = files.of(picture.name);
+  const ImageGray image = files.upright(read_image_gray(file), file, picture);
+  return static_cast<int>(std::find(image.pixels.begin(), image.pixels.end(), 255) - image.pixels.begin());
+}
 
 // What was turned by 180 degrees, and square pictures, are as those of this folder whose size tells.
-TEST_F(CompanionFilesTest, FilesThatCouldBeEitherAreAsTheOthersOfTheirFolder) {
+TEST(CompanionFiles, FilesThatCouldBeEitherAreAsTheOthersOfTheirFolder) {
+  const ScratchFolder folder;
   const std::vector<StoredPicture> pictures = {
       {"quarter.jpg", 3, 2, 1}, {"half.jpg", 3, 2, 2}, {"square.jpg", 3, 3, 3}, {"plain.jpg", 3, 2, 0}};
-  write_png(dot(3, 2), folder_ / "half.png");
-  write_png(dot(3, 3), folder_ / "square.png");
-  write_png(dot(3, 2), folder_ / "plain.png");
+  write_png(dot(3, 2), folder / "half.png");
+  write_png(dot(3, 3), folder / "square.png");
+  write_png(dot(3, 2), folder / "plain.png");
   const auto dots = [&](int n_unclear) {
-    CompanionFiles files(folder_.path(), pictures);
+    CompanionFiles files(folder.path(), pictures);
     std::vector<int> found;
     for (const StoredPicture& picture : pictures)
       if (!files.of(picture.name).empty()) found.push_back(dot_of(files, picture));
@@ -47,16 +43,16 @@ TEST_F(CompanionFilesTest, FilesThatCouldBeEitherAreAsTheOthersOfTheirFolder) {
     return found;
   };
   EXPECT_EQ(dots(2), (std::vector<int>{0, 0, 0})) << "nothing tells";
-  write_png(dot(3, 2), folder_ / "quarter.png");  // as stored: the first pixel goes to the upper right of 2 x 3
+  write_png(dot(3, 2), folder / "quarter.png");  // as stored: the first pixel goes to the upper right of 2 x 3
   EXPECT_EQ(dots(0), (std::vector<int>{1, 5, 6, 0}));
-  write_png(dot(2, 3, 4), folder_ / "quarter.png");  // upright
+  write_png(dot(2, 3, 4), folder / "quarter.png");  // upright
   EXPECT_EQ(dots(0), (std::vector<int>{4, 0, 0, 0}));
-  write_png(dot(3, 3), folder_ / "half.png");
+  write_png(dot(3, 3), folder / "half.png");
   try {
     dots(0);
     ADD_FAILURE() << "another size";
   } catch (const IoError& error) {
-    EXPECT_EQ(error.what(), (folder_ / "half.png").string() + ": 3 x 3, its picture is 3 x 2");
+    EXPECT_EQ(error.what(), (folder / "half.png").string() + ": 3 x 3, its picture is 3 x 2");
   }
 }
 

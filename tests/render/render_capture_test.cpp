@@ -354,7 +354,7 @@ TEST_F(RenderCapture, FilmSheetAndSideBySide) {
   EXPECT_NEAR(half.info().fps, 12.5, test::kHandComputed);  // as long as the video
 }
 
-TEST(PicturesAtOnce, OneForEveryProcessorWithin2GB) {
+TEST_F(RenderCapture, PaintsAPictureForEveryProcessorWithin2GB) {
   EXPECT_EQ(pictures_at_once(540 * 960, 8), 8u);
   EXPECT_EQ(pictures_at_once(540 * 960, 0), 1u);
   EXPECT_EQ(pictures_at_once(540 * 960, 64), 16u);

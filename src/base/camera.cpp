@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kUnitNormal = 1e-3;
 constexpr double kNarrowestDeg = 0.1;  // the longest telephoto lenses see half a degree
-constexpr double kMostSqueezed = 2;    // of anamorphic lenses
+constexpr double kCalibrated = 0.8;    // of the way to a corner
+constexpr double kMostSqueezed = 2.2;  // anamorphic lenses have 2
 constexpr double kMostMoved = 4;       // a corner, by its lens, as a multiple of its distance from the axis
 // A camera may look down steeply or be held on its side, but nobody films upside down: such a normal's sign is wrong.
 constexpr double kDownY = 0.5;
@@ -49,7 +50,7 @@ void validate_angles(const Camera& c) {
 }
 
 // A picture is folded where the radius r (1 + k1 r^2 + k2 r^4 + k3 r^6) of a point in it no longer grows with its
-// angle.
+// angle. In the corners real calibrations do that: no board was seen there.
 void validate_distortion(const Camera& c) {
   constexpr int kSteps = 64;
   const auto& [k1, k2, p1, p2, k3] = c.distortion;
@@ -58,7 +59,7 @@ void validate_distortion(const Camera& c) {
   const std::string numbers = format("camera: distortion k1 %g, k2 %g, p1 %g, p2 %g, k3 %g ", k1, k2, p1, p2, k3);
   const char* right = "; of OpenCV's lens model for this picture, without unit, in the order k1, k2, p1, p2, k3";
   double radial = 1;
-  for (int i = 1; i <= kSteps; ++i) {
+  for (int i = 1; i <= kSteps * kCalibrated; ++i) {
     const double r = corner * i / kSteps, r2 = r * r;
     if (radial * r >= corner) break;  // outside of the picture
     radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));

@@ -3,14 +3,16 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <set>
+#include <string>
 
+#include "base/log.h"
 #include "base/output_path.h"
 #include "base/require_writable.h"
 #include "base/text.h"
 #include "image/image_io.h"
 #include "image/video.h"
 #include "livecap/error.h"
-#include "synth/numbered_files.h"
 
 namespace livecap::render {
 namespace {
@@ -71,15 +73,26 @@ class Folder : public PictureSink {
       throw IoError(folder.string() + ": cannot be made a folder" + (code ? ": " + code.message() : ""));
   }
   void write(int64_t index, const ScenePicture& picture) override {
-    write_picture(picture, folder_ / format(kName, static_cast<int>(index)));
-    next_ = static_cast<int>(index) + 1;
+    const std::string name = format("%06d.png", static_cast<int>(index));
+    write_picture(picture, folder_ / name);
+    written_.insert(name);
   }
-  void finish() override { synth::remove_numbered_from(next_, folder_, kName); }
+  // They may be another part of the same clip, or of another render that a program takes for this one's.
+  void finish() override {
+    size_t n_others = 0;
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder_, ignored)) {
+      const std::string name = entry.path().filename().string();
+      if (name.size() == 10 && name.ends_with(".png") && name.find_first_not_of("0123456789") == 6)
+        n_others += !written_.count(name);
+    }
+    if (n_others > 0)
+      log_warning(folder_.string() + format(": %zu numbered pictures in it are of another render", n_others));
+  }
 
  private:
-  static constexpr const char* kName = "%06d.png";
   fs::path folder_;
-  int next_ = 0;
+  std::set<std::string> written_;
 };
 
 class OnePicture : public PictureSink {

@@ -65,6 +65,11 @@ class Filler {
 }  // namespace
 
 size_t fill_uvs(Scan& scan) {
+  if (std::all_of(scan.uvs.begin(), scan.uvs.end(), [](const Vector2d& uv) { return uv == kNoUv; })) {
+    scan.uvs.clear();
+    scan.texture = {};
+    return 0;
+  }
   return Filler(scan).run();
 }
 

@@ -11,7 +11,7 @@ namespace livecap {
 inline const Eigen::Vector2d kNoUv = Eigen::Vector2d::Constant(std::numeric_limits<double>::lowest());
 
 // A triangle with such a corner has the colour of one place: of one of its own corners, else of a triangle beside it,
-// else of the nearest one. Returns how many there were. Some corner must have a place.
+// else of the nearest one. Returns how many there were. A scan without any place is one without a texture.
 size_t fill_uvs(Scan& scan);
 
 }  // namespace livecap

@@ -19,6 +19,7 @@
 #include "image/video.h"
 #include "livecap/camera.h"
 #include "livecap/error.h"
+#include "livecap/log.h"
 #include "picture/color_scale.h"
 #include "picture/overlay.h"
 #include "support/refusal.h"
@@ -375,7 +376,7 @@ TEST_F(RenderCapture, StoppedEarlyWhatIsThereIsWhole) {
 }
 
 // Pictures of an earlier, longer clip would count as this one's; other files are nobody's.
-TEST_F(RenderCapture, AFolderKeepsNoPicturesOfALongerClip) {
+TEST_F(RenderCapture, PicturesOfAnotherRenderStayAndAreToldOf) {
   RenderOptions asked = options("again");
   asked.background = "#0000ff";
   asked.frames = 4;  // of the video; the capture's are 2 to 6
@@ -383,11 +384,16 @@ TEST_F(RenderCapture, AFolderKeepsNoPicturesOfALongerClip) {
   fs::create_directories(again);
   for (const char* name : {"000000.png", "000002.png", "000005.png", "000007.png", "other.png", "0000003.png"})
     write_file_atomically(again / name, "old");
+  std::vector<std::string> lines;
+  set_log_sink([&](LogLevel, const std::string& line) { lines.push_back(line); });
   EXPECT_EQ(render_capture(asked, {}).pictures, 2);
+  set_log_sink({});
+  EXPECT_EQ(lines, std::vector<std::string>{again.string() + ": 3 numbered pictures in it are of another render"});
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(again)) names.push_back(entry.path().filename().string());
   std::ranges::sort(names);
-  EXPECT_EQ(names, (std::vector<std::string>{"000000.png", "0000003.png", "000002.png", "000003.png", "other.png"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"000000.png", "0000003.png", "000002.png", "000003.png", "000005.png",
+                                             "000007.png", "other.png"}));
 }
 
 TEST_F(RenderCapture, AMovedActorIsReadFromTheFolder) {

@@ -84,10 +84,11 @@ bool was_asked_for(const CaptureFolder& capture, int64_t index) {
 
 // Counts the frames with a person that have no row, anywhere in the truth. They are not judged, which is for the reader
 // to know where nobody asked for it.
-void find_gaps(const CaptureFolder& capture, TruthFolder& truth, EvalReport& report) {
+void find_gaps(const EvalOptions& options, const CaptureFolder& capture, TruthFolder& truth, EvalReport& report) {
   int64_t n_missing = 0;
   size_t row = 0;
   for (int64_t index = 0, n = n_true_frames(truth); index < n; ++index) {
+    require_going_on(options);  // true masks may have to be looked at
     while (row < capture.rows.size() && capture.rows[row].index < index) ++row;
     const bool has_row = row < capture.rows.size() && capture.rows[row].index == index;
     if (has_row || !has_person(truth, index, capture.camera)) continue;
@@ -209,7 +210,7 @@ EvalReport evaluate(const EvalOptions& options) {
     throw IoError(options.truth.string() +
                   format(": has nobody in any of the %lld captured frames", static_cast<long long>(report.n_frames)));
   }
-  find_gaps(capture, truth, report);
+  find_gaps(options, capture, truth, report);
   report.n_lost = report.n_person - report.n_tracked;
   report.losses = count_losses(person, tracked);
   silhouettes.finish(report);

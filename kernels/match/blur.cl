@@ -7,6 +7,8 @@
 
 #if LC_CPU
 
+typedef float16 pixels_t;  // of a row
+
 // A row's sixteen pixels from x on with `blur` of those at their left and right; 0 beyond the box.
 static inline float16 blurred_along(global const float* restrict row, int x, int width, float blur) {
   const float16 here = vload16(0, row + x);
@@ -17,13 +19,26 @@ static inline float16 blurred_along(global const float* restrict row, int x, int
   return here + blur * (left + right);
 }
 
-static inline float16 blurred_across(global const float* restrict image, int x, int y, MatchBox box, float blur) {
+#else
+
+typedef float pixels_t;
+
+static inline float blurred_along(global const float* restrict row, int x, int width, float blur) {
+  const float left = x > 0 ? row[x - 1] : 0.0f, right = x + 1 < width ? row[x + 1] : 0.0f;
+  return row[x] + blur * (left + right);
+}
+
+#endif
+
+static inline pixels_t blurred_across(global const float* restrict image, int x, int y, MatchBox box, float blur) {
   global const float* row = image + y * box.width;
-  float16 beside = 0.0f;
+  pixels_t beside = 0.0f;
   if (y > 0) beside += blurred_along(row - box.width, x, box.width, blur);
   if (y + 1 < box.height) beside += blurred_along(row + box.width, x, box.width, blur);
   return blurred_along(row, x, box.width, blur) + blur * beside;
 }
+
+#if LC_CPU
 
 // Over (box.width / 16, box.height), sixteen pixels each. light, weight: of the drawn actor. Out: blurred = box, the
 // mean of a pixel and, `blur` times as much of each, those beside, of what is drawn.
@@ -39,19 +54,6 @@ kernel void blur_actor(MatchBox box, float blur, global const float* restrict li
 }
 
 #else
-
-static inline float blurred_along(global const float* restrict row, int x, int width, float blur) {
-  const float left = x > 0 ? row[x - 1] : 0.0f, right = x + 1 < width ? row[x + 1] : 0.0f;
-  return row[x] + blur * (left + right);
-}
-
-static inline float blurred_across(global const float* restrict image, int x, int y, MatchBox box, float blur) {
-  global const float* row = image + y * box.width;
-  float beside = 0.0f;
-  if (y > 0) beside += blurred_along(row - box.width, x, box.width, blur);
-  if (y + 1 < box.height) beside += blurred_along(row + box.width, x, box.width, blur);
-  return blurred_along(row, x, box.width, blur) + blur * beside;
-}
 
 // Pixel (x, y) of the box.
 static inline void blur_pixel(int x, int y, MatchBox box, float blur, global const float* restrict light,

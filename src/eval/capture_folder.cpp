@@ -213,12 +213,16 @@ std::vector<float> to_camera_mm(std::vector<float> positions) {
   return positions;
 }
 
-std::vector<float> captured_vertices(CaptureFolder& capture, int64_t row) {
-  if (!capture.vertices || row >= capture.vertices->n_samples()) return {};
-  std::vector<float> positions(3 * static_cast<size_t>(capture.vertices->n_points()));
-  capture.vertices->read(static_cast<int>(row), positions);
+std::vector<float> known_sample(std::optional<Pc2Reader>& vertices, int64_t index) {
+  if (!vertices || index >= vertices->n_samples()) return {};
+  std::vector<float> positions(3 * static_cast<size_t>(vertices->n_points()));
+  vertices->read(static_cast<int>(index), positions);
   const bool known = std::all_of(positions.begin(), positions.end(), [](float value) { return std::isfinite(value); });
   return known ? to_camera_mm(std::move(positions)) : std::vector<float>();
+}
+
+std::vector<float> captured_vertices(CaptureFolder& capture, int64_t row) {
+  return known_sample(capture.vertices, row);
 }
 
 std::vector<float> captured_joints(const CaptureFolder& capture, int64_t row) {

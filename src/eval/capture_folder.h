@@ -69,6 +69,9 @@ void require_rows(const CaptureFolder& capture, const std::vector<int64_t>& rows
 // metres, glTF frame -> mm, camera frame.
 std::vector<float> to_camera_mm(std::vector<float> positions);
 
+// A sample of them likewise; empty when there is none or a vertex is not known.
+std::vector<float> known_sample(std::optional<Pc2Reader>& vertices, int64_t index);
+
 // The vertices of a row, mm, camera frame; empty when there are none.
 std::vector<float> captured_vertices(CaptureFolder& capture, int64_t row);
 

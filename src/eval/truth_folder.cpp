@@ -1,7 +1,6 @@
 #include "eval/truth_folder.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 
 #include "base/is_there.h"
@@ -21,14 +20,6 @@ constexpr const char* kMaskName = "%06lld.png";
 
 fs::path mask_file(const fs::path& folder, int64_t index) {
   return folder / format(kMaskName, static_cast<long long>(index));
-}
-
-std::vector<float> true_vertices(TruthFolder& truth, int64_t index) {
-  if (!truth.vertices || index >= truth.vertices->n_samples()) return {};
-  std::vector<float> positions(3 * static_cast<size_t>(truth.vertices->n_points()));
-  truth.vertices->read(static_cast<int>(index), positions);
-  const bool known = std::all_of(positions.begin(), positions.end(), [](float value) { return std::isfinite(value); });
-  return known ? to_camera_mm(std::move(positions)) : std::vector<float>();
 }
 
 std::vector<float> true_joints(const TruthFolder& truth, int64_t index) {
@@ -77,7 +68,7 @@ ImageGray read_mask(const fs::path& folder, int64_t index, const Camera& camera)
 }
 
 TruthFrame truth_frame(TruthFolder& truth, int64_t index, const Camera& camera) {
-  TruthFrame frame{true_vertices(truth, index), true_joints(truth, index), read_mask(truth.masks, index, camera)};
+  TruthFrame frame{known_sample(truth.vertices, index), true_joints(truth, index), read_mask(truth.masks, index, camera)};
   frame.person = is_person(truth, frame);
   return frame;
 }
@@ -85,7 +76,7 @@ TruthFrame truth_frame(TruthFolder& truth, int64_t index, const Camera& camera) 
 bool has_person(TruthFolder& truth, int64_t index, const Camera& camera) {
   TruthFrame frame;
   if (truth.vertices)
-    frame.vertices_mm = true_vertices(truth, index);
+    frame.vertices_mm = known_sample(truth.vertices, index);
   else if (!truth.joints.empty())
     frame.joints_mm = true_joints(truth, index);
   else

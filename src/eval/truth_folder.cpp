@@ -68,7 +68,8 @@ ImageGray read_mask(const fs::path& folder, int64_t index, const Camera& camera)
 }
 
 TruthFrame truth_frame(TruthFolder& truth, int64_t index, const Camera& camera) {
-  TruthFrame frame{known_sample(truth.vertices, index), true_joints(truth, index), read_mask(truth.masks, index, camera)};
+  TruthFrame frame{known_sample(truth.vertices, index), true_joints(truth, index),
+                   read_mask(truth.masks, index, camera)};
   frame.person = is_person(truth, frame);
   return frame;
 }

@@ -1,4 +1,4 @@
-// The camera's pyramid in one go, on GPUs. After pictures.cl, whose luminance() it takes.
+// The camera's pyramid in one go, on GPUs. After camera_picture.cl, whose luminance() it takes.
 #ifndef LC_MATCH_CAMERA_BLOCK_H
 #define LC_MATCH_CAMERA_BLOCK_H
 

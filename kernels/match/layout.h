@@ -12,7 +12,7 @@ typedef struct {
 
 // Half a window of the local mean and contrast, px: 25 x 25 pixels.
 #define LC_MATCH_RADIUS 12
-// Columns at the left and right of a box that are left grey: a window must not leave its row. Both halve per level.
+// Columns at the left and right of a box in which nobody is: a window must not leave its row. Both halve per level.
 #define LC_MATCH_MARGIN 16
 // Between rows of column sums, for the windows that are looked at in vain.
 #define LC_MATCH_PAD 32
@@ -32,6 +32,11 @@ typedef struct {
 #define LC_MATCH_WEIGHT_PX 5
 #define LC_MATCH_CORRELATION 6
 #define LC_MATCH_SEEN_PX 7
+
+// How bright the picture shows a vertex, in floats: its normal, brightness by colour, weight (0 = not seen).
+#define LC_LIT_SAMPLE 5
+#define LC_LIT_BRIGHTNESS 3
+#define LC_LIT_WEIGHT 4
 
 // How bright a vertex of skin is, in floats: its normal, brightness by albedo, px^2 that it stands for (0 = not seen,
 // negative where the picture shows something of another colour), red and blue by albedo, each by the brightness.

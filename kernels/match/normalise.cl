@@ -38,8 +38,8 @@ static inline void add_row(Sums* sums, window_t light, window_t weight) {
   sums->ss += light * light;
 }
 
-// (light - mean) / sqrt(variance + floor) of neighbouring pixels, 0 where there is nobody. sums: three planes of column
-// sums.
+// (light - mean) / sqrt(variance + floor) of neighbouring pixels, 0 where there is nobody and nowhere else. sums: three
+// planes of column sums.
 static inline window_t normalised(SUMS_SPACE const float* restrict sums, int plane, int radius, window_t light,
                                   window_t weight, float variance_floor) {
   window_t n = 0.0f, s = 0.0f, ss = 0.0f;
@@ -55,7 +55,8 @@ static inline window_t normalised(SUMS_SPACE const float* restrict sums, int pla
   const window_t mean = s / n;
   const window_t unbounded = ss / n - mean * mean;
   const window_t variance = LC_GREATER(unbounded, (window_t)0.0f);
-  return (light - mean) / sqrt(variance + variance_floor) * weight;
+  const window_t contrast = (light - mean) / sqrt(variance + variance_floor), none = 0.0f, tiny = 1e-12f;
+  return (contrast != none ? contrast : tiny) * weight;
 }
 
 // light, weight: the box of a level, from `at` on. Out: normal = box, likewise, 0 in the margins.

@@ -18,13 +18,13 @@ static inline float4 sum_of_columns(float4 value, local float4* sums) {
 }
 
 // A column of the camera's picture moved by (fx, fy) of a pixel, from `camera` on.
-static inline void moved_column(global const float* restrict camera, int width, float fx, float fy, float* column) {
-  float top = camera[0] + fx * (camera[1] - camera[0]);
+static inline void moved_column(global const float* restrict camera, int width, float fx, float fy, Seen* column) {
+  Seen top = between(seen_pixel(camera[0]), seen_pixel(camera[1]), fx);
 #pragma unroll
   for (int r = 0; r < PATCH; ++r) {
     global const float* below = camera + (r + 1) * width;
-    const float bottom = below[0] + fx * (below[1] - below[0]);
-    column[r] = top + fy * (bottom - top);
+    const Seen bottom = between(seen_pixel(below[0]), seen_pixel(below[1]), fx);
+    column[r] = between(top, bottom, fy);
     top = bottom;
   }
 }
@@ -70,35 +70,42 @@ static inline void match_vertex(int i, int n, Level level, PatchOptions options,
   sees = sees && s.w >= LEAST_PIXELS;
   const float soft = options.softness * s.w, hxx = s.x + soft, hyy = s.z + soft;
   const float inv = 1.0f / (hxx * hyy - s.y * s.y);
-  float dx = 0.0f, dy = 0.0f, column[PATCH];
+  float dx = 0.0f, dy = 0.0f;
+  Seen column[PATCH];
   float4 of_both = 0.0f;  // sums of either patch and of its squares
-  float product = 0.0f;
+  float product = 0.0f, counted = 0.0f;
   for (int k = 0; k <= options.iterations; ++k) {
     const float px = (float)(x - HALF) + dx, py = (float)(y - HALF) + dy, fx0 = floor(px), fy0 = floor(py);
     sees = sees && fx0 >= 0.0f && fy0 >= 0.0f && fx0 + (PATCH + 1) < (float)width &&
            fy0 + (PATCH + 1) < (float)level.height;
-    float ex = 0.0f, ey = 0.0f;
+    float ex = 0.0f, ey = 0.0f, n_seen = 0.0f;
     if (sees) {
       moved_column(level.camera + (int)fy0 * width + (int)fx0 + own, width, px - fx0, py - fy0, column);
       if (k < options.iterations) {
 #pragma unroll
         for (int r = 0; r < PATCH; ++r) {
-          ex += gx[r] * (column[r] - actor[r]);
-          ey += gy[r] * (column[r] - actor[r]);
+          const float e = column[r].seen - column[r].counts * actor[r];
+          ex += gx[r] * e;
+          ey += gy[r] * e;
+          n_seen += inside[r] * column[r].counts;
         }
       } else {
 #pragma unroll
         for (int r = 0; r < PATCH; ++r) {
-          const float a = inside[r] * actor[r], b = inside[r] * column[r];
-          of_both = (float4)(of_both.xy + (float2)(a, b), fma(a, a, of_both.z), fma(b, b, of_both.w));
-          product = fma(a, b, product);
+          const float counts = inside[r] * column[r].counts, a = counts * actor[r], b = inside[r] * column[r].seen;
+          of_both = (float4)(of_both.xy + (float2)(a, b), fma(a, actor[r], of_both.z),
+                             fma(b, mean_seen(column[r]), of_both.w));
+          product = fma(b, actor[r], product);
+          n_seen += counts;
         }
       }
     }
-    const float4 e = sum_of_columns((float4)(ex, ey, product, 0.0f), sums);
-    dx -= k < options.iterations ? at_most_2((hyy * e.x - s.y * e.y) * inv) : 0.0f;
-    dy -= k < options.iterations ? at_most_2((hxx * e.y - s.y * e.x) * inv) : 0.0f;
+    const float4 e = sum_of_columns((float4)(ex, ey, product, n_seen), sums);
+    const float step = inv * s.w / fmax(e.w, LEAST_PIXELS);
+    dx -= k < options.iterations ? at_most_2((hyy * e.x - s.y * e.y) * step) : 0.0f;
+    dy -= k < options.iterations ? at_most_2((hxx * e.y - s.y * e.x) * step) : 0.0f;
     product = e.z;
+    counted = e.w;
   }
   of_both = sum_of_columns(of_both, sums);
   if (i >= n || own > 0) return;
@@ -106,7 +113,8 @@ static inline void match_vertex(int i, int n, Level level, PatchOptions options,
   vstore8((float8)0.0f, 0, out);
   out[LC_MATCH_SEEN_PX] = seen_px;
   if (!sees) return;
-  const float correlation = correlation_of(s.w, of_both.x, of_both.y, of_both.z, of_both.w, product);
+  const float correlation =
+      counted < LEAST_PIXELS ? 0.0f : correlation_of(counted, of_both.x, of_both.y, of_both.z, of_both.w, product);
   const Aligned m = {s.x, s.y, s.z, s.w, dx, dy, correlation};
   write_match(m, options, u, v, out);
 }

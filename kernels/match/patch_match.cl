@@ -49,8 +49,7 @@ static inline float seen_px_of(int i, float focal_px, global const float* restri
                                global const float* restrict normals, global const float* restrict areas,
                                global const float* restrict share) {
   const float3 p = vload3(i, positions);
-  const float facing = facing_at(p, vload3(i, normals));
-  return share[i] * areas[i] * fmax(facing, 0.0f) * focal_px * focal_px / (p.z * p.z);
+  return share[i] * seen_area_px(areas[i], fmax(facing_at(p, vload3(i, normals)), 0.0f), focal_px, p.z);
 }
 
 #if LC_CPU
@@ -80,16 +79,43 @@ static inline each_t correlation_of(each_t n, each_t a, each_t b, each_t aa, eac
 
 #if LC_CPU
 #include "match/patch_rows.h"
+#else
+typedef float row_t;  // one pixel
+#endif
+
+// Of the camera's picture between its pixels: how much is of the person, the mean of that times as much. Where nobody
+// is the picture is 0 and tells nothing: were it a grey, the silhouette's edge would draw limbs and shoes inwards.
+typedef struct {
+  row_t seen, counts;
+} Seen;
+
+static inline Seen seen_pixel(row_t seen) {
+  const row_t none = 0.0f, one = 1.0f;
+  const Seen s = {seen, seen != none ? one : none};
+  return s;
+}
+
+static inline Seen between(Seen a, Seen b, row_t share) {
+  const Seen s = {a.seen + share * (b.seen - a.seen), a.counts + share * (b.counts - a.counts)};
+  return s;
+}
+
+// Of what is of the person; 0 where nobody is.
+static inline row_t mean_seen(Seen s) {
+  const row_t least = 1e-6f, counts = LC_GREATER(s.counts, least);
+  return s.seen / counts;
+}
+
+#if LC_CPU
 
 typedef struct {
   each_t xx, xy, yy;  // sums of gradient products
   each_t n;           // pixels that count
 } Structure;
 
-// Rows of the camera's picture moved by fx of a pixel.
-static inline row_t moved_rows(global const float* restrict camera, Places p, int by, row_t fx) {
-  const row_t left = rows_at(camera, p, by);
-  return left + fx * (rows_at(camera, p, by + 1) - left);
+// Rows moved by fx of a pixel.
+static inline Seen moved_rows(global const float* restrict camera, Places p, int by, row_t fx) {
+  return between(seen_pixel(rows_at(camera, p, by)), seen_pixel(rows_at(camera, p, by + 1)), fx);
 }
 
 // Moves (dx, dy), px of this level, of the patches around the pixels (x, y), which it has. Returns their structure;
@@ -141,34 +167,40 @@ static Structure align(const Level* level, each_int_t x, each_int_t y, each_t de
     const each_int_t none = 0;
     const Places c = places_of(sees ? EACH_INT(fy0) * width + EACH_INT(fx0) : none);
     const row_t fx = along_rows(px - fx0), fy = along_rows(py - fy0);
-    row_t top = moved_rows(level->camera, c, 0, fx);
+    Seen top = moved_rows(level->camera, c, 0, fx);
     if (k == options.iterations) {
-      row_t a1 = 0.0f, b1 = 0.0f, aa = 0.0f, bb = 0.0f, ab = 0.0f;
+      row_t n = 0.0f, a1 = 0.0f, b1 = 0.0f, aa = 0.0f, bb = 0.0f, ab = 0.0f;
       for (int r = 0; r < PATCH; ++r) {
-        const row_t bottom = moved_rows(level->camera, c, (r + 1) * width, fx);
-        const row_t a = inside[r] * actor[r], b = inside[r] * (top + fy * (bottom - top));
+        const Seen bottom = moved_rows(level->camera, c, (r + 1) * width, fx), here = between(top, bottom, fy);
+        const row_t counts = inside[r] * here.counts, a = counts * actor[r], b = inside[r] * here.seen;
         top = bottom;
+        n += counts;
         a1 += a;
         b1 += b;
-        aa += a * a;
-        bb += b * b;
-        ab += a * b;
+        aa += a * actor[r];
+        bb += b * mean_seen(here);
+        ab += b * actor[r];
       }
-      *correlation =
-          correlation_of(s.n, sum_of_rows(a1), sum_of_rows(b1), sum_of_rows(aa), sum_of_rows(bb), sum_of_rows(ab));
+      const each_t n_seen = sum_of_rows(n);
+      *correlation = n_seen < LEAST_PIXELS ? zero
+                                           : correlation_of(n_seen, sum_of_rows(a1), sum_of_rows(b1), sum_of_rows(aa),
+                                                            sum_of_rows(bb), sum_of_rows(ab));
       break;
     }
-    row_t ex = 0.0f, ey = 0.0f;
+    row_t ex = 0.0f, ey = 0.0f, n = 0.0f;
     for (int r = 0; r < PATCH; ++r) {
-      const row_t bottom = moved_rows(level->camera, c, (r + 1) * width, fx);
-      const row_t e = top + fy * (bottom - top) - actor[r];
+      const Seen bottom = moved_rows(level->camera, c, (r + 1) * width, fx), here = between(top, bottom, fy);
+      const row_t e = here.seen - here.counts * actor[r];
       top = bottom;
       ex += gx[r] * e;
       ey += gy[r] * e;
+      n += inside[r] * here.counts;
     }
+    const each_t n_seen = sum_of_rows(n), least = LEAST_PIXELS;
+    const each_t step = inv * s.n / LC_GREATER(n_seen, least);
     const each_t bx = sum_of_rows(ex), by = sum_of_rows(ey);
-    *dx -= at_most_2((hyy * bx - s.xy * by) * inv);
-    *dy -= at_most_2((hxx * by - s.xy * bx) * inv);
+    *dx -= at_most_2((hyy * bx - s.xy * by) * step);
+    *dy -= at_most_2((hxx * by - s.xy * bx) * step);
   }
   s.n = sees ? s.n : zero;
   return s;

@@ -17,9 +17,11 @@
 #include "raster/visibility.cl"
 //
 #include "match/blur.cl"
+#include "match/camera_picture.cl"
+#include "match/light.cl"
 #include "match/normalise.cl"
 #include "match/patch_match.cl"
-#include "match/pictures.cl"
+#include "match/textured_actor.cl"
 //
 #include "match/camera_block.h"
 #include "match/skin_shading.cl"
@@ -58,12 +60,12 @@ static int n_tiles(MatchBox box) {
 
 // moved: how far the round before moved a keypoint, px; below 0 where it failed. box: of the picture. dual_quats,
 // displacement, rest, bones, weights: surface/skin.cl; fan_offsets, fan_corners: likewise; fan_triangles, candidates:
-// raster/visibility.cl; share to camera, light to box_depth: match/patch_match.cl and match/pictures.cl (light, weight:
-// the camera's pyramid, then the actor's box; blurred: match/blur.cl); skin_vertices to off_tint:
+// raster/visibility.cl; share to camera, light to box_depth: match/patch_match.cl and match/textured_actor.cl (light,
+// weight: the camera's pyramid, then the actor's box; blurred: match/blur.cl); skin_vertices to off_tint:
 // match/skin_shading.cl. Out: those not const; both [width*height]: raster/depth_and_id.h. state: see all_arrived.h.
 // memory: LC_SEE_LOCAL floats.
 kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
-    SeeOptions see, float4 pinhole, MatchBox box, PatchOptions patch, float4 tints, float2 off_tint,
+    SeeOptions see, float4 pinhole, MatchBox box, PatchOptions patch, Harmonics shine, float4 tints, float2 off_tint,
     global const float* moved, global const float* rest, global const float* displacement, global const int* bones,
     global const float* weights, global const float* dual_quats, global const int* fan_offsets,
     global const int* fan_corners, global const int* fan_triangles, global const int* triangles,
@@ -73,7 +75,7 @@ kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
     global const float* signed_distance, global float* skinned, global float* normals, global float* projected,
     global ulong* both, global int* visible, global int* contour, global float* light, global float* weight,
     global float* box_depth, global float* blurred, global float* actor, global float* camera, global float* matches,
-    global float* samples, volatile global int* state, local float4* memory) {
+    global float* shade, global float* samples, volatile global int* state, local float4* memory) {
   const int id = dealt_place(), n_items = get_global_size(0), back = n_items - 1 - id;
   const int group = get_group_id(0), n_groups = get_num_groups(0), n = see.n_vertices;
   const MatchBox here = level_box(box, patch.level);
@@ -97,8 +99,10 @@ kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
   const int per_triangle = clamp(n_items / max(see.n_triangles, 1), 1, LC_RASTER_SHARE);  // nobody has two then
   for (int i = id; together && i < see.n_triangles * per_triangle; i += n_items)
     draw_both(i, per_triangle, see.width, see.height, see.cull, projected, triangles, both);
-  for (int i = back; together && i < n; i += n_items)
+  for (int i = back; together && i < n; i += n_items) {
     normal_of_vertex(i, n, skinned, fan_offsets, fan_corners, normals);
+    shade[i] = shade_of(i, shine, normals);
+  }
   together = all_arrived(together, state, 2 * n_groups, &given_up);
 
   for (int i = back; together && i < n; i += n_items) {
@@ -109,8 +113,8 @@ kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
   }
   for (int i = id; together && i < here.width * here.height; i += n_items)
     draw_texture(i % here.width, i / here.width, here, patch.level, see.width, see.height, see.texels,
-                 see.texture_width, see.texture_height, drawn_ids, drawn_depth, projected, triangles, uvs, texture,
-                 light + actor_at, weight + actor_at, box_depth);
+                 see.texture_width, see.texture_height, drawn_ids, drawn_depth, projected, triangles, uvs, shade,
+                 texture, light + actor_at, weight + actor_at, box_depth);
   together = all_arrived(together, state, 3 * n_groups, &given_up);
 
   for (int i = id; together && i < here.width * here.height; i += n_items)

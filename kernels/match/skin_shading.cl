@@ -59,7 +59,7 @@ static inline void write_sample(int i, SkinPlace s, float3 sum, float pz, float 
                                 global const float* restrict areas, global float* restrict out) {
   const float3 mean = sum * (1.0f / (float)(SIDE * SIDE)), skin = vload3(i, albedo);
   const float brightness = luminance_of(mean) / luminance_of(skin);
-  const float area_px = areas[i] * s.facing * focal_px * focal_px / (pz * pz);
+  const float area_px = seen_area_px(areas[i], s.facing, focal_px, pz);
   const float each = brightness > 0.0f ? 1.0f / brightness : 0.0f;
   const float red = mean.x / skin.x * each, blue = mean.z / skin.z * each;
   const float2 tint = limbs[i] % 2 ? tints.zw : tints.xy;

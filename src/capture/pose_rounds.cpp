@@ -23,6 +23,7 @@ PoseRounds::PoseRounds(ocl::DeviceContext& device, const Actor& actor, const Cam
       visibility_(visibility),
       matcher_(device, actor, camera, options.match),
       shading_(device, actor, camera, options.shading),
+      actor_light_(options.actor_light),
       sight_(device, camera, skinner_, rasterizer, visibility, matcher_, shading_),
       solver_(device, actor, skin_, camera, options.pose),
       zero_(device, size_t(3) * actor.n_vertices()),
@@ -68,7 +69,22 @@ void PoseRounds::find_picture(const PoseStageInput& input) {
   picture_due_ = false;
 }
 
+void PoseRounds::learn_light(const PoseStageInput& input, int drawn) {
+  if (!options_.lit_actor || !matches(input) || drawn != n_drawn_) return;
+  actor_light_.learn(matcher_.sample_light(input.frame, rasterizer_, skinned_, normals_, visibility_.visible()));
+  if (!actor_light_.known()) return;
+  for (size_t k = 0; k < light_.size(); ++k) light_[k] = float(actor_light_.light()[k]);
+  matcher_.set_light(light_);
+}
+
+void PoseRounds::forget_light() {
+  actor_light_ = HarmonicLight(options_.actor_light);
+  light_ = {1};
+  matcher_.set_light(light_);
+}
+
 void PoseRounds::render(const Pose& pose) {
+  ++n_drawn_;
   skinner_.set_pose(bone_dual_quats(forward_kinematics(actor_.skeleton, pose)));
   skinner_.skin(zero_, skinned_);
   rasterizer_.render(skinned_, camera_);
@@ -133,7 +149,10 @@ PoseRounds::Solution PoseRounds::solve(const PoseStageInput& input, const Detect
   const std::vector<Round> plan = plan_rounds(input, rounds);
   if (looks_ahead(input)) {
     std::optional<Solution> ahead = solve_ahead(input, detections, initial, previous, plan);
-    if (ahead) return std::move(*ahead);
+    if (ahead) {
+      ahead->drawn = ++n_drawn_;
+      return std::move(*ahead);
+    }
     picture_due_ = true;  // it may have been in vain
   }
   const bool has_matches = matches(input);
@@ -155,6 +174,7 @@ PoseRounds::Solution PoseRounds::solve(const PoseStageInput& input, const Detect
     solution.cost = cost_of(solution.pose);
     if (solution.pose.status != SolveStatus::kOk) break;
   }
+  solution.drawn = ++n_drawn_;
   return solution;
 }
 

@@ -13,6 +13,7 @@
 #include "image/silhouette.h"
 #include "livecap/camera.h"
 #include "match/actor_sight.h"
+#include "match/harmonic_light.h"
 #include "match/skin_shading.h"
 #include "match/texture_matcher.h"
 #include "pose/floor.h"
@@ -45,6 +46,7 @@ class PoseRounds {
     // matches less.
     double cost = 0;
     std::vector<SkinSample> skin;  // as the last round found it
+    int drawn = 0;                 // number of its last drawing
     bool exchanged = false;        // from detections with the legs exchanged
     bool is_comparable = true;     // false: feet counted foot_share times in its cost
   };
@@ -72,6 +74,12 @@ class PoseRounds {
   bool looks_ahead(const PoseStageInput& input) const;
 
   SkinShading& skin_shading() { return shading_; }
+
+  // Of a solution that is believed: how the actor is lit in the next frames. Nothing is learned where something else
+  // has been drawn since.
+  void learn_light(const PoseStageInput& input, int drawn);
+  void forget_light();
+  const Light& light() const { return light_; }
 
  private:
   struct Round {
@@ -107,6 +115,9 @@ class PoseRounds {
   SurfaceVisibility& visibility_;
   TextureMatcher matcher_;
   SkinShading shading_;
+  int n_drawn_ = 0;
+  HarmonicLight actor_light_;
+  Light light_{1};  // what colours are multiplied by; 1 everywhere while it is not known
   ActorSight sight_;
   bool picture_due_ = false;  // the matcher does not have the frame's picture yet
   PoseSolver solver_;

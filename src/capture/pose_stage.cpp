@@ -26,12 +26,14 @@ void PoseStage::reset() {
   lose_person();
   last_skin_.clear();
   rounds_.skin_shading().forget();
+  rounds_.forget_light();
   floor_.forget();
   leg_bias_.forget();
 }
 
 void PoseStage::learn(const PoseStageInput& input, const Pose* previous, const Pose& pose) {
   rounds_.skin_shading().learn(last_skin_);
+  rounds_.learn_light(input, last_drawn_);
   leg_bias_.learn(actor_, input.detections.keypoints, pose);
   if (!previous || floor_.is_contradicted()) return;
   std::optional<Pose> feet;
@@ -78,6 +80,7 @@ PoseResult PoseStage::find(const PoseStageInput& input) {
   if (rounds_.matches(input)) leans_rad = options_.starts.leans_rad;
   Solution found = solve_anew(input, leans_rad);
   if (found.pose.status == SolveStatus::kOk) last_skin_ = std::move(found.skin);
+  last_drawn_ = found.drawn;
   return found.pose;
 }
 
@@ -118,6 +121,7 @@ PoseResult PoseStage::solve_corrected(const PoseStageInput& input, const Pose& p
   if (best.exchanged) ++exchanged_frames_;
   finish(input, previous, best);
   last_skin_ = std::move(best.skin);
+  last_drawn_ = best.drawn;
   return best.pose;
 }
 

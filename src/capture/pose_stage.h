@@ -37,12 +37,15 @@ class PoseStage {
 
   // Skins the template and renders it.
   void render(const Pose& pose) { rounds_.render(pose); }
-  // The last pose solved, of this input, is believed: its skin tells of the light, its feet of the floor, its legs of
+  // The last pose solved, of this input, is believed: its colours tell of the light, its feet of the floor, its legs of
   // what the network sees of them. previous: that of the frame before, nullptr after another one.
   void learn(const PoseStageInput& input, const Pose* previous, const Pose& pose);
 
   // Whether the keypoints of a pose that was solved are near enough to the detections.
   bool believable(const PoseResult& result, const Detections& detections) const;
+
+  // What the actor's colours are multiplied by as it is drawn to be matched, learned so far.
+  const Light& light() const { return rounds_.light(); }
 
   // Whether all rounds of a tracked frame are launched at once.
   bool looks_ahead(const PoseStageInput& input) const { return rounds_.looks_ahead(input); }
@@ -87,6 +90,7 @@ class PoseStage {
   LegBias leg_bias_;
   PoseRounds rounds_;
   std::vector<SkinSample> last_skin_;  // of the pose solved last
+  int last_drawn_ = 0;                 // likewise, PoseRounds::Solution
   int exchanged_frames_ = 0;           // since the detections last agreed with the prediction, or were tried as named
   bool doubted_ = false;               // the last frame's pose was not believable
 };

@@ -150,7 +150,9 @@ void SurfaceStage::place(const PosedSkeleton& posed, std::span<const float> dual
   if (cloth_) cloth_->step(posed, seconds, skinned_, start_, before_);
 }
 
-double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* picture, const PixelBox& person) {
+double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* picture, const PixelBox& person,
+                           const Light& light) {
+  if (cloth_matcher_) cloth_matcher_->set_light(light);
   const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);
   const std::vector<float> dual_quats = hanging_.dual_quats(posed);
   skinner_.set_pose(dual_quats);

@@ -127,6 +127,7 @@ TrackResult Tracker::solve_pose(const TrackInput& given) {
   }
   result.status = solved.initialized ? TrackStatus::kInitialized : TrackStatus::kOk;
   result.pose = solved.pose.pose;
+  result.light = pose_stage_.light();
   const bool follows = last_pose_ && missed_frames_ == 0;
   pose_before_last_ = last_pose_;
   last_pose_ = result.pose;
@@ -142,7 +143,8 @@ void Tracker::solve_surface(const TrackInput& given, TrackResult& result) {
   const DeviceFrame* picture = given.silhouette.empty() ? nullptr : &frame_of(given);
   if (options_.enable_surface) {
     if (result.status == TrackStatus::kInitialized) surface_stage_.reset();
-    result.surface_energy = surface_stage_.solve(result.pose, given.time_s, picture, given.silhouette.box);
+    result.surface_energy =
+        surface_stage_.solve(result.pose, given.time_s, picture, given.silhouette.box, result.light);
   } else {
     surface_stage_.skin_template(result.pose);
   }

@@ -31,6 +31,7 @@ struct TrackInput {
 struct TrackResult {
   TrackStatus status = TrackStatus::kNobody;
   Pose pose;                       // valid when tracked
+  Light light{1};                  // that it was solved in, for stage II
   std::vector<float> vertices_mm;  // [3*n_vertices] camera frame; empty unless tracked
   double pose_energy = 0;
   double surface_energy = 0;

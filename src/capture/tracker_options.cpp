@@ -42,8 +42,9 @@ void PoseSharesOptions::validate() const {
   not_negative("shares.min_matched_rigidity", min_matched_rigidity);
   not_negative("shares.max_matched_leg_weight", max_matched_leg_weight);
   share("shares.refined_hanging_share", refined_hanging_share);
-  for (const auto& [field, value] :
-       {std::pair{"shares.foot_share", foot_share}, {"shares.rough_foot_share", rough_foot_share}})
+  for (const auto& [field, value] : {std::pair{"shares.foot_share", foot_share},
+                                     {"shares.covered_foot_share", covered_foot_share},
+                                     {"shares.rough_foot_share", rough_foot_share}})
     require(value >= 1 && value <= LC_EXACT_MOST_SHARE, field, value, format("from 1 to %d", LC_EXACT_MOST_SHARE));
 }
 
@@ -84,6 +85,7 @@ void TrackerOptions::validate() const {
   rounds.validate();
   guessed.validate();
   starts.validate();
+  actor_light.validate();
   not_negative("max_carried_rigidity", max_carried_rigidity);
   share("carried_share", carried_share);
   share("taut_carried_share", taut_carried_share);

@@ -5,6 +5,7 @@
 
 #include "cloth/cloth_simulation.h"
 #include "cloth/hanging_cloth.h"
+#include "match/harmonic_light.h"
 #include "match/skin_shading.h"
 #include "match/texture_matcher.h"
 #include "pose/floor.h"
@@ -33,6 +34,8 @@ struct PoseSharesOptions {
   // legs that are exchanged hold on to the wrong shoes; what is chosen of them is refined once more. Not in the first
   // frame either.
   float foot_share = 40;
+  // Instead, where hanging cloth hides the rest of the legs.
+  float covered_foot_share = 160;
   // The same of an actor whose shape is rough: a shoe that is 5 mm too short is a foot 80 mm too near, at 4 m.
   float rough_foot_share = 8;
 
@@ -122,6 +125,7 @@ struct TrackerOptions {
   OtherStartsOptions starts;
   MatchOptions match;
   SkinShadingOptions shading;
+  HarmonicLightOptions actor_light{.least_frames = 2.9};  // in which the actor is drawn to be matched
   FloorOptions floor;
   LegBiasOptions leg_bias;
   VisibilityOptions visibility;
@@ -136,6 +140,7 @@ struct TrackerOptions {
   bool enable_surface = true;      // false: the result is the skinned template of stage I
   bool ignore_confidence = false;  // true: every keypoint the network knows counts fully
   bool simulate_cloth = true;      // V^S of hanging cloth in stage II is where it swings to, not where skinning puts it
+  bool lit_actor = true;           // what is matched is drawn in the light that falls on it
   bool part_mask = true;           // b_i = 0 on another body part's region
   bool snapping = true;
   bool warp_displacements = true;  // carry the non-rigid displacement to the next frame

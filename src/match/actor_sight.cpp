@@ -29,7 +29,7 @@ ActorSight::ActorSight(ocl::DeviceContext& device, const Camera& camera, Skinner
 }
 
 void ActorSight::look(const Look& look) {
-  const TextureMatcher& m = matcher_;
+  TextureMatcher& m = matcher_;
   const SkinShading& s = shading_;
   TextureMatcher::require_level(look.level);
   const TextureMatcher::Texture& texture = m.textures_[look.level];
@@ -53,19 +53,21 @@ void ActorSight::look(const Look& look) {
                        .variance_floor = m.options_.variance_floor,
                        .min_facing = s.options_.min_facing,
                        .skin_range_mm = s.options_.depth_range_mm};
+  m.drawn_level_ = look.level;
+  m.drawn_at_ = m.level_offset(LC_MATCH_LEVELS + 1);
   const SkinShading::Tints tints = s.tints();
   const ocl::Buffer<int32_t>& no_ints = skinner_.bones_;
   const ocl::Buffer<float>& no_floats = skinner_.rest_;
   kernel_.launch(
-      n_groups_ * LC_SEE_GROUP, LC_SEE_GROUP, see, pinhole_, m.box_, m.patch_options(look.level), tints.red_blue,
-      tints.off, look.moved, skinner_.rest_, look.displacement, skinner_.bones_, skinner_.weights_, look.motions,
-      skinner_.fan_offsets_, skinner_.fan_triangles_, visibility_.fan_triangles_, rasterizer_.triangles_,
+      n_groups_ * LC_SEE_GROUP, LC_SEE_GROUP, see, pinhole_, m.box_, m.patch_options(look.level), m.lit_by_,
+      tints.red_blue, tints.off, look.moved, skinner_.rest_, look.displacement, skinner_.bones_, skinner_.weights_,
+      look.motions, skinner_.fan_offsets_, skinner_.fan_triangles_, visibility_.fan_triangles_, rasterizer_.triangles_,
       look.candidates ? *look.candidates : visibility_.all_candidates_, m.uvs_, m.texture_, m.areas_, look.share,
       shades ? s.vertices_ : no_ints, shades ? s.limbs_ : no_ints, shades ? s.albedo_ : no_floats,
       shades ? s.areas_ : no_floats, shades ? s.is_skin_ : look.frame.rgb, look.frame.rgb, look.frame.signed_distance,
       look.skinned, look.normals, rasterizer_.projected_, drawn_, visibility_.visible_, visibility_.contour_, m.light_,
-      m.weight_, m.depth_, m.blurred_, m.actor_, m.camera_, m.matches_, shades ? s.samples_ : look.normals, look.state,
-      ocl::LocalMemory{sizeof(float) * LC_SEE_LOCAL});
+      m.weight_, m.depth_, m.blurred_, m.actor_, m.camera_, m.matches_, m.shade_, shades ? s.samples_ : look.normals,
+      look.state, ocl::LocalMemory{sizeof(float) * LC_SEE_LOCAL});
 }
 
 }  // namespace livecap

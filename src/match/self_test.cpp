@@ -92,6 +92,29 @@ ocl::SelfTestResult match_result(const std::string& name, const Actor& actor, co
       ok ? "" : format("%d of %d vertices found, worst %g px off, at most %g expected", found, expected, worst, bound)};
 }
 
+// The picture is half as bright as the texture, whatever light the square is drawn in; its waves move what single
+// vertices tell.
+ocl::SelfTestResult light_result(const std::string& name, const DeviceFrame& frame, const DepthRasterizer& raster,
+                                 const ocl::Buffer<float>& positions, const ocl::Buffer<float>& normals,
+                                 const ocl::Buffer<int32_t>& visible, const ocl::Buffer<float>& share,
+                                 TextureMatcher& matcher) {
+  constexpr size_t kLeastSamples = (kCells - 1) * (kCells - 1);
+  constexpr double kHalf = 0.5, kTolerance = 0.1;
+  matcher.set_light({0.5f, 0, 0, -0.2f});  // 0.7 towards the camera
+  matcher.match(raster, positions, normals, visible, share, 0);
+  const std::vector<LightSample> samples = matcher.sample_light(frame, raster, positions, normals, visible);
+  matcher.set_light({1});
+  double sum = 0, weights = 0;
+  for (const LightSample& s : samples) {
+    sum += double(s.weight) * s.brightness;
+    weights += s.weight;
+  }
+  const double brightness = weights > 0 ? sum / weights : 0;
+  const bool ok = samples.size() >= kLeastSamples && std::abs(brightness - kHalf) < kTolerance;
+  return {name, ok,
+          ok ? "" : format("%zu vertices seen, brightness %g, expected %g", samples.size(), brightness, kHalf)};
+}
+
 // The vertex in the middle is not seen and began 10 mm to the right of its place, the others 6 mm to the left of
 // theirs: it goes as far as they went. Where they do not hang it has no match.
 ocl::SelfTestResult behind_result(ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
@@ -190,7 +213,7 @@ std::vector<ocl::SelfTestResult> match_self_test(ocl::DeviceContext& device) {
       const double bottom = texel(x0, y0 + 1) + (tx - x0) * (texel(x0 + 1, y0 + 1) - texel(x0, y0 + 1));
       const double light = inside ? (top + (ty - y0) * (bottom - top)) / 2 : 0;
       picture.pixels.insert(picture.pixels.end(), 3, uint8_t(std::lround(std::clamp(light, 0.0, 255.0))));
-      silhouette.signed_distance.push_back(inside ? -1.0f : 1.0f);
+      silhouette.signed_distance.push_back(inside ? -2.0f : 2.0f);
     }
   }
   silhouette.box = {32 + kMovedX, 32 + kMovedY, 160 + kMovedX, 160 + kMovedY};
@@ -215,6 +238,8 @@ std::vector<ocl::SelfTestResult> match_self_test(ocl::DeviceContext& device) {
       matcher.match(raster, positions, normals, visible, share, level);
       results.push_back(match_result(format("%s: level %d", program, level), actor, camera, matcher.read(), level));
     }
+    results.push_back(
+        light_result(format("%s: light", program), frame, raster, positions, normals, visible, share, matcher));
     if (program == kClothMatchProgram)
       results.push_back(behind_result(device, actor, camera, raster, normals, matcher, share));
   }

@@ -153,9 +153,10 @@ SeenSkin SkinShading::seen() const {
   SeenSkin seen{&samples_, &vertices_, &limbs_, options_.limb_area_px, {}};
   for (size_t i = 0; i < lights_.size(); ++i) {
     SeenSkin::Light& light = seen.lights[i];
-    light.is_known = lights_[i].known();
-    light.deviation = lights_[i].deviation();
-    for (size_t k = 0; k < light.light.size(); ++k) light.light[k] = float(lights_[i].light()[k] / light.deviation);
+    light.is_known = lights_[i].harmonics().known();
+    light.deviation = lights_[i].harmonics().deviation();
+    for (size_t k = 0; k < light.light.size(); ++k)
+      light.light[k] = float(lights_[i].harmonics().light()[k] / light.deviation);
   }
   return seen;
 }
@@ -165,8 +166,8 @@ double SkinShading::misfit(std::span<const SkinSample> samples, int bone, const 
   double sum = 0, seen = 0;
   for (const SkinSample& s : samples) {
     const SkinVertex& skin = skin_[s.index];
-    if (skin.bone != bone || !(s.area_px > 0) || !lights_[skin.light].known()) continue;
-    const double r = std::abs(lights_[skin.light].residual(turn * s.normal.cast<double>(), s.brightness));
+    if (skin.bone != bone || !(s.area_px > 0) || !lights_[skin.light].harmonics().known()) continue;
+    const double r = std::abs(lights_[skin.light].harmonics().residual(turn * s.normal.cast<double>(), s.brightness));
     sum += s.area_px * (r > huber ? huber * (2 * r - huber) : r * r);
     seen += s.area_px;
   }

@@ -16,7 +16,7 @@ constexpr int kWidthStep = 16 << LC_MATCH_LEVELS;  // of a box: sixteen pixels d
 constexpr int kBeyond = 32;                        // px around the person in the picture
 constexpr int kMinTexture = 8;                     // px
 constexpr int kMaxTexture = 1024;                  // px; finer than a picture shows, and small enough for a cache
-constexpr size_t kPatchGroup = 64;
+constexpr size_t kPatchGroup = 64, kVertexGroup = 64;
 static_assert((kWidthStep >> LC_MATCH_LEVELS) % LC_MATCH_TILE == 0 && kPatchGroup % LC_MATCH_PATCH == 0);
 
 size_t pyramid_size(int width, int height) {
@@ -113,6 +113,7 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
   texture_ = {device, texels};
   uvs_ = {device, uvs};
   areas_ = {device, vertex_areas(actor.mesh)};
+  shade_ = {device, size_t(n_vertices_)};
   const size_t beside = is_cpu_ ? 0 : box;  // ActorSight keeps the actor behind the camera's pyramid
   light_ = {device, pyramid_size(w, h) + beside};
   weight_ = {device, pyramid_size(w, h) + beside};
@@ -121,12 +122,16 @@ TextureMatcher::TextureMatcher(ocl::DeviceContext& device, const Actor& actor, c
   actor_ = {device, box};
   depth_ = {device, box};
   camera_ = {device, pyramid_size(w, h)};
+  light_host_.resize(size_t(LC_LIT_SAMPLE) * n_vertices_);
+  samples_ = {device, light_host_.size()};
+  light_vertices_ = {device, program, "light_vertices"};
   textured_actor_ = {device, program, "textured_actor"};
   camera_picture_ = {device, program, "camera_picture"};
   blur_actor_ = {device, program, "blur_actor"};
   normalise_ = {device, program, "normalise"};
   halve_picture_ = {device, program, "halve_picture"};
   match_patches_ = {device, program, "match_patches"};
+  sample_light_ = {device, program, "sample_light"};
 }
 
 void TextureMatcher::require_level(int level) {
@@ -163,6 +168,7 @@ void TextureMatcher::set_box(const DeviceFrame& frame, const PixelBox& person) {
   if (frame.width != width_ || frame.height != height_)
     throw LogicError(format("match: frame is %d x %d, the camera %d x %d", frame.width, frame.height, width_, height_));
   box_ = {0, 0, 0, 0};
+  drawn_level_ = -1;
   if (person.empty()) return;
   if (person.x0 < 0 || person.y0 < 0 || person.x1 > width_ || person.y1 > height_)
     throw LogicError(
@@ -198,9 +204,19 @@ void TextureMatcher::match(const DepthRasterizer& raster, const ocl::Buffer<floa
   const MatchBox box = level_box(level);
   const Texture& texture = textures_[level];
   const ocl::Range pixels{size_t(box.width), size_t(box.height), 16, 1}, rows{size_t(box.height), 1, 1, 1};
-  textured_actor_.launch(is_cpu_ ? rows : pixels, box, level, width_, height_, texture.texels, texture.width,
-                         texture.height, raster.triangle_ids(), raster.depth(), raster.projected(), raster.triangles(),
-                         uvs_, texture_, light_, weight_, depth_);
+  light_vertices_.launch(n_vertices_, kVertexGroup, n_vertices_, lit_by_, normals, shade_);
+  const auto draw = [&](const auto&... at) {
+    textured_actor_.launch(is_cpu_ ? rows : pixels, box, level, width_, height_, texture.texels, texture.width,
+                           texture.height, raster.triangle_ids(), raster.depth(), raster.projected(),
+                           raster.triangles(), uvs_, shade_, texture_, at..., weight_, depth_);
+  };
+  if (is_cpu_) {
+    draw(blurred_, light_);
+  } else {
+    draw(light_);
+  }
+  drawn_level_ = level;
+  drawn_at_ = 0;
   blur_actor_.launch(
       ocl::Range{size_t(is_cpu_ ? box.width / 16 : box.width), size_t(box.height), is_cpu_ ? 1u : 16u, 1}, box,
       options_.blur, light_, weight_, blurred_);
@@ -223,6 +239,23 @@ PatchOptions TextureMatcher::patch_options(int level) const {
           options_.max_move_px,
           options_.min_correlation,
           options_.depth_range_mm};
+}
+
+std::vector<LightSample> TextureMatcher::sample_light(const DeviceFrame& frame, const DepthRasterizer& raster,
+                                                      const ocl::Buffer<float>& positions,
+                                                      const ocl::Buffer<float>& normals,
+                                                      const ocl::Buffer<int32_t>& visible) {
+  std::vector<LightSample> samples;
+  if (!usable() || box_.width == 0 || drawn_level_ != 0) return samples;
+  sample_light_.launch(n_vertices_, kVertexGroup, n_vertices_, box_, drawn_at_, width_, height_, focal_px_, positions,
+                       normals, visible, raster.projected(), areas_, shade_, light_, weight_, depth_,
+                       frame.signed_distance, frame.rgb, samples_);
+  samples_.read(light_host_);
+  for (int i = 0; i < n_vertices_; ++i) {
+    const float* s = &light_host_[size_t(LC_LIT_SAMPLE) * i];
+    if (s[LC_LIT_WEIGHT] > 0) samples.push_back({{s[0], s[1], s[2]}, s[LC_LIT_BRIGHTNESS], s[LC_LIT_WEIGHT]});
+  }
+  return samples;
 }
 
 Matches TextureMatcher::read() {

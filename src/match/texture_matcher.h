@@ -1,6 +1,7 @@
 // Dense correspondences between the template and the picture: the actor is drawn with its texture where it is thought
 // to be, and small patches around its visible vertices are moved onto the camera's picture. Both pictures are
-// normalised locally, so that light and shadow do not count. The paper's E_photo compares single vertex colours within
+// normalised locally, so that light and shadow do not count; what shading remains is drawn as well where the light is
+// known. The paper's E_photo compares single vertex colours within
 // a few px of the right place; this finds places from further away and tells in which direction it is certain of them.
 //
 //   TextureMatcher matcher(device, actor, camera, options);
@@ -14,9 +15,11 @@
 #include <vector>
 
 #include "actor/actor.h"
+#include "geometry/shaded_vertex.h"
 #include "geometry/vertex_match.h"
 #include "image/device_frame.h"
 #include "image/person_gate.h"
+#include "match/harmonic_light.h"
 #include "match/layout.h"
 #include "ocl/buffer.h"
 #include "ocl/kernel.h"
@@ -29,7 +32,7 @@ inline constexpr char kClothMatchProgram[] = "match/match_cloth.cl";
 
 struct MatchOptions {
   int iterations = 4;
-  float blur = 0.15f;            // of the drawn actor: what a neighbour of a pixel counts (kernels/match/blur.cl)
+  float blur = 0.3f;             // of the drawn actor: what a neighbour of a pixel counts (kernels/match/blur.cl)
   float variance_floor = 5e-4f;  // of luminance in [0,1]: contrast below is noise
   float softness = 0.002f;       // contrast^2 per px^2 of normalised pictures whose direction counts half
   float max_move_px = 4;         // of the level; further away a match is accidental
@@ -61,11 +64,20 @@ class TextureMatcher {
   // The same without looking at the picture, for ActorSight.
   void set_box(const DeviceFrame& frame, const PixelBox& person);
 
+  // What the actor's colours are multiplied by at a normal, from the next match on; 1 everywhere before the first call.
+  void set_light(const Light& light) { lit_by_ = light; }
+
   // raster: rendered the positions. positions, normals [3*n_vertices] mm and unit, camera frame; visible [n_vertices];
   // share [n_vertices]: factor of each vertex's weight, 0 = not wanted. level: pictures of 2^-level of the resolution,
   // 0..LC_MATCH_LEVELS (LogicError); coarse ones find what is further away and take less time. Enqueued.
   void match(const DepthRasterizer& raster, const ocl::Buffer<float>& positions, const ocl::Buffer<float>& normals,
              const ocl::Buffer<int32_t>& visible, const ocl::Buffer<float>& share, int level);
+
+  // How bright the picture shows the vertices that the last match drew, if that was at level 0; otherwise nothing. With
+  // the same arguments. Blocking.
+  std::vector<LightSample> sample_light(const DeviceFrame& frame, const DepthRasterizer& raster,
+                                        const ocl::Buffer<float>& positions, const ocl::Buffer<float>& normals,
+                                        const ocl::Buffer<int32_t>& visible);
 
   // What the last match found. Blocking.
   Matches read();
@@ -96,11 +108,14 @@ class TextureMatcher {
   };
   std::array<Texture, LC_MATCH_LEVELS + 1> textures_{};  // by level
   MatchBox box_{0, 0, 0, 0};
-  std::vector<float> host_;
+  Light lit_by_{1};
+  int drawn_level_ = -1, drawn_at_ = 0;  // of the last match, and where it lies in light_ and weight_
+  std::vector<float> host_, light_host_;
 
   ocl::Buffer<uint16_t> texture_;  // luminance, see texel_pairs
   ocl::Buffer<float> uvs_;         // [6*n_triangles]
   ocl::Buffer<float> areas_;       // [n_vertices] mm^2
+  ocl::Buffer<float> shade_;       // [n_vertices] see match/light.cl
   ocl::Buffer<float> light_;       // of the camera's pyramid, then of the actor
   ocl::Buffer<float> weight_;      // likewise
   ocl::Buffer<float> sums_;        // 3 boxes, on CPUs
@@ -109,12 +124,15 @@ class TextureMatcher {
   ocl::Buffer<float> depth_;       // likewise
   ocl::Buffer<float> camera_;      // pyramid, full resolution first
   ocl::Buffer<float> matches_;     // [LC_MATCH*n_vertices], see match/layout.h
+  ocl::Buffer<float> samples_;     // [LC_LIT_SAMPLE*n_vertices], likewise
+  ocl::Kernel light_vertices_;
   ocl::Kernel textured_actor_;
   ocl::Kernel camera_picture_;
   ocl::Kernel blur_actor_;
   ocl::Kernel normalise_;
   ocl::Kernel halve_picture_;
   ocl::Kernel match_patches_;
+  ocl::Kernel sample_light_;
 };
 
 // Known-answer tests of kernels/match.

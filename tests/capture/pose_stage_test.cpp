@@ -8,20 +8,21 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <numeric>
 #include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "capture/pose_stage_scene.h"
 #include "cloth/hanging_cloth.h"
-#include "support/builtin_actor.h"
-#include "support/gpu_bodies.h"
-#include "support/pose_scene.h"
 #include "support/test_device.h"
 #include "support/tolerances.h"
 
 namespace livecap {
 namespace {
+
+using test::Seen, test::turned, test::under;
 
 // A skirt over a raised thigh hangs from the pelvis in stage I as in stage II.
 TEST(PoseStage, HangingClothIsNotFastenedToTheLegs) {
@@ -50,97 +51,6 @@ TEST(PoseStage, HangingClothIsNotFastenedToTheLegs) {
     EXPECT_EQ(drawn, drawn_with(hanging_weights(actor, options.hanging)));
     EXPECT_NE(drawn, drawn_with(actor.skin));
   });
-}
-
-// The built-in skirt in front of grey, in the colours of its vertices: what the camera and a perfect network see.
-struct Seen {
-  const Actor& actor = test::builtin_actor("skirt");
-  Camera camera = test::portrait_camera();
-  DepthRasterizer rasterizer;
-  SurfaceVisibility visibility;
-  DeviceFrame frame;
-
-  explicit Seen(ocl::DeviceContext& device)
-      : rasterizer(device, actor.mesh, camera.width, camera.height),
-        visibility(device, actor.mesh, {}),
-        frame(device, camera.width, camera.height) {}
-
-  // Through a stage whose picture it becomes.
-  Silhouette take_picture(PoseStage& stage, const Pose& pose) {
-    stage.render(pose);
-    const std::vector<int32_t> ids = rasterizer.triangle_ids().read_all();
-    ImageRgb picture{camera.width, camera.height, std::vector<uint8_t>(3 * ids.size(), 128)};
-    for (size_t at = 0; at < ids.size(); ++at)
-      for (int k = 0; ids[at] >= 0 && k < 3; ++k) {
-        const auto color = [&](int corner) { return actor.colors[3 * actor.mesh.triangles[3 * ids[at] + corner] + k]; };
-        picture.pixels[3 * at + k] = uint8_t(255 * (color(0) + color(1) + color(2)) / 3);
-      }
-    Silhouette silhouette = make_silhouette(rasterizer.read_mask());
-    frame.upload(silhouette, picture);
-    return silhouette;
-  }
-
-  // A frame in which the person stands as in `truth`, tracked from `before`.
-  PoseResult track(PoseStage& stage, const Pose& before, const Pose& truth) {
-    const Silhouette silhouette = take_picture(stage, truth);
-    const Detections detections = test::exact_detections(actor, camera, truth);
-    const PoseStageInput input{detections, silhouette, frame};
-    stage.set_picture(input);
-    const PoseResult result = stage.solve_tracked(input, before, before);
-    EXPECT_EQ(result.status, SolveStatus::kOk);
-    return result;
-  }
-};
-
-Pose turned(const Actor& actor, int frame) {
-  Pose pose = test::standing_pose(actor, 0.3 + 0.03 * frame);
-  for (int k = 0; k < actor.skeleton.n_dofs(); ++k)
-    if (actor.skeleton.dofs[k].name == "left_hip_x") pose.angles_rad[k] = -0.1 * frame;
-  return pose;
-}
-
-// The floor that somebody stands on, a little below the soles. (At some heights a match lies so near the least
-// correlation that the last bits of a pose decide whether it counts.)
-FloorPlane under(const Actor& actor, const Pose& pose) {
-  const PosedSkeleton posed = forward_kinematics(actor.skeleton, pose);
-  double lowest = -INFINITY;
-  for (const SolePoint& sole : sole_points(actor))
-    lowest = std::max(lowest, (posed.camera_from_rest[sole.bone] * sole.rest_mm).y());
-  return {{0, -1, 0}, lowest + 5};
-}
-
-// Whether the camera's file tells where it is. Between a floor and shoes a match that is turned over takes legs that
-// E_3D hardly holds ten times as far, and what is learned of them carries it on to the next frame: with the legs held
-// E_3D counts on them as elsewhere, and nothing is learned.
-enum Ground { kUnknown, kKnownLegsHeld, kKnown };
-
-// Poses and energies of some frames, each tracked from the truth of the one before. n_ahead: of the first frames whose
-// rounds are launched at once. silhouette: factor of its weight.
-std::vector<PoseResult> track(ocl::DeviceContext& device, int n_frames, int n_ahead = 0, Ground floor = kUnknown,
-                              double silhouette = 1) {
-  Seen seen(device);
-  if (floor != kUnknown) seen.camera.floor = under(seen.actor, turned(seen.actor, 0));
-  TrackerOptions options;
-  options.shading.light.least_frames = 0.5;
-  options.pose.weights.silhouette *= silhouette;
-  if (floor == kKnownLegsHeld) {
-    options.rounds.on_feet_legs_3d = 1;
-    options.leg_bias.prior = 1e9;
-  }
-  PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
-  std::vector<PoseResult> results;
-  for (int frame = 1; frame <= n_frames; ++frame) {
-    const Pose before = turned(seen.actor, frame - 1), truth = turned(seen.actor, frame);
-    const Silhouette silhouette = seen.take_picture(stage, truth);
-    const Detections detections = test::exact_detections(seen.actor, seen.camera, truth, 0.97);
-    const PoseStageInput input{detections, silhouette, seen.frame};
-    stage.set_picture(input);
-    EXPECT_EQ(stage.looks_ahead(input), frame <= n_ahead);
-    results.push_back(stage.solve_tracked(input, before, before));
-    EXPECT_EQ(results.back().status, SolveStatus::kOk);
-    stage.learn(input, &before, results.back().pose);
-  }
-  return results;
 }
 
 // How far too near to the camera the neck of somebody who is seen for the first time is found, from the pelvis, mm,
@@ -178,174 +88,6 @@ TEST(PoseStage, ANetworkThatSeesALeanLeansNobody) {
   });
 }
 
-// Of a GPU that launches a round's kernels one by one.
-ocl::DeviceInfo without_sight(ocl::DeviceInfo info) {
-  info.has_long_atomics = false;
-  return info;
-}
-
-// The rounds of a frame come to the same bits whether the device chooses or the host of what it reads.
-TEST(PoseStage, WhatTheDeviceChoosesIsWhatIsRead) {
-  test::on_every_gpu_body([](ocl::DeviceContext& device) {
-    ocl::DeviceInfo info = without_sight(device.info());
-    ocl::DeviceContext chooses(info);
-    info.max_work_group_size = LC_POSE_CHOICE_GROUP / 2;
-    ocl::DeviceContext reads(info);
-    const Actor& actor = test::builtin_actor("skirt");
-    ASSERT_TRUE(PoseSolver(chooses, actor, test::portrait_camera(), {}).chooses());
-    ASSERT_FALSE(PoseSolver(reads, actor, test::portrait_camera(), {}).chooses());
-    const std::vector<PoseResult> got = track(chooses, 2), expected = track(reads, 2);
-    EXPECT_GT(expected[0].energy.match, 0);
-    EXPECT_GT(expected[0].energy.silhouette, 0);
-    EXPECT_GT(expected[1].energy.shading, 0) << "the light is known by then";
-    for (int frame = 0; frame < 2; ++frame) {
-      EXPECT_EQ(got[frame].pose.angles_rad, expected[frame].pose.angles_rad);
-      EXPECT_EQ(got[frame].pose.root_translation_mm, expected[frame].pose.root_translation_mm);
-      EXPECT_EQ(got[frame].step_energy, expected[frame].step_energy);
-      EXPECT_EQ(got[frame].energy.silhouette, expected[frame].energy.silhouette);
-      EXPECT_NEAR(got[frame].missed_weight, expected[frame].missed_weight, 1e-4 * expected[frame].missed_weight);
-    }
-  });
-}
-
-bool is_near(double a, double b, double share) {
-  return std::abs(a - b) <= share * std::abs(b);
-}
-
-// Empty where they are, else what is not.
-std::string rounds_that_differ(const PoseResult& ahead, const PoseResult& waits) {
-  std::ostringstream differs;
-  const double angles_rad = (ahead.pose.angles_rad - waits.pose.angles_rad).lpNorm<Eigen::Infinity>();
-  const double root_mm = (ahead.pose.root_translation_mm - waits.pose.root_translation_mm).norm();
-  if (!(angles_rad < test::kRoundsRad)) differs << " angles by " << angles_rad << " rad";
-  if (!(root_mm < test::kRoundsMm)) differs << " root by " << root_mm << " mm";
-  if (ahead.step_energy.size() != waits.step_energy.size()) differs << " steps";
-  if (!is_near(ahead.energy.silhouette, waits.energy.silhouette, 1e-3)) differs << " E_silhouette";
-  if (!is_near(ahead.missed_weight, waits.missed_weight, 1e-4)) differs << " missed weight";
-  if (!is_near(ahead.energy.keypoint_3d, waits.energy.keypoint_3d, 1e-3)) differs << " E_3D";
-  if (!is_near(ahead.energy.total(), waits.energy.total(), 1e-3)) differs << " energy";
-  if (!(std::abs(ahead.moved_px - waits.moved_px) <= 1e-3)) differs << " way";
-  if (!is_near(ahead.energy.floor, waits.energy.floor, 1e-3)) differs << " E_floor";
-  return differs.str();
-}
-
-// In every second frame a match stands on the edge of counting: the last bits of a pose turn it over, which moves that
-// by 1e-3 rad. Which frames these are depends on the silhouette's weight and on the device, so each must agree with one
-// of some weights, and none may be further off than a match that is turned over brings it.
-void expect_rounds_ahead_are_the_hosts(Ground floor, double most_turned_rad, int n_weights) {
-  test::on_every_gpu_body([&](ocl::DeviceContext& device) {
-    ocl::DeviceContext one_by_one(without_sight(device.info()));
-    std::string differ;
-    std::array<bool, 3> agrees{};
-    const auto all_agree = [&] { return std::ranges::all_of(agrees, std::identity{}); };
-    for (int draw = 1; draw <= n_weights && !all_agree(); ++draw) {
-      const double silhouette = 1 + 0.001 * draw;
-      const std::vector<PoseResult> got = track(device, 3, 3, floor, silhouette),
-                                    expected = track(one_by_one, 3, 0, floor, silhouette);
-      EXPECT_GT(expected[2].energy.shading, 0) << "the light is known by then";
-      for (int frame = 0; frame < 3; ++frame) {
-        EXPECT_EQ(expected[frame].energy.floor > 0, floor != kUnknown);
-        const std::string what = rounds_that_differ(got[frame], expected[frame]);
-        agrees[frame] = agrees[frame] || what.empty();
-        EXPECT_LT((got[frame].pose.angles_rad - expected[frame].pose.angles_rad).lpNorm<Eigen::Infinity>(),
-                  most_turned_rad)
-            << what;
-        differ += " | " + what;
-      }
-      differ += '\n';
-    }
-    EXPECT_TRUE(all_agree()) << differ;
-  });
-}
-
-// All rounds launched at once, with what the device decides in between, against the host that waits for each.
-TEST(PoseStage, RoundsAheadAreTheHosts) {
-  expect_rounds_ahead_are_the_hosts(kUnknown, test::kTurnedMatchRad, 5);
-}
-
-TEST(PoseStage, RoundsAheadOnAKnownFloorAreTheHosts) {
-  expect_rounds_ahead_are_the_hosts(kKnownLegsHeld, test::kTurnedMatchRad, 5);
-}
-
-// As it is shipped. More weights are tried, since fewer frames agree: of 41 the first frame with 25, the third with 11.
-TEST(PoseStage, RoundsAheadOnAKnownFloorWithFreeLegsAreTheHosts) {
-  expect_rounds_ahead_are_the_hosts(kKnown, test::kTurnedLegsRad, 12);
-}
-
-// PoCL has no fence between work-groups: the frame whose look is given up is solved as if nobody had looked, and those
-// after it are not looked at ahead.
-TEST(PoseStage, ALookThatIsGivenUpChangesNothing) {
-  test::on_every_device([](ocl::DeviceContext& device) {
-    if (!device.is_cpu()) return;
-    ocl::DeviceInfo info = device.info();
-    info.is_cpu = false;
-    info.compute_units = 3;
-    ocl::DeviceContext gives_up(info), never_looks(without_sight(info));
-    const std::vector<PoseResult> got = track(gives_up, 2, 1), expected = track(never_looks, 2);
-    for (int frame = 0; frame < 2; ++frame) {
-      EXPECT_GT(expected[frame].energy.match, 0);
-      EXPECT_EQ(got[frame].pose.angles_rad, expected[frame].pose.angles_rad);
-      EXPECT_EQ(got[frame].pose.root_translation_mm, expected[frame].pose.root_translation_mm);
-      EXPECT_EQ(got[frame].step_energy, expected[frame].step_energy);
-      EXPECT_EQ(got[frame].energy.total(), expected[frame].energy.total());
-    }
-  });
-}
-
-// Of vertices that are not matched because they hang.
-int n_hanging_contour(ocl::DeviceContext& device, int refining_rounds) {
-  Seen seen(device);
-  TrackerOptions options;
-  options.rounds.refining_rounds = refining_rounds;
-  PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
-  seen.track(stage, turned(seen.actor, 0), turned(seen.actor, 1));
-  const std::vector<float> legs = leg_weights(seen.actor);
-  const std::vector<int32_t> contour = seen.visibility.read_contour();
-  return std::count_if(contour.begin(), contour.end(), [&](int32_t i) {
-    return seen.actor.rigidity[i] < options.shares.min_matched_rigidity &&
-           legs[i] >= options.shares.max_matched_leg_weight;
-  });
-}
-
-TEST(PoseStage, HangingClothIsNoContourInTheLastRounds) {
-  test::on_every_device([](ocl::DeviceContext& device) {
-    EXPECT_EQ(n_hanging_contour(device, TrackerOptions{}.rounds.refining_rounds), 0);
-    EXPECT_GT(n_hanging_contour(device, 0), 0);
-  });
-}
-
-// E_match of one round on a skirt that hangs beside where skinning has it.
-double match_energy(ocl::DeviceContext& device, int refining_rounds, float hanging_share, float foot_share = 1,
-                    bool rough = false) {
-  Seen seen(device);
-  Actor actor = seen.actor;
-  actor.rough_shape = rough;
-  TrackerOptions options;
-  options.shares.foot_share = foot_share;
-  options.rounds.match_levels = {0};
-  options.rounds.refining_rounds = refining_rounds;
-  options.shares.refined_hanging_share = hanging_share;
-  PoseStage stage(device, actor, seen.camera, options, seen.rasterizer, seen.visibility);
-  return seen.track(stage, turned(seen.actor, 0), turned(seen.actor, 2)).energy.match;
-}
-
-TEST(PoseStage, HangingClothIsMatchedWithLessWeightInTheLastRounds) {
-  test::on_every_device([](ocl::DeviceContext& device) {
-    EXPECT_EQ(match_energy(device, 0, 0.3f), match_energy(device, 0, 1)) << "other rounds";
-    EXPECT_LT(match_energy(device, 1, 0.3f), match_energy(device, 1, 1));
-  });
-}
-
-TEST(PoseStage, FeetAreMatchedWithMoreWeightInTheLastRounds) {
-  test::on_every_device([](ocl::DeviceContext& device) {
-    EXPECT_EQ(match_energy(device, 0, 0.3f, 40), match_energy(device, 0, 0.3f, 1)) << "other rounds";
-    EXPECT_GT(match_energy(device, 1, 0.3f, 40), match_energy(device, 1, 0.3f, 1));
-    const float rough = PoseSharesOptions().rough_foot_share;
-    EXPECT_EQ(match_energy(device, 1, 0.3f, 40, true), match_energy(device, 1, 0.3f, rough)) << "of a rough shape";
-    EXPECT_LT(rough, PoseSharesOptions().foot_share);
-  });
-}
-
 // Energies of the steps of a frame whose light is known, of an actor whose skirt is one or cloth that does not hang.
 std::vector<double> energies_with(ocl::DeviceContext& device, bool guessed, bool skirt, const TrackerOptions& given) {
   Seen seen(device);
@@ -353,7 +95,7 @@ std::vector<double> energies_with(ocl::DeviceContext& device, bool guessed, bool
   actor.guessed_weights = guessed;
   for (float& rigidity : actor.rigidity) rigidity = skirt ? rigidity : std::max(rigidity, 2.0f);
   TrackerOptions options = given;
-  options.shading.light.least_frames = 0.5;
+  options.shading.light.harmonics.least_frames = 0.5;
   PoseStage stage(device, actor, seen.camera, options, seen.rasterizer, seen.visibility);
   PoseResult result;
   for (int frame = 1; frame <= 2; ++frame) {
@@ -565,6 +307,34 @@ TEST(PoseStage, LearnsTheFloorFromFreeLegs) {
       return pose.angles_rad;
     };
     EXPECT_NE(found(TrackerOptions().rounds.free_legs_3d), found(0));
+  });
+}
+
+// The picture is three quarters as bright as the actor's colours.
+TEST(PoseStage, LearnsHowTheActorIsLit) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    Seen seen(device);
+    seen.brightness = 0.75f;
+    TrackerOptions options;
+    options.actor_light.least_frames = 0.5;
+    PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
+    const Pose before = turned(seen.actor, 0), truth = turned(seen.actor, 1);
+    const Silhouette silhouette = seen.take_picture(stage, truth);
+    const Detections detections = test::exact_detections(seen.actor, seen.camera, truth);
+    const PoseStageInput input{detections, silhouette, seen.frame};
+    stage.set_picture(input);
+    const PoseResult solved = stage.solve_tracked(input, before, before);
+    EXPECT_EQ(stage.light(), Light{1}) << "not known yet";
+    stage.learn(input, nullptr, solved.pose);
+    const Light learned = stage.light();
+    // At a normal to the right, upwards, and to the camera; a texture is finer than its vertices' colours.
+    for (const Light& at :
+         {Light{1, 1, 0, 0, 0, 0, 0, 1, -1}, Light{1, 0, -1, 0, 0, 0, 0, -1, -1}, Light{1, 0, 0, -1, 0, 0, 0, 0, 2}})
+      EXPECT_NEAR(std::inner_product(at.begin(), at.end(), learned.begin(), 0.0), 0.72, 0.06);
+    stage.lose_person();
+    EXPECT_EQ(stage.light(), learned);
+    stage.reset();
+    EXPECT_EQ(stage.light(), Light{1});
   });
 }
 

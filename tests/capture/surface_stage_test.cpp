@@ -56,7 +56,7 @@ class Scene {
   void reset() { stage_.reset(); }
 
   // From a pose so far beside that of the picture, in which the actor is as skinning has it.
-  std::vector<float> found_from(float beside_mm) {
+  std::vector<float> found_from(float beside_mm, const Light& light = {1}) {
     Pose pose = test::standing_pose(actor_, 0.5);
     stage_.skin_template(pose);
     rasterizer_.render(stage_.vertices(), camera_);
@@ -67,7 +67,7 @@ class Scene {
     DeviceFrame frame(device_, camera_.width, camera_.height);
     frame.upload(silhouette, picture);
     pose.root_translation_mm.x() += beside_mm;
-    stage_.solve(pose, 0, &frame, bounding_box(mask));
+    stage_.solve(pose, 0, &frame, bounding_box(mask), light);
     return stage_.vertices().read_all();
   }
 
@@ -202,6 +202,16 @@ TEST(SurfaceStage, WhatHangsIsMatchedAtEachLevel) {
     EXPECT_LT(twice, 0.85 * once);
     EXPECT_LT(twice, 0.9 * away_mm({2, 2})) << "each look at its own level";
     EXPECT_LT(away_mm({2, 1, 0}), twice + 0.2) << "as many levels as there are steps";
+  });
+}
+
+// The picture is not lit: drawn so, cloth is found, drawn in another light less of it.
+TEST(SurfaceStage, WhatHangsIsDrawnInTheLightThatIsGiven) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const TrackerOptions options = stage_options(false, false);
+    const std::vector<float> plain = Scene(device, options).found_from(kPoseBesideMm);
+    EXPECT_EQ(plain, Scene(device, options).found_from(kPoseBesideMm, Light{1}));
+    EXPECT_NE(plain, Scene(device, options).found_from(kPoseBesideMm, Light{0.7f, 0.6f, 0.6f}));
   });
 }
 

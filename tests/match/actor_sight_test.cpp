@@ -160,6 +160,9 @@ struct Sight {
                 .least_moved_px = least_moved_px,
                 .state = state});
   }
+  std::vector<LightSample> sample_light() {
+    return matcher.sample_light(frame, raster, skinned, normals, visibility.visible());
+  }
   void one_by_one(const Scene& scene, int level) {
     skinner.set_pose(bone_dual_quats(scene.posed));
     skinner.skin(zero, skinned);
@@ -293,12 +296,17 @@ TEST(ActorSight, SeesWhatIsSeenOneByOne) {
   test::on_every_gpu_body([](ocl::DeviceContext& device) {
     const Scene scene;
     Sight at_once(device, scene), one_by_one(device, scene);
-    for (int level = 0; level <= LC_MATCH_LEVELS; ++level) {
+    for (Sight* sight : {&at_once, &one_by_one}) sight->matcher.set_light({0.5f, 0, 0, -0.25f});
+    for (int level = LC_MATCH_LEVELS; level >= 0; --level) {
       SCOPED_TRACE(level);
-      at_once.look(level, level == 0);
+      at_once.look(level, level == LC_MATCH_LEVELS);
       one_by_one.one_by_one(scene, level);
       EXPECT_EQ(at_once.matcher.matches().read_all(), one_by_one.matcher.matches().read_all());
     }
+    const std::vector<LightSample> lit = at_once.sample_light(), expected_light = one_by_one.sample_light();
+    EXPECT_GT(lit.size(), scene.points.size() / 2);
+    ASSERT_EQ(lit.size(), expected_light.size());
+    for (size_t i = 0; i < lit.size(); ++i) EXPECT_EQ(lit[i].brightness, expected_light[i].brightness);
     EXPECT_EQ(at_once.skinned.read_all(), one_by_one.skinned.read_all());
     EXPECT_EQ(at_once.normals.read_all(), one_by_one.normals.read_all());
     const std::vector<uint64_t> drawn = at_once.sight.drawn().read_all();

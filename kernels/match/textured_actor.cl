@@ -1,25 +1,22 @@
-// The two pictures that are matched: the actor as its texture would look, and the camera's; both as luminance in [0,1]
-// with a weight of 1 where the person is, 0 elsewhere.
+// The actor as its texture looks in the light that falls on it: luminance in [0,1], with a weight of 1 where the person
+// is, 0 elsewhere.
 #include "match/layout.h"
 #include "raster/layout.h"
 #include "shared/bits.h"
 #include "shared/gather.h"
-#include "shared/luminance.h"
 #include "shared/plain_math.h"
 #include "shared/wide.h"
 
-static inline float luminance(float r, float g, float b) {
-  return LC_RED_LUMINANCE * r + LC_GREEN_LUMINANCE * g + LC_BLUE_LUMINANCE * b;
-}
-
-// What is constant on a triangle: its corners' pixels and 1/z, and their texture coordinates.
+// What is constant on a triangle: its corners' pixels and 1/z, their texture coordinates, and how brightly each is lit.
 typedef struct {
   float4 p0, p1, p2;
   float2 uv0, uv1, uv2;
+  float3 shade;
 } Textured;
 
 static inline Textured textured_triangle(int t, global const float* restrict projected,
-                                         global const int* restrict triangles, global const float* restrict uvs) {
+                                         global const int* restrict triangles, global const float* restrict uvs,
+                                         global const float* restrict shade) {
   const int3 corner = vload3(t, triangles);
   global const float* uv = uvs + 6 * t;
   const Textured tri = {vload4(corner.x, projected),
@@ -27,7 +24,8 @@ static inline Textured textured_triangle(int t, global const float* restrict pro
                         vload4(corner.z, projected),
                         vload2(0, uv),
                         vload2(1, uv),
-                        vload2(2, uv)};
+                        vload2(2, uv),
+                        (float3)(shade[corner.x], shade[corner.y], shade[corner.z])};
   return tri;
 }
 
@@ -47,8 +45,8 @@ typedef uint texels_t;
 #define TO_FLOAT convert_float
 #endif
 
-// Texture coordinates of the triangle at pixels (px, py).
-static inline void texture_coordinates(const Textured* tri, run_t px, float py, run_t* u, run_t* v) {
+// Texture coordinates of the triangle at pixels (px, py), and how brightly it is lit there.
+static inline void texture_coordinates(const Textured* tri, run_t px, float py, run_t* u, run_t* v, run_t* shade) {
   const float4 p0 = tri->p0, p1 = tri->p1, p2 = tri->p2;
   // Perspective-correct barycentric coordinates, unnormalised.
   const run_t w0 = ((run_t)(p2.x - p1.x) * (run_t)(py - p1.y) - (p2.y - p1.y) * (px - p1.x)) * p0.z;
@@ -57,6 +55,10 @@ static inline void texture_coordinates(const Textured* tri, run_t px, float py, 
   const run_t scale = 1.0f / (w0 + w1 + w2);
   *u = (w0 * tri->uv0.x + w1 * tri->uv1.x + w2 * tri->uv2.x) * scale;
   *v = (w0 * tri->uv0.y + w1 * tri->uv1.y + w2 * tri->uv2.y) * scale;
+  // At coarse levels the pixel's middle may be beside the triangle that is drawn there.
+  const float3 s = tri->shade;
+  const run_t least = min(s.x, min(s.y, s.z)), most = max(s.x, max(s.y, s.z));
+  *shade = clamp((w0 * s.x + w1 * s.y + w2 * s.z) * scale, least, most);
 }
 
 // Two pairs beside each other.
@@ -94,8 +96,8 @@ static inline float middle(int level) {
 }
 
 // box: of the level. ids, depth [width*height] of the rasteriser; projected [4*n_vertices] u, v, 1/z, z; triangles
-// [3*n_triangles]; uvs [6*n_triangles] of each corner; texture from `texels` on, of the level too. Out: light, weight,
-// box_depth (INFINITY = nothing).
+// [3*n_triangles]; uvs [6*n_triangles] of each corner; shade [n_vertices] see match/light.cl; texture from `texels` on,
+// of the level too. Out: light, weight, box_depth (INFINITY = nothing).
 #if LC_CPU
 
 // Sixteen values of a row, every (1 << level)th from that of column x of the box on; `nothing` outside the columns
@@ -116,35 +118,40 @@ static inline float16 every_16(global const float* restrict row, int level, int 
   return select((float16)nothing, gather16(row, clamp(column, first, end - 1) << level), inside);
 }
 
-// Texture coordinates of one triangle in the columns [begin, end) of the box, eight at a time; what is too much is
-// overwritten by the next triangle or ignored.
+// Texture coordinates and shades of one triangle in the columns [begin, end) of the box, eight at a time; what is too
+// much is overwritten by the next triangle or ignored.
 static inline void write_coordinates(const Textured* tri, int begin, int end, int width, int level, float px, float py,
-                                     global float* restrict us, global float* restrict vs) {
+                                     global float* restrict us, global float* restrict vs,
+                                     global float* restrict shades) {
   const float8 apart = (float)(1 << level) * (float8)(0, 1, 2, 3, 4, 5, 6, 7);
   for (int at = begin; at < end; at += 8) {
-    float8 u, v;
-    texture_coordinates(tri, px + (float)(at << level) + apart, py, &u, &v);
+    float8 u, v, shade;
+    texture_coordinates(tri, px + (float)(at << level) + apart, py, &u, &v, &shade);
     if (at + 8 <= width) {
       store8(u, us + at);
       store8(v, vs + at);
+      store8(shade, shades + at);
     } else {
-      float u_of[8], v_of[8];
+      float u_of[8], v_of[8], shade_of[8];
       vstore8(u, 0, u_of);
       vstore8(v, 0, v_of);
+      vstore8(shade, 0, shade_of);
       for (int k = at; k < end; ++k) {
         us[k] = u_of[k - at];
         vs[k] = v_of[k - at];
+        shades[k] = shade_of[k - at];
       }
     }
   }
 }
 
-// Over the rows of the box. First the texture coordinates, eight pixels of a triangle at a time, into light and weight;
-// then the texture, sixteen pixels at a time.
+// Over the rows of the box. First the texture coordinates, eight pixels of a triangle at a time, into light and weight,
+// with the shades into `shades` (a box, left undefined); then the texture, sixteen pixels at a time.
 kernel void textured_actor(MatchBox box, int level, int width, int height, int texels, int tw, int th,
                            global const int* restrict ids, global const float* restrict depth,
                            global const float* restrict projected, global const int* restrict triangles,
-                           global const float* restrict uvs, global const ushort* restrict texture,
+                           global const float* restrict uvs, global const float* restrict shade,
+                           global const ushort* restrict texture, global float* restrict shades,
                            global float* restrict light, global float* restrict weight,
                            global float* restrict box_depth) {
   const int by = get_global_id(0);
@@ -152,6 +159,7 @@ kernel void textured_actor(MatchBox box, int level, int width, int height, int t
   light += by * box.width;
   weight += by * box.width;
   box_depth += by * box.width;
+  shades += by * box.width;
   texture += texels;
   const int left = box.x + drawn_at(level), y = box.y + (by << level) + drawn_at(level);
   const int first = max((-left + (1 << level) - 1) >> level, 0);
@@ -180,18 +188,19 @@ kernel void textured_actor(MatchBox box, int level, int width, int height, int t
     before = t;
     for (; changes; changes &= changes - 1) {
       const int column = x + lowest_bit(changes);
-      if (open >= 0) write_coordinates(&tri, begin, column, box.width, level, px, py, light, weight);
+      if (open >= 0) write_coordinates(&tri, begin, column, box.width, level, px, py, light, weight, shades);
       begin = column;
       open = column < end ? ids[column << level] : -1;
-      if (open >= 0) tri = textured_triangle(open, projected, triangles, uvs);
+      if (open >= 0) tri = textured_triangle(open, projected, triangles, uvs, shade);
     }
   }
-  if (open >= 0) write_coordinates(&tri, begin, min(drawn_end, end), box.width, level, px, py, light, weight);
+  if (open >= 0) write_coordinates(&tri, begin, min(drawn_end, end), box.width, level, px, py, light, weight, shades);
   for (int x = drawn_first; x < min(drawn_end + 16, box.width); x += 16) {
     const int16 drawn = vload16(0, box_depth + x) < INFINITY;
     const float16 u = select((float16)0.0f, vload16(0, light + x), drawn);
     const float16 v = select((float16)0.0f, vload16(0, weight + x), drawn);
-    store16(select((float16)0.0f, sample_wrapped(texture, tw, th, u, v), drawn), light + x);
+    const float16 lit = sample_wrapped(texture, tw, th, u, v) * select((float16)0.0f, vload16(0, shades + x), drawn);
+    store16(select((float16)0.0f, lit, drawn), light + x);
     store16(select((float16)0.0f, (float16)1.0f, drawn), weight + x);
   }
 }
@@ -202,9 +211,9 @@ kernel void textured_actor(MatchBox box, int level, int width, int height, int t
 static inline void draw_texture(int bx, int by, MatchBox box, int level, int width, int height, int texels, int tw,
                                 int th, global const int* restrict ids, global const float* restrict depth,
                                 global const float* restrict projected, global const int* restrict triangles,
-                                global const float* restrict uvs, global const ushort* restrict texture,
-                                global float* restrict light, global float* restrict weight,
-                                global float* restrict box_depth) {
+                                global const float* restrict uvs, global const float* restrict shade,
+                                global const ushort* restrict texture, global float* restrict light,
+                                global float* restrict weight, global float* restrict box_depth) {
   const int at = by * box.width + bx;
   const int left = box.x + (bx << level), top = box.y + (by << level);
   const int x = left + drawn_at(level), y = top + drawn_at(level);
@@ -215,10 +224,10 @@ static inline void draw_texture(int bx, int by, MatchBox box, int level, int wid
     box_depth[at] = INFINITY;
     return;
   }
-  const Textured tri = textured_triangle(t, projected, triangles, uvs);
-  float u, v;
-  texture_coordinates(&tri, (float)left + middle(level), (float)top + middle(level), &u, &v);
-  light[at] = sample_wrapped(texture + texels, tw, th, u, v);
+  const Textured tri = textured_triangle(t, projected, triangles, uvs, shade);
+  float u, v, lit;
+  texture_coordinates(&tri, (float)left + middle(level), (float)top + middle(level), &u, &v, &lit);
+  light[at] = sample_wrapped(texture + texels, tw, th, u, v) * lit;
   weight[at] = 1.0f;
   box_depth[at] = depth[LC_RASTER_APART * (y * width + x)];
 }
@@ -227,67 +236,13 @@ static inline void draw_texture(int bx, int by, MatchBox box, int level, int wid
 kernel void textured_actor(MatchBox box, int level, int width, int height, int texels, int tw, int th,
                            global const int* restrict ids, global const float* restrict depth,
                            global const float* restrict projected, global const int* restrict triangles,
-                           global const float* restrict uvs, global const ushort* restrict texture,
-                           global float* restrict light, global float* restrict weight,
-                           global float* restrict box_depth) {
+                           global const float* restrict uvs, global const float* restrict shade,
+                           global const ushort* restrict texture, global float* restrict light,
+                           global float* restrict weight, global float* restrict box_depth) {
   const int bx = get_global_id(0), by = get_global_id(1);
   if (bx < box.width && by < box.height)
-    draw_texture(bx, by, box, level, width, height, texels, tw, th, ids, depth, projected, triangles, uvs, texture,
-                 light, weight, box_depth);
+    draw_texture(bx, by, box, level, width, height, texels, tw, th, ids, depth, projected, triangles, uvs, shade,
+                 texture, light, weight, box_depth);
 }
 
 #endif
-
-// Over (box.width / 16, box.height), sixteen pixels each. rgb [3*width*height], signed_distance [width*height] px,
-// positive outside the person.
-kernel void camera_picture(MatchBox box, int width, int height, global const uchar* restrict rgb,
-                           global const float* restrict signed_distance, global float* restrict light,
-                           global float* restrict weight) {
-  const int bx = 16 * (int)get_global_id(0), by = get_global_id(1);
-  if (bx >= box.width || by >= box.height) return;
-  const int at = by * box.width + bx;
-  const int x = box.x + bx, y = box.y + by;
-#if LC_CPU
-  if (y >= 0 && y < height && x >= 0 && x + 16 <= width) {
-    const int p = y * width + x;
-    const int16 person = vload16(0, signed_distance + p) < 0.0f;
-    float16 bright = 0.0f;
-    if (any_of_16(person)) {
-      const uchar16 a = vload16(0, rgb + 3 * p), b = vload16(1, rgb + 3 * p), c = vload16(2, rgb + 3 * p);
-      const uchar16 red = (uchar16)(a.s0369, a.scf, b.s258b, b.se, c.s147a, c.sd);
-      const uchar16 green = (uchar16)(a.s147a, a.sd, b.s0369, b.scf, c.s258b, c.se);
-      const uchar16 blue = (uchar16)(a.s258b, a.se, b.s147a, b.sd, c.s0369, c.scf);
-      bright = (LC_RED_LUMINANCE * convert_float16(red) + LC_GREEN_LUMINANCE * convert_float16(green) +
-                LC_BLUE_LUMINANCE * convert_float16(blue)) *
-               (1.0f / 255.0f);
-    }
-    store16(select((float16)0.0f, bright, person), light + at);
-    store16(select((float16)0.0f, (float16)1.0f, person), weight + at);
-    return;
-  }
-#endif
-  store16((float16)0.0f, light + at);
-  store16((float16)0.0f, weight + at);
-  if (y < 0 || y >= height) return;
-  for (int k = max(-x, 0); k < min(width - x, 16); ++k) {
-    const int p = y * width + x + k;
-    if (!(signed_distance[p] < 0.0f)) continue;
-    light[at + k] = luminance(rgb[3 * p], rgb[3 * p + 1], rgb[3 * p + 2]) * (1.0f / 255.0f);
-    weight[at + k] = 1.0f;
-  }
-}
-
-// Over (half_width / 8, half_height) of a level, eight pixels each. It lies at `to`, the level above at `from`: means
-// of those of 2 x 2 pixels that are the person's, nobody where these are fewer than two.
-kernel void halve_picture(int width, int half_width, int half_height, int from, int to, global float* restrict light,
-                          global float* restrict weight) {
-  const int x = 8 * (int)get_global_id(0), y = get_global_id(1);
-  if (x >= half_width || y >= half_height) return;
-  const int above = from + 2 * y * width + 2 * x, at = to + y * half_width + x;
-  const float16 lights = vload16(0, light + above) + vload16(0, light + above + width);
-  const float16 weights = vload16(0, weight + above) + vload16(0, weight + above + width);
-  const float8 sum = lights.even + lights.odd, n = weights.even + weights.odd;
-  const int8 counts = n >= 2.0f;
-  store8(select((float8)0.0f, sum / n, counts), light + at);
-  store8(select((float8)0.0f, (float8)1.0f, counts), weight + at);
-}

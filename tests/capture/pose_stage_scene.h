@@ -1,0 +1,75 @@
+// A person before stage I as a camera and a perfect network see them.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "capture/pose_stage.h"
+#include "support/builtin_actor.h"
+#include "support/pose_scene.h"
+
+namespace livecap::test {
+
+// The built-in skirt in front of grey, in the colours of its vertices: what the camera and a perfect network see.
+struct Seen {
+  const Actor& actor = builtin_actor("skirt");
+  Camera camera = portrait_camera();
+  DepthRasterizer rasterizer;
+  SurfaceVisibility visibility;
+  DeviceFrame frame;
+  float brightness = 1;  // of pictures, by the actor's colours
+
+  explicit Seen(ocl::DeviceContext& device)
+      : rasterizer(device, actor.mesh, camera.width, camera.height),
+        visibility(device, actor.mesh, {}),
+        frame(device, camera.width, camera.height) {}
+
+  // Through a stage whose picture it becomes.
+  Silhouette take_picture(PoseStage& stage, const Pose& pose) {
+    stage.render(pose);
+    const std::vector<int32_t> ids = rasterizer.triangle_ids().read_all();
+    ImageRgb picture{camera.width, camera.height, std::vector<uint8_t>(3 * ids.size(), 128)};
+    for (size_t at = 0; at < ids.size(); ++at)
+      for (int k = 0; ids[at] >= 0 && k < 3; ++k) {
+        const auto color = [&](int corner) { return actor.colors[3 * actor.mesh.triangles[3 * ids[at] + corner] + k]; };
+        picture.pixels[3 * at + k] = uint8_t(255 * brightness * (color(0) + color(1) + color(2)) / 3);
+      }
+    Silhouette silhouette = make_silhouette(rasterizer.read_mask());
+    frame.upload(silhouette, picture);
+    return silhouette;
+  }
+
+  // A frame in which the person stands as in `truth`, tracked from `before`.
+  PoseResult track(PoseStage& stage, const Pose& before, const Pose& truth) {
+    const Silhouette silhouette = take_picture(stage, truth);
+    const Detections detections = exact_detections(actor, camera, truth);
+    const PoseStageInput input{detections, silhouette, frame};
+    stage.set_picture(input);
+    const PoseResult result = stage.solve_tracked(input, before, before);
+    EXPECT_EQ(result.status, SolveStatus::kOk);
+    return result;
+  }
+};
+
+inline Pose turned(const Actor& actor, int frame) {
+  Pose pose = standing_pose(actor, 0.3 + 0.03 * frame);
+  for (int k = 0; k < actor.skeleton.n_dofs(); ++k)
+    if (actor.skeleton.dofs[k].name == "left_hip_x") pose.angles_rad[k] = -0.1 * frame;
+  return pose;
+}
+
+// The floor that somebody stands on, a little below the soles. (At some heights a match lies so near the least
+// correlation that the last bits of a pose decide whether it counts.)
+inline FloorPlane under(const Actor& actor, const Pose& pose) {
+  const PosedSkeleton posed = forward_kinematics(actor.skeleton, pose);
+  double lowest = -INFINITY;
+  for (const SolePoint& sole : sole_points(actor))
+    lowest = std::max(lowest, (posed.camera_from_rest[sole.bone] * sole.rest_mm).y());
+  return {{0, -1, 0}, lowest + 5};
+}
+
+}  // namespace livecap::test

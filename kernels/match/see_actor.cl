@@ -65,7 +65,7 @@ static int n_tiles(MatchBox box) {
 // match/skin_shading.cl. Out: those not const; both [width*height]: raster/depth_and_id.h. state: see all_arrived.h.
 // memory: LC_SEE_LOCAL floats.
 kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
-    SeeOptions see, float4 pinhole, MatchBox box, PatchOptions patch, Harmonics shine, float4 tints, float2 off_tint,
+    SeeOptions see, float4 pinhole, MatchBox box, PatchOptions patch, Harmonics lit_by, float4 tints, float2 off_tint,
     global const float* moved, global const float* rest, global const float* displacement, global const int* bones,
     global const float* weights, global const float* dual_quats, global const int* fan_offsets,
     global const int* fan_corners, global const int* fan_triangles, global const int* triangles,
@@ -101,7 +101,7 @@ kernel __attribute__((reqd_work_group_size(LC_SEE_GROUP, 1, 1))) void see_actor(
     draw_both(i, per_triangle, see.width, see.height, see.cull, projected, triangles, both);
   for (int i = back; together && i < n; i += n_items) {
     normal_of_vertex(i, n, skinned, fan_offsets, fan_corners, normals);
-    shade[i] = shade_of(i, shine, normals);
+    shade[i] = shade_of(i, lit_by, normals);
   }
   together = all_arrived(together, state, 2 * n_groups, &given_up);
 

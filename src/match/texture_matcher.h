@@ -1,8 +1,8 @@
-// Dense correspondences between the template and the picture: the actor is drawn with its texture where it is thought
-// to be, and small patches around its visible vertices are moved onto the camera's picture. Both pictures are
-// normalised locally, so that light and shadow do not count; what shading remains is drawn as well where the light is
-// known. The paper's E_photo compares single vertex colours within
-// a few px of the right place; this finds places from further away and tells in which direction it is certain of them.
+// Dense correspondences between the template and the picture: the actor is drawn with its texture, lit as far as the
+// light is known, where it is thought to be, and small patches around its visible vertices are moved onto the camera's
+// picture. Both pictures are normalised locally, so that how bright they are does not count. The paper's E_photo
+// compares single vertex colours within a few px of the right place; this finds places from further away and tells in
+// which direction it is certain of them.
 //
 //   TextureMatcher matcher(device, actor, camera, options);
 //   matcher.set_picture(frame, silhouette.box);                    // once per frame

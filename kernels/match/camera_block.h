@@ -1,6 +1,7 @@
-// The camera's pyramid in one go, on GPUs. After camera_picture.cl, whose luminance() it takes.
+// The camera's pyramid in one go, on GPUs.
 #ifndef LC_MATCH_CAMERA_BLOCK_H
 #define LC_MATCH_CAMERA_BLOCK_H
+#include "shared/luminance.h"
 
 // What camera_picture and halve_picture make of 4 x 4 pixels, of all levels, which follow each other: the same to the
 // bit, to which tests/match/actor_sight_test.cpp holds it. There a work-item has a row of pixels, here all levels of a

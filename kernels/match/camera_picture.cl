@@ -5,10 +5,6 @@
 #include "shared/luminance.h"
 #include "shared/wide.h"
 
-static inline float luminance(float r, float g, float b) {
-  return LC_RED_LUMINANCE * r + LC_GREEN_LUMINANCE * g + LC_BLUE_LUMINANCE * b;
-}
-
 // Over (box.width / 16, box.height), sixteen pixels each. rgb [3*width*height], signed_distance [width*height] px,
 // positive outside the person.
 kernel void camera_picture(MatchBox box, int width, int height, global const uchar* restrict rgb,

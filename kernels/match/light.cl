@@ -49,7 +49,7 @@ kernel void sample_light(int n, MatchBox box, int at, int width, int height, flo
     if (!(weight[q] > 0.0f) || !(distance[p] < -1.0f)) return;
     if (!(fabs(depth[q - at] - projected[4 * i + 3]) < DEPTH_RANGE_MM)) return;
     own += drawn[q];
-    seen += LC_RED_LUMINANCE * rgb[3 * p] + LC_GREEN_LUMINANCE * rgb[3 * p + 1] + LC_BLUE_LUMINANCE * rgb[3 * p + 2];
+    seen += luminance(rgb[3 * p], rgb[3 * p + 1], rgb[3 * p + 2]);
   }
   const float color = own / (shade[i] * (float)(SIDE_LIT * SIDE_LIT));
   if (!(color >= LEAST_DRAWN && color <= 1.0f && shade[i] > DARKEST)) return;

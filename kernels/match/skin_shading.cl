@@ -13,10 +13,6 @@ static inline float3 linear_light(global const uchar* restrict rgb, int at) {
   return c * c * (1.0f / 65025.0f);
 }
 
-static inline float luminance_of(float3 light) {
-  return LC_RED_LUMINANCE * light.x + LC_GREEN_LUMINANCE * light.y + LC_BLUE_LUMINANCE * light.z;
-}
-
 // Where a vertex of skin is seen.
 typedef struct {
   int sees, x, y;
@@ -58,7 +54,7 @@ static inline void write_sample(int i, SkinPlace s, float3 sum, float pz, float 
                                 global const int* restrict limbs, global const float* restrict albedo,
                                 global const float* restrict areas, global float* restrict out) {
   const float3 mean = sum * (1.0f / (float)(SIDE * SIDE)), skin = vload3(i, albedo);
-  const float brightness = luminance_of(mean) / luminance_of(skin);
+  const float brightness = luminance(mean.x, mean.y, mean.z) / luminance(skin.x, skin.y, skin.z);
   const float area_px = seen_area_px(areas[i], s.facing, focal_px, pz);
   const float each = brightness > 0.0f ? 1.0f / brightness : 0.0f;
   const float red = mean.x / skin.x * each, blue = mean.z / skin.z * each;

@@ -6,4 +6,8 @@
 #define LC_GREEN_LUMINANCE 0.587f
 #define LC_BLUE_LUMINANCE 0.114f
 
+static inline float luminance(float r, float g, float b) {
+  return LC_RED_LUMINANCE * r + LC_GREEN_LUMINANCE * g + LC_BLUE_LUMINANCE * b;
+}
+
 #endif

@@ -73,14 +73,14 @@ void PoseRounds::learn_light(const PoseStageInput& input, int drawn) {
   if (!options_.lit_actor || !matches(input) || drawn != n_drawn_) return;
   actor_light_.learn(matcher_.sample_light(input.frame, rasterizer_, skinned_, normals_, visibility_.visible()));
   if (!actor_light_.known()) return;
-  for (size_t k = 0; k < light_.size(); ++k) light_[k] = float(actor_light_.light()[k]);
-  matcher_.set_light(light_);
+  Light light;
+  for (size_t k = 0; k < light.size(); ++k) light[k] = float(actor_light_.light()[k]);
+  matcher_.set_light(light);
 }
 
 void PoseRounds::forget_light() {
   actor_light_ = HarmonicLight(options_.actor_light);
-  light_ = {1};
-  matcher_.set_light(light_);
+  matcher_.set_light({1});
 }
 
 void PoseRounds::render(const Pose& pose) {

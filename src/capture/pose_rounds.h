@@ -79,7 +79,8 @@ class PoseRounds {
   // has been drawn since.
   void learn_light(const PoseStageInput& input, int drawn);
   void forget_light();
-  const Light& light() const { return light_; }
+  // What the actor's colours are multiplied by; 1 everywhere while the light is not known.
+  const Light& light() const { return matcher_.light(); }
 
  private:
   struct Round {
@@ -117,7 +118,6 @@ class PoseRounds {
   SkinShading shading_;
   int n_drawn_ = 0;
   HarmonicLight actor_light_;
-  Light light_{1};  // what colours are multiplied by; 1 everywhere while it is not known
   ActorSight sight_;
   bool picture_due_ = false;  // the matcher does not have the frame's picture yet
   PoseSolver solver_;

@@ -66,6 +66,7 @@ class TextureMatcher {
 
   // What the actor's colours are multiplied by at a normal, from the next match on; 1 everywhere before the first call.
   void set_light(const Light& light) { lit_by_ = light; }
+  const Light& light() const { return lit_by_; }
 
   // raster: rendered the positions. positions, normals [3*n_vertices] mm and unit, camera frame; visible [n_vertices];
   // share [n_vertices]: factor of each vertex's weight, 0 = not wanted. level: pictures of 2^-level of the resolution,

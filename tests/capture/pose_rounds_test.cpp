@@ -147,7 +147,7 @@ TEST(PoseRounds, RoundsAheadOnAKnownFloorAreTheHosts) {
   expect_rounds_ahead_are_the_hosts(kKnownLegsHeld, test::kTurnedMatchRad, 12);
 }
 
-// As it is shipped. More weights are tried, since fewer frames agree: of 41 the first frame with 25, the third with 11.
+// As it is shipped, but for shoes (see track()). More weights are tried, since fewer frames agree.
 TEST(PoseRounds, RoundsAheadOnAKnownFloorWithFreeLegsAreTheHosts) {
   expect_rounds_ahead_are_the_hosts(kKnown, test::kTurnedLegsRad, 12);
 }

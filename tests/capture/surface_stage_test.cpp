@@ -50,7 +50,7 @@ class Scene {
     pose.root_translation_mm.x() += x_mm;
     for (int k = 0; k < actor_.skeleton.n_dofs(); ++k)
       if (actor_.skeleton.dofs[k].name == "left_hip_x") pose.angles_rad[k] = -lifted_rad;
-    stage_.solve(pose, time_s, nullptr, {});
+    stage_.solve(pose, time_s, nullptr, {}, {1});
     return stage_.vertices().read_all();
   }
   void reset() { stage_.reset(); }

@@ -1,5 +1,5 @@
 // E_rest = lambda_rest sum_i s_i (theta_i - rest_i)^2: joints that hardly turn by themselves.   r in rad. Unknown: one
-// joint angle. s_i in 0..1: how strongly it is drawn to the angle in which the template is bound.
+// joint angle. s_i: how strongly it is drawn to the angle in which the template is bound, 1 as a chest.
 #include "shared/dialect.h"
 
 typedef struct {

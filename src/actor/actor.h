@@ -1,4 +1,4 @@
-// The actor model: a skinned, textured, labelled template mesh with a LiveCap-30 skeleton (paper, "Actor Model
+// The actor model: a skinned, textured, labelled template mesh with a LiveCap-32 skeleton (paper, "Actor Model
 // Acquisition").
 #pragma once
 

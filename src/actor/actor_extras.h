@@ -12,7 +12,7 @@
 namespace livecap {
 
 struct ActorExtras {
-  std::map<std::string, std::string> bones;                     // LiveCap-30 joint -> bone of the file
+  std::map<std::string, std::string> bones;                     // LiveCap-32 joint -> bone of the file
   std::map<std::string, std::pair<double, double>> limits_deg;  // joint angle -> lowest, highest
   std::map<std::string, int> markers;                           // face keypoint -> welded vertex
   std::map<std::string, Eigen::Vector3d> keypoint_offsets_m;    // keypoint -> offset from its joint, rest frame

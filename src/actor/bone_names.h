@@ -1,4 +1,4 @@
-// Which node of a rigged file is which LiveCap-30 joint, by the names rigs use (docs/formats.md).
+// Which node of a rigged file is which LiveCap-32 joint, by the names rigs use (docs/formats.md).
 #pragma once
 
 #include <array>

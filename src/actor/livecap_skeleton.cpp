@@ -27,6 +27,9 @@ struct DofRow {
 // twisted spine, and of weights that are not a person's. Raised arms lift them. A chest without a rest bends where hips
 // and legs are wrong in depth.
 constexpr double kShrug = 1.0 / 3;
+// A foot hardly turns about its shin: where the toes point, the knee does. Without a rest a bent knee that a skirt
+// hides goes aside, and the leg turns back below it. Feet tilt sideways, as far as the legs are apart.
+constexpr double kToesOut = 10, kTilt = 3;
 
 // docs/formats.md, in its order.
 constexpr DofRow kDofs[] = {
@@ -56,10 +59,12 @@ constexpr DofRow kDofs[] = {
     {kRigRightHip, 'z', -70, 40},
     {kRigLeftKnee, 'x', -5, 150},
     {kRigRightKnee, 'x', -5, 150},
-    {kRigLeftAnkle, 'x', -25, 50},
-    {kRigLeftAnkle, 'y', -35, 35},
-    {kRigRightAnkle, 'x', -25, 50},
-    {kRigRightAnkle, 'y', -35, 35},
+    {kRigLeftAnkle, 'x', -40, 50},
+    {kRigLeftAnkle, 'y', -35, 35, kToesOut},
+    {kRigLeftAnkle, 'z', -35, 20, kTilt},
+    {kRigRightAnkle, 'x', -40, 50},
+    {kRigRightAnkle, 'y', -35, 35, kToesOut},
+    {kRigRightAnkle, 'z', -20, 35, kTilt},
 };
 
 Eigen::Matrix3d turn(char axis, double angle) {

@@ -1,4 +1,4 @@
-// The LiveCap-30 chain (docs/formats.md) fitted to the joint positions of one actor.
+// The LiveCap-32 chain (docs/formats.md) fitted to the joint positions of one actor.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,7 +20,7 @@ using RigPositions = std::array<Eigen::Vector3d, kRigJointCount>;
 // How far up from the pelvis to the neck a rig without a bone there has its chest: as high as others have Spine2.
 inline constexpr double kChestHeight = 0.65;
 
-// Builds 15 bones (names and indices as RigJoint) and 30 joint angles with the rest angles the positions imply, so that
+// Builds 15 bones (names and indices as RigJoint) and 32 joint angles with the rest angles the positions imply, so that
 // forward kinematics at rest reproduces the positions. bends: whether the chest turns against the pelvis; else its
 // three angles are left out, which skin that follows the pelvis alone needs. Limits come from the table there, replaced
 // by `limits_deg` (joint angle name -> min, max in degrees). A ball joint's rest angle outside its limits widens them,

@@ -1,4 +1,4 @@
-// What a pose network saw in one frame, in terms no network owns: the 23 observation keypoints of LiveCap-30.
+// What a pose network saw in one frame, in terms no network owns: the 23 observation keypoints of LiveCap-32.
 // This is the only thing that crosses from the network context to the solver context (with the person mask).
 #pragma once
 

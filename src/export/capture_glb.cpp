@@ -246,7 +246,7 @@ class CaptureGlb {
     glb_.document["scenes"] = json::array({{{"name", "capture"}, {"nodes", {0, mesh_node_}}}});
     glb_.document["scene"] = 0;
     glb_.document["skins"] =
-        json::array({{{"name", "LiveCap-30"},
+        json::array({{{"name", "LiveCap-32"},
                       {"skeleton", 0},
                       {"joints", joints},
                       {"inverseBindMatrices", glb_.add(inverse_bind, kFloat, "MAT4", 16, kNoTarget)}}});

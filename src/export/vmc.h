@@ -14,7 +14,7 @@
 
 namespace livecap {
 
-// Unity's HumanBodyBones name of a bone of LiveCap-30 ("left_elbow": "LeftLowerArm"); empty: it has none.
+// Unity's HumanBodyBones name of a bone of LiveCap-32 ("left_elbow": "LeftLowerArm"); empty: it has none.
 std::string_view vmc_bone_name(std::string_view bone);
 
 class VmcEncoder {

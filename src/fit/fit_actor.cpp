@@ -24,7 +24,7 @@ constexpr int kRounds = 2;  // of posing and fitting
 constexpr int kLeastPosed = 3;
 constexpr double kLargeScale = 1.5;  // of a proportion: rather a mistake than a person
 
-// The bone of LiveCap-30 that each of the rig's bones belongs to.
+// The bone of LiveCap-32 that each of the rig's bones belongs to.
 int livecap_bone(const std::string& name) {
   static const std::pair<const char*, int> table[] = {{"Spine2", kRigChest},
                                                       {"Neck", kRigNeck},

@@ -55,7 +55,7 @@ Eigen::Vector3d rest_point(const Actor& actor, int vertex) {
 
 Reshaper::Reshaper(const Actor& actor) : actor_(actor) {
   const Skeleton& skeleton = actor.skeleton;
-  if (skeleton.n_bones() != kRigBoneCount) throw LogicError("reshaper: the actor has no LiveCap-30 skeleton");
+  if (skeleton.n_bones() != kRigBoneCount) throw LogicError("reshaper: the actor has no LiveCap-32 skeleton");
   const PosedSkeleton rest = forward_kinematics(skeleton, rest_pose(skeleton));
   for (const auto& bone : rest.camera_from_bone) {
     joints_.push_back(bone.translation());

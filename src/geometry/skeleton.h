@@ -1,4 +1,4 @@
-// The kinematic chain: rigid bones joined by single-axis joints (LiveCap-30, or whatever a Skeletool file holds).
+// The kinematic chain: rigid bones joined by single-axis joints (LiveCap-32, or whatever a Skeletool file holds).
 //
 // Rest frame: mm, +X the subject's left, +Y up, +Z the subject's front. At zero angles (T-pose) every bone frame is
 // parallel to the rest frame. The template mesh is bound at `rest_rad`, which is not zero for an A-pose template.
@@ -25,7 +25,7 @@ struct Dof {
   double min_rad = 0;
   double max_rad = 0;
   double rest_rad = 0;    // angle in which the template is bound
-  double rest_share = 0;  // 0..1: how strongly stage I draws it there (E_rest)
+  double rest_share = 0;  // at least 0: how strongly stage I draws it there (E_rest), 1 as a chest
 };
 
 struct Skeleton {

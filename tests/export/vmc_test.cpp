@@ -208,7 +208,7 @@ TEST(Vmc, NobodyIsToldOfWithoutAPose) {
   EXPECT_TRUE(heard.bones.empty());
 }
 
-// Every bone of LiveCap-30 has its name.
+// Every bone of LiveCap-32 has its name.
 TEST(Vmc, NamesOfBones) {
   const std::map<std::string, std::string> limbs = {{"clavicle", "Shoulder"}, {"shoulder", "UpperArm"},
                                                     {"elbow", "LowerArm"},    {"hip", "UpperLeg"},

@@ -159,9 +159,9 @@ inline constexpr double kTrackedFeetMm = 15;
 inline constexpr double kExchangedFeetMm = 95;
 // Feet on a floor 30 mm too high: held by it 56 mm too near, free of it 14 mm too far, as without a floor.
 inline constexpr double kFreedFeetMm = 30;
-// A pelvis 0.7 rad too far round, after one step: from there as well as turned back 0.06, from there alone 0.51.
-inline constexpr double kUntwistedRad = 0.1;
-inline constexpr double kStillTwistedRad = 0.4;
+// A pelvis 0.7 rad too far round, after one step: from there as well as turned back 0.12, from there alone 0.28.
+inline constexpr double kUntwistedRad = 0.15;
+inline constexpr double kStillTwistedRad = 0.2;
 // Eight decimals of a degree and of a unit along a chain of a metre and a half, in metres.
 inline constexpr double kBvhMetres = 2e-7;
 // Seven significant digits of a few metres.

@@ -2,15 +2,17 @@
 // one colour, as shoes have, would draw its patches inwards, and a foot be found too small and too far away.
 #include "match/facing.h"
 #include "match/layout.h"
+#include "match/lit.h"
 #include "shared/luminance.h"
 #include "terms/shading.cl"
 
 #define DARKEST 0.05f  // harmonics that fit what is seen may fall below 0 elsewhere
 #define SIDE_LIT 3     // px; so many by so many around a vertex are averaged
 #define LEAST_DRAWN 0.03f
+#define STEPS_TO_COLOR 4  // from what is drawn; what the last one leaves out counts only as far as the light was wrong
 #define DEPTH_RANGE_MM 40.0f  // pixels further from their vertex are of another limb
 
-// What the colours at vertex i are multiplied by.
+// How brightly vertex i is lit: 1 shows its colours as they are.
 static inline float shade_of(int i, Harmonics light, global const float* restrict normals) {
   const float3 n = vload3(i, normals);
   return fmax(shading_row(vec3(n.x, n.y, n.z), light, 0.0f).r, DARKEST);
@@ -51,11 +53,16 @@ kernel void sample_light(int n, MatchBox box, int at, int width, int height, flo
     own += drawn[q];
     seen += luminance(rgb[3 * p], rgb[3 * p + 1], rgb[3 * p + 2]);
   }
-  const float color = own / (shade[i] * (float)(SIDE_LIT * SIDE_LIT));
-  if (!(color >= LEAST_DRAWN && color <= 1.0f && shade[i] > DARKEST)) return;
+  own /= (float)(SIDE_LIT * SIDE_LIT);
+  seen /= 255.0f * (float)(SIDE_LIT * SIDE_LIT);
+  if (!(shade[i] > DARKEST)) return;
+  float color = own;
+  for (int k = 0; k < STEPS_TO_COLOR; ++k) color = own / (1.0f + MATT_SHARE(color) * (shade[i] - 1.0f));
+  if (!(color >= LEAST_DRAWN && color <= 1.0f)) return;
+  const float by_light = color * MATT_SHARE(color);  // d LIT / d shade
   const float3 normal = vload3(i, normals), position = vload3(i, positions);
   const float area_px = seen_area_px(areas[i], facing_at(position, normal), focal_px, position.z);
   vstore3(normal, 0, out);
-  out[LC_LIT_BRIGHTNESS] = seen / (255.0f * (float)(SIDE_LIT * SIDE_LIT) * color);
-  out[LC_LIT_WEIGHT] = fmax(area_px, 0.0f) * color * color;
+  out[LC_LIT_BRIGHTNESS] = shade[i] + (seen - own) / by_light;
+  out[LC_LIT_WEIGHT] = fmax(area_px, 0.0f) * by_light * by_light;
 }

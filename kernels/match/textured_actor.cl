@@ -1,6 +1,7 @@
 // The actor as its texture looks in the light that falls on it: luminance in [0,1], with a weight of 1 where the person
 // is, 0 elsewhere.
 #include "match/layout.h"
+#include "match/lit.h"
 #include "raster/layout.h"
 #include "shared/bits.h"
 #include "shared/gather.h"
@@ -199,7 +200,9 @@ kernel void textured_actor(MatchBox box, int level, int width, int height, int t
     const int16 drawn = vload16(0, box_depth + x) < INFINITY;
     const float16 u = select((float16)0.0f, vload16(0, light + x), drawn);
     const float16 v = select((float16)0.0f, vload16(0, weight + x), drawn);
-    const float16 lit = sample_wrapped(texture, tw, th, u, v) * select((float16)0.0f, vload16(0, shades + x), drawn);
+    const float16 color = sample_wrapped(texture, tw, th, u, v);
+    const float16 shade = select((float16)0.0f, vload16(0, shades + x), drawn);
+    const float16 lit = LIT(color, shade);
     store16(select((float16)0.0f, lit, drawn), light + x);
     store16(select((float16)0.0f, (float16)1.0f, drawn), weight + x);
   }
@@ -225,9 +228,10 @@ static inline void draw_texture(int bx, int by, MatchBox box, int level, int wid
     return;
   }
   const Textured tri = textured_triangle(t, projected, triangles, uvs, shade);
-  float u, v, lit;
-  texture_coordinates(&tri, (float)left + middle(level), (float)top + middle(level), &u, &v, &lit);
-  light[at] = sample_wrapped(texture + texels, tw, th, u, v) * lit;
+  float u, v, shade_here;
+  texture_coordinates(&tri, (float)left + middle(level), (float)top + middle(level), &u, &v, &shade_here);
+  const float color = sample_wrapped(texture + texels, tw, th, u, v);
+  light[at] = LIT(color, shade_here);
   weight[at] = 1.0f;
   box_depth[at] = depth[LC_RASTER_APART * (y * width + x)];
 }

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/luminance.h"
 #include "capture/pose_stage.h"
 #include "support/builtin_actor.h"
 #include "support/pose_scene.h"
@@ -21,7 +22,7 @@ struct Seen {
   DepthRasterizer rasterizer;
   SurfaceVisibility visibility;
   DeviceFrame frame;
-  float brightness = 1;  // of pictures, by the actor's colours
+  float brightness = 1;  // of the light, in which colours at 1 look as they are
 
   explicit Seen(ocl::DeviceContext& device)
       : rasterizer(device, actor.mesh, camera.width, camera.height),
@@ -33,11 +34,16 @@ struct Seen {
     stage.render(pose);
     const std::vector<int32_t> ids = rasterizer.triangle_ids().read_all();
     ImageRgb picture{camera.width, camera.height, std::vector<uint8_t>(3 * ids.size(), 128)};
-    for (size_t at = 0; at < ids.size(); ++at)
-      for (int k = 0; ids[at] >= 0 && k < 3; ++k) {
-        const auto color = [&](int corner) { return actor.colors[3 * actor.mesh.triangles[3 * ids[at] + corner] + k]; };
-        picture.pixels[3 * at + k] = uint8_t(255 * brightness * (color(0) + color(1) + color(2)) / 3);
-      }
+    for (size_t at = 0; at < ids.size(); ++at) {
+      if (ids[at] < 0) continue;
+      float color[3] = {0, 0, 0};
+      for (int corner = 0; corner < 3; ++corner)
+        for (int k = 0; k < 3; ++k) color[k] += actor.colors[3 * actor.mesh.triangles[3 * ids[at] + corner] + k];
+      // 0.04 of linear light is mirrored, whatever the colour.
+      const double coded = (kRedLuminance * color[0] + kGreenLuminance * color[1] + kBlueLuminance * color[2]) / 3;
+      const auto lit = float(1 + coded * coded / (coded * coded + 0.04) * (brightness - 1));
+      for (int k = 0; k < 3; ++k) picture.pixels[3 * at + k] = uint8_t(255 * lit * color[k] / 3);
+    }
     Silhouette silhouette = make_silhouette(rasterizer.read_mask());
     frame.upload(silhouette, picture);
     return silhouette;

@@ -38,6 +38,13 @@ std::vector<Eigen::Vector3d> bumpy(int seed) {
   return normals;
 }
 
+// How a colour 0..255 looks in a light: as bright as that, but for the 0.04 (of linear light) that surfaces mirror
+// whatever their colour.
+double in_light(double value, double shade) {
+  const double linear = value * value / (255.0 * 255.0);
+  return value * (linear * shade + 0.04) / (linear + 0.04);
+}
+
 // Of a plane with these normals: linear between the corners of its triangles.
 double shade_at(double u, double v, const std::vector<double>& shades) {
   const double x = std::clamp(u * kPlaneCells, 0.0, kPlaneCells - 1e-9);
@@ -57,7 +64,7 @@ Drawing draw_lit(const Camera& camera, const std::vector<double>& shades, double
       const double u = ((x - dx - camera.cx) / camera.fx * kPlaneDepth / kPlaneHalf + 1) / 2;
       const double v = ((y - dy - camera.cy) / camera.fy * kPlaneDepth / kPlaneHalf + 1) / 2;
       if (!(u > 0 && u < 1 && v > 0 && v < 1)) continue;
-      const auto grey = uint8_t(std::lround(std::clamp(kPlainGrey * shade_at(u, v, shades), 0.0, 255.0)));
+      const auto grey = uint8_t(std::lround(std::clamp(in_light(kPlainGrey, shade_at(u, v, shades)), 0.0, 255.0)));
       std::fill_n(&d.picture.pixels[3 * (size_t(y) * camera.width + x)], 3, grey);
     }
   }
@@ -142,7 +149,7 @@ TEST(Light, OnAnActorWithoutTextureIsMatched) {
     ASSERT_GE(errors_px.size(), size_t(0.95 * (kPlaneCells - 7) * (kPlaneCells - 7)));
     std::sort(errors_px.begin(), errors_px.end());
     EXPECT_LT(errors_px[errors_px.size() / 2], 0.1);
-    EXPECT_LT(errors_px[errors_px.size() * 9 / 10], 0.2);
+    EXPECT_LT(errors_px[errors_px.size() * 9 / 10], 0.25);
   });
 }
 
@@ -151,7 +158,9 @@ TEST(Light, IsSeenByWhatColoursAre) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
     const std::vector<double> texture = noise(3, 6);
     const double bright = 0.62;
-    Matching m(device, plane_actor(texture), draw(plane_camera(), texture, 0, 0, bright, bright), kTowardsCamera);
+    std::vector<double> lit;
+    for (const double value : texture) lit.push_back(in_light(value, bright));
+    Matching m(device, plane_actor(texture), draw(plane_camera(), lit, 0, 0, 1, 1), kTowardsCamera);
     for (const Light& drawn_in : {Light{1}, Light{0.8f, 0, 0, 0.3f}}) {
       m.matcher.set_light(drawn_in);
       m.match();
@@ -169,6 +178,28 @@ TEST(Light, IsSeenByWhatColoursAre) {
     }
     m.match(1);
     EXPECT_TRUE(m.sample().empty()) << "of coarse levels nothing is told";
+  });
+}
+
+// White cloth shows nearly all of a shadow, black shoes a fifth of it.
+TEST(Light, HardlyShowsOnWhatIsBlack) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
+    const auto left_of_a_shadow = [&](double value) {
+      const std::vector<double> texture(size_t(kTextureSide) * kTextureSide, value);
+      Matching m(device, plane_actor(texture), draw(plane_camera(), texture, 0, 0, 1, 1), kTowardsCamera);
+      m.matcher.set_light({0.5f});
+      m.match();
+      double brightness = 0, weights = 0;
+      for (const LightSample& s : m.sample()) {
+        brightness += double(s.weight) * s.brightness;
+        weights += s.weight;
+      }
+      EXPECT_NEAR(brightness / weights, 1, 0.02) << "the picture shows the colours as they are";
+      return weights;
+    };
+    // By the square of what the light changes of a colour: 0.95 of 230, 0.18 of 24.
+    const double white = left_of_a_shadow(230), black = left_of_a_shadow(24);
+    EXPECT_NEAR(std::sqrt(black / white), 0.18 * 24 / (0.95 * 230), 0.002);
   });
 }
 

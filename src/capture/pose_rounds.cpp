@@ -70,7 +70,7 @@ void PoseRounds::find_picture(const PoseStageInput& input) {
 }
 
 void PoseRounds::learn_light(const PoseStageInput& input, int drawn) {
-  if (!options_.lit_actor || !matches(input) || drawn != n_drawn_) return;
+  if (!matches(input) || drawn != n_drawn_) return;
   actor_light_.learn(matcher_.sample_light(input.frame, rasterizer_, skinned_, normals_, visibility_.visible()));
   if (!actor_light_.known()) return;
   Light light;

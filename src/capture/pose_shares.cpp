@@ -54,12 +54,9 @@ std::vector<float> on_feet_share(const Actor& actor, const PoseSharesOptions& op
 
 TrackerOptions options_for(const Actor& actor, TrackerOptions options) {
   if (wears_hanging_cloth(actor)) options.shares.foot_share = options.shares.covered_foot_share;
-  if (actor.rough_shape) {
-    options.shares.foot_share = options.shares.rough_foot_share;
-    options.lit_actor = false;  // legs that are bent would be found too far away
-  }
+  if (actor.rough_shape) options.shares.foot_share = options.shares.rough_foot_share;
   if (!actor.guessed_weights) return options;
-  options.match.blur = 0;  // its texture was made of pictures, which lenses had blurred
+  options.match.blur = options.guessed.blur;
   options.pose.weights.shading *= options.guessed.shading;
   if (wears_hanging_cloth(actor)) return options;
   options.pose.weights.keypoint_2d *= options.guessed.keypoint_2d;

@@ -23,7 +23,7 @@ std::vector<float> on_feet_share(const Actor& actor, const PoseSharesOptions& op
                                  const HangingClothOptions& hanging);
 
 // As both stages have them for this actor: see GuessedWeightsOptions, PoseSharesOptions::covered_foot_share and
-// rough_foot_share, lit_actor and MatchOptions::blur.
+// rough_foot_share.
 TrackerOptions options_for(const Actor& actor, TrackerOptions options);
 
 }  // namespace livecap

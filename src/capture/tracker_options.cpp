@@ -66,6 +66,7 @@ void GuessedWeightsOptions::validate() const {
   factor_of_guessed("guessed.keypoint_2d", keypoint_2d);
   factor_of_guessed("guessed.silhouette", silhouette);
   factor_of_guessed("guessed.shading", shading);
+  share("guessed.blur", blur);
 }
 
 void OtherStartsOptions::validate() const {

@@ -84,6 +84,7 @@ struct GuessedWeightsOptions {
   double keypoint_2d = 2;
   double silhouette = 2;
   double shading = 2;
+  float blur = 0.15f;  // instead of MatchOptions::blur: its texture was made of pictures, which lenses had blurred
 
   void validate() const;  // throws ConfigError
 };
@@ -140,7 +141,6 @@ struct TrackerOptions {
   bool enable_surface = true;      // false: the result is the skinned template of stage I
   bool ignore_confidence = false;  // true: every keypoint the network knows counts fully
   bool simulate_cloth = true;      // V^S of hanging cloth in stage II is where it swings to, not where skinning puts it
-  bool lit_actor = true;           // what is matched is drawn in the light that falls on it
   bool part_mask = true;           // b_i = 0 on another body part's region
   bool snapping = true;
   bool warp_displacements = true;  // carry the non-rigid displacement to the next frame

@@ -231,10 +231,8 @@ TEST(PoseRounds, FeetCountMostWhereASkirtHidesTheLegs) {
   Actor skirt = test::builtin_actor("skirt");
   EXPECT_EQ(options_for(test::builtin_actor("trousers"), {}).shares.foot_share, shares.foot_share);
   EXPECT_EQ(options_for(skirt, {}).shares.foot_share, shares.covered_foot_share);
-  EXPECT_TRUE(options_for(skirt, {}).lit_actor);
   skirt.rough_shape = true;
   EXPECT_EQ(options_for(skirt, {}).shares.foot_share, shares.rough_foot_share);
-  EXPECT_FALSE(options_for(skirt, {}).lit_actor);
 }
 
 }  // namespace

@@ -87,6 +87,7 @@ std::vector<Field> fields() {
       factor(LC_FIELD(guessed.keypoint_2d)),
       factor(LC_FIELD(guessed.silhouette)),
       factor(LC_FIELD(guessed.shading)),
+      share(LC_FIELD(guessed.blur)),
       {"starts.leans_rad",
        [](TrackerOptions& o, double value) {
          o.starts.leans_rad = {0.1, value};

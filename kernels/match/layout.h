@@ -33,7 +33,8 @@ typedef struct {
 #define LC_MATCH_CORRELATION 6
 #define LC_MATCH_SEEN_PX 7
 
-// How bright the picture shows a vertex, in floats: its normal, brightness by colour, weight (0 = not seen).
+// How the picture shows a vertex, in floats: its normal, the shade in which it would look so (lit.h; it may be below
+// 0), weight (0 = not seen).
 #define LC_LIT_SAMPLE 5
 #define LC_LIT_BRIGHTNESS 3
 #define LC_LIT_WEIGHT 4

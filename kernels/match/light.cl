@@ -24,9 +24,9 @@ kernel void light_vertices(int n, Harmonics light, global const float* restrict 
   if (i < n) shade[i] = shade_of(i, light, normals);
 }
 
-// How bright the picture shows each vertex, by its colour: over the vertices. box, drawn and weight, from `at` on: the
-// actor as it was drawn at full resolution, with these shades; depth: its box, mm. positions, normals [3*n], visible,
-// areas (mm^2) and shade [n]; projected of raster/depth.h; distance [width*height] px, positive outside of the
+// In which shade each vertex would look as the picture shows it: over the vertices. box, drawn and weight, from `at`
+// on: the actor as it was drawn at full resolution, with these shades; depth: its box, mm. positions, normals [3*n],
+// visible, areas (mm^2) and shade [n]; projected of raster/depth.h; distance [width*height] px, positive outside of the
 // silhouette; rgb [3*width*height]. Out: samples [LC_LIT_SAMPLE*n].
 kernel void sample_light(int n, MatchBox box, int at, int width, int height, float focal_px,
                          global const float* restrict positions, global const float* restrict normals,

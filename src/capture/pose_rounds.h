@@ -79,7 +79,7 @@ class PoseRounds {
   // has been drawn since.
   void learn_light(const PoseStageInput& input, int drawn);
   void forget_light();
-  // What the actor's colours are multiplied by; 1 everywhere while the light is not known.
+  // How brightly the actor is lit; 1 everywhere while the light is not known.
   const Light& light() const { return matcher_.light(); }
 
  private:

@@ -44,7 +44,7 @@ class PoseStage {
   // Whether the keypoints of a pose that was solved are near enough to the detections.
   bool believable(const PoseResult& result, const Detections& detections) const;
 
-  // What the actor's colours are multiplied by as it is drawn to be matched, learned so far.
+  // How brightly the actor is lit as it is drawn to be matched, learned so far.
   const Light& light() const { return rounds_.light(); }
 
   // Whether all rounds of a tracked frame are launched at once.

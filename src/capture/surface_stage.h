@@ -32,8 +32,8 @@ class SurfaceStage {
                DepthRasterizer& rasterizer, SurfaceVisibility& visibility);
 
   // picture: nullptr where nothing is segmented: the template then, skinned and its cloth simulated. person: the box
-  // around the silhouette. time_s: of the frame, for how cloth swings. light: what the actor's colours are multiplied
-  // by (TextureMatcher::set_light). Returns the energy.
+  // around the silhouette. time_s: of the frame, for how cloth swings. light: how brightly the actor is lit
+  // (TextureMatcher::set_light). Returns the energy.
   double solve(const Pose& pose, double time_s, const DeviceFrame* picture, const PixelBox& person, const Light& light);
 
   // The skinned template instead of a solve.

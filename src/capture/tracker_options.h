@@ -79,7 +79,7 @@ struct PoseRoundsOptions {
 // Of a built actor, whose skinning weights are guessed: so many times each of these terms in stage I. What is matched
 // near a joint pulls the wrong bones there; where keypoints lie, the body ends and how its skin is lit depend less on
 // weights. In a skirt shading alone: its outline is not the body's, the network sees the bent legs below it straight,
-// and it has guessed_power (HangingClothOptions).
+// and it has guessed_power (HangingClothOptions). The blur is no factor, and of both stages.
 struct GuessedWeightsOptions {
   double keypoint_2d = 2;
   double silhouette = 2;
@@ -126,7 +126,7 @@ struct TrackerOptions {
   OtherStartsOptions starts;
   MatchOptions match;
   SkinShadingOptions shading;
-  HarmonicLightOptions actor_light{.least_frames = 2.9};  // in which the actor is drawn to be matched
+  HarmonicLightOptions actor_light{.least_frames = 2.9};  // the actor is drawn in it to be matched
   FloorOptions floor;
   LegBiasOptions leg_bias;
   VisibilityOptions visibility;

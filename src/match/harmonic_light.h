@@ -1,5 +1,5 @@
 // The light that falls on surfaces, learned from the frames already solved: spherical harmonics of order 2 fitted to
-// how bright pictures show them by their colour, robustly, older frames counting less.
+// how bright the light is by what pictures show of them, robustly, older frames counting less.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,7 +21,7 @@ struct HarmonicLightOptions {
 
 struct LightSample {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit, camera frame
-  float brightness = 0;                              // as seen, by the surface's own
+  float brightness = 0;                              // of the light there, by what is seen of the surface
   float weight = 0;                                  // above 0
 };
 

@@ -64,7 +64,8 @@ class TextureMatcher {
   // The same without looking at the picture, for ActorSight.
   void set_box(const DeviceFrame& frame, const PixelBox& person);
 
-  // What the actor's colours are multiplied by at a normal, from the next match on; 1 everywhere before the first call.
+  // How brightly the actor is lit at a normal (kernels/match/lit.h), from the next match on; 1 everywhere before the
+  // first call.
   void set_light(const Light& light) { lit_by_ = light; }
   const Light& light() const { return lit_by_; }
 

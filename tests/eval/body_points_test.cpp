@@ -142,6 +142,9 @@ TEST_F(BodyPoints, NothingIsKnownWithoutAnglesOrJoints) {
   std::vector<float> partly = joints;
   partly[3] = NAN;  // of a bone
   EXPECT_TRUE(captured_bones(capture, 1, partly).empty());
+  for (std::string& name : capture.angles.names)
+    if (name == "left_ankle_z") name = "tail_z";
+  EXPECT_FALSE(captured_bones(capture, 1, joints).empty());  // of before feet tilted
   capture.angles.names[3] = "tail_x";
   EXPECT_TRUE(captured_bones(capture, 1, joints).empty());
 }

@@ -1,5 +1,6 @@
-// A capsule man with a skeleton like LiveCap-32 whose trunk is one bone: a small procedural actor for tests that need
-// skinning, keypoints and contours but no file. 1.76 m, about 700 vertices, blended near the joints.
+// A capsule man with a skeleton like LiveCap-32 whose trunk is one bone and whose feet do not tilt: a small procedural
+// actor for tests that need skinning, keypoints and contours but no file. 1.76 m, about 700 vertices, blended near the
+// joints.
 #pragma once
 
 #include <cmath>

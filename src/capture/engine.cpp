@@ -74,7 +74,8 @@ class Solver {
 
  private:
   static TrackInput input_of(const WorkItem& item) {
-    return {item.image, item.detections, item.silhouette, item.mask, item.frame.get(), item.report.pts_ms / 1000};
+    return {item.image,       item.detections,           item.silhouette, item.mask,
+            item.frame.get(), item.report.pts_ms / 1000, item.nobody};
   }
 
   static TrackerOptions tracker_options(const MethodOptions& options) {

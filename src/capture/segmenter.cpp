@@ -7,6 +7,30 @@
 #include "detect/crop.h"
 
 namespace livecap {
+namespace {
+
+constexpr float kSeen = 0.5f;  // confidence
+constexpr int kLeastSeen = 4;
+// Of the box around the keypoints that are seen: with less foreground in it nobody is there. People had 0.25 and more,
+// things in an empty room 0.07 and less.
+constexpr double kLeastForeground = 0.1;
+
+// The part of that box that is in the picture, px^2; 0 with too few keypoints to tell.
+double area_of_keypoints(const Detections& detections, int width, int height) {
+  double x0 = width, y0 = height, x1 = 0, y1 = 0;
+  int n_seen = 0;
+  for (const KeypointDetection& k : detections.keypoints) {
+    if (!detections.person || k.confidence < kSeen) continue;
+    ++n_seen;
+    x0 = std::min<double>(x0, k.x_px), x1 = std::max<double>(x1, k.x_px);
+    y0 = std::min<double>(y0, k.y_px), y1 = std::max<double>(y1, k.y_px);
+  }
+  if (n_seen < kLeastSeen) return 0;
+  return std::max(0.0, std::min<double>(x1, width) - std::max(x0, 0.0)) *
+         std::max(0.0, std::min<double>(y1, height) - std::max(y0, 0.0));
+}
+
+}  // namespace
 
 Segmenter::Segmenter(ocl::DeviceContext& device, ocl::DeviceContext& gate_device, const BackgroundModel& background,
                      const Camera& camera, bool gated, int frames_under_way)
@@ -65,7 +89,11 @@ void Segmenter::segment(WorkItem& item) {
     item.silhouette.height = item.mask.height;
     item.silhouette.area_px = found.area_px;
     item.silhouette.box = found.box;
-    if (found.area_px > 0) distance_.compute(item.frame->mask, found.box, found.area_px, item.frame->signed_distance);
+    item.nobody = foreground_.has_background() && !item.gate.person.search.empty() &&
+                  found.area_px < kLeastForeground * area_of_keypoints(item.detections, width_, height_);
+    if (item.nobody) item.silhouette.area_px = 0, item.silhouette.box = {};
+    if (item.silhouette.area_px > 0)
+      distance_.compute(item.frame->mask, found.box, found.area_px, item.frame->signed_distance);
     device_.finish();
   }
   item.report.stage_ms[static_cast<int>(CaptureStage::kSegment)] += timer.elapsed_ms();

@@ -31,7 +31,8 @@ class Segmenter {
   // In the order of frames: it counts those without anybody.
   void find_gate(WorkItem& item);
 
-  // May run beside find_gate() of later frames.
+  // May run beside find_gate() of later frames. Against an empty plate nobody is where hardly anything differs from it,
+  // whatever the network sees there.
   void segment(WorkItem& item);
 
  private:

@@ -104,7 +104,7 @@ TrackResult Tracker::solve_pose(const TrackInput& given) {
   const Silhouette& silhouette = given.silhouette;
   const PoseStageInput input{options_.ignore_confidence ? certain : given.detections, silhouette, frame_of(given)};
   TrackResult result;
-  const bool person = input.detections.person;
+  const bool person = input.detections.person && !given.nobody;
   if (!given.frame && (person || !silhouette.empty()) &&
       given.mask.pixels.size() != size_t(camera_.width) * camera_.height)
     throw LogicError("capture: the mask is not of the camera's size");

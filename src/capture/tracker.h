@@ -25,7 +25,8 @@ struct TrackInput {
   // Picture, silhouette and mask on the solver's device; nullptr: they are uploaded from the above. With it only the
   // silhouette's area is looked at.
   const DeviceFrame* frame = nullptr;
-  double time_s = 0;  // of the frame, rising
+  double time_s = 0;    // of the frame, rising
+  bool nobody = false;  // whatever the network saw
 };
 
 struct TrackResult {

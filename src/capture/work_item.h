@@ -21,6 +21,7 @@ struct WorkItem {
   ImageRgb image;                           // undistorted
   Detections detections;
   ForegroundGate gate;                 // for the second half of the segmentation
+  bool nobody = false;                 // where the network sees somebody hardly anything differs from the empty plate
   ImageGray mask;                      // the person's pixels; empty when the network sees nobody
   Silhouette silhouette;               // no distances: these are in `frame`
   std::shared_ptr<DeviceFrame> frame;  // on the solver's device; until solved

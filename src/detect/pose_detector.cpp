@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/text.h"
 #include "detect/find_model.h"
@@ -26,6 +27,28 @@ CropRegion search_window(int width, int height, int step) {
                         : CropRegion{0.5 * (width - 1), start, side, 0};
 }
 
+// The whole picture shows a person small, and in a crop that is too large the network may take front for back. Looks at
+// things in a room were not seen to agree (docs/experiments.md).
+constexpr int kMostLooks = 6;
+constexpr double kSettledCrop = 0.08;        // of its side
+constexpr double kSettledLandmarks = 0.015;  // of the crop's side; people 0.003 to 0.012, things 0.02 to 0.1
+constexpr float kSeen = 0.5f;                // presence
+constexpr int kLeastSeen = 4;
+
+// Mean distance of those shoulders, elbows, wrists, hips, knees and ankles that are in both pictures; infinite where
+// too few are.
+double distance_px(const std::vector<RawLandmark>& a, const std::vector<RawLandmark>& b) {
+  constexpr int kJoints[] = {11, 12, 13, 14, 15, 16, 23, 24, 25, 26, 27, 28};
+  double sum = 0;
+  int n_seen = 0;
+  for (const int i : kJoints) {
+    if (!(a[i].presence >= kSeen && b[i].presence >= kSeen)) continue;
+    sum += std::hypot(a[i].x_px - b[i].x_px, a[i].y_px - b[i].y_px);
+    ++n_seen;
+  }
+  return n_seen < kLeastSeen ? std::numeric_limits<double>::infinity() : sum / n_seen;
+}
+
 using Matrix3 = std::array<std::array<double, 3>, 3>;
 
 // The smallest rotation that takes the optical axis (0,0,1) to the unit vector d (d.z > 0): R = I + [v] + [v]^2 / (1 +
@@ -45,6 +68,8 @@ void PoseDetectorOptions::validate() const {
   if (!(refine_threshold >= 0))
     throw ConfigError(format("heatmap threshold %g must not be negative", double(refine_threshold)));
   if (max_missed_frames < 0) throw ConfigError(format("max_missed_frames %d must not be negative", max_missed_frames));
+  if (max_unsettled_frames < 0)
+    throw ConfigError(format("max_unsettled_frames %d must not be negative", max_unsettled_frames));
   sides.validate();
   jumps.validate();
   posture.validate();
@@ -58,6 +83,7 @@ PoseDetector::PoseDetector(ocl::DeviceContext& device, const PoseDetectorOptions
 void PoseDetector::reset() {
   forget_person();
   search_step_ = 0;
+  unsettled_ = 0;
   posture_.reset();
 }
 
@@ -91,6 +117,28 @@ bool PoseDetector::accept(const ImageRgb& image) {
   return plausible(next_crop_, image);
 }
 
+// Somebody who was found just now, seen with the crop of the look before until looks agree. A later look that sees
+// nobody is taken back.
+bool PoseDetector::look_closer(const ImageRgb& image) {
+  settled_ = false;
+  CropRegion last;
+  for (int look = 0; look < kMostLooks && !settled_; ++look) {
+    const CropRegion crop = next_crop_;
+    const std::vector<RawLandmark> before = estimate_.landmarks;
+    network_.estimate(crop, options_.refine_threshold, false, estimate_);
+    if (!accept(image)) {
+      if (look == 0) return false;
+      network_.estimate(last, options_.refine_threshold, false, estimate_);
+      return accept(image);
+    }
+    last = crop;
+    const double moved = distance_px(before, estimate_.landmarks) / crop.side_px;
+    const double grown = std::abs(std::log(next_crop_.side_px / crop.side_px));
+    settled_ = moved < kSettledLandmarks && grown < kSettledCrop;
+  }
+  return true;
+}
+
 bool PoseDetector::find_person(const ImageRgb& image) {
   if (tracking_) {
     mirrored_ = mirror_next_;
@@ -108,9 +156,7 @@ bool PoseDetector::find_person(const ImageRgb& image) {
     found = accept(image);
   }
   if (!found) return false;
-  // A second look with the person's own crop.
-  network_.estimate(next_crop_, options_.refine_threshold, false, estimate_);
-  if (!accept(image)) return false;
+  if (!look_closer(image) || (tracking_ && !settled_)) return false;
   forget_person();  // found elsewhere: the filters' past is of no use
   return true;
 }
@@ -174,7 +220,7 @@ Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camer
     raw_.clear();
     mirror_bias_.interrupt();
     if (!tracking_ || ++missed_ > options_.max_missed_frames) forget_person();
-    if (!tracking_) last_time_s_ = time_s;
+    if (!tracking_) last_time_s_ = time_s, unsettled_ = 0;
     return detections;
   }
   detections.person = true;
@@ -196,8 +242,11 @@ Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camer
         place_mask(network_.mask_probability(), estimate_.crop, undistorted.width, undistorted.height));
   }
   followed_ = next_crop_;
-  if (!tracking_) followed_.center_x_px += options_.first_crop_aside_px;
-  tracking_ = true;
+  if (!tracking_) {
+    followed_.center_x_px += options_.first_crop_aside_px;
+    tracking_ = settled_ || unsettled_ >= options_.max_unsettled_frames;
+    unsettled_ = tracking_ ? 0 : unsettled_ + 1;
+  }
   missed_ = 0;
   last_time_s_ = time_s;
   return detections;

@@ -31,6 +31,9 @@ struct PoseDetectorOptions {
   // So many frames after a person was last seen they are first looked for where they were, and their filters' past is
   // kept: networks miss single frames.
   int max_missed_frames = 5;
+  // A person just found is looked at with ever closer crops until two looks agree. If none do, the person is reported,
+  // but looked for anew in the next frame, at most so many frames on end; then followed all the same.
+  int max_unsettled_frames = 5;
   bool keep_sides = true;  // undo sudden exchanges of left and right
   SideTrackerOptions sides;
   bool drop_jumps = true;  // keypoints that cannot have got there in a frame stay where they were
@@ -78,6 +81,7 @@ class PoseDetector {
   bool plausible(const CropRegion& crop, const ImageRgb& image) const;
   bool accept(const ImageRgb& image);
   bool find_person(const ImageRgb& image);
+  bool look_closer(const ImageRgb& image);
   void turn_to_camera_axes(const Camera& camera);
   void drop_jumps(double dt_s, double mm_per_px, Detections& detections);
   void filter_keypoints(double dt_s, Detections& detections);
@@ -93,7 +97,9 @@ class PoseDetector {
   bool mirror_next_ = false;
   bool mirrored_ = false;  // the last picture
   MirrorBias mirror_bias_;
-  int search_step_ = 0;     // which window is tried next while nobody is found
+  bool settled_ = false;  // whether looks at who was found last agree; else they are looked for anew in the next frame
+  int unsettled_ = 0;     // frames on end in which they did not
+  int search_step_ = 0;   // which window is tried next while nobody is found
   double last_time_s_ = 0;  // of the last frame with the person that is followed; without one, of the last frame
   SideTracker sides_;
   JumpGate jumps_;

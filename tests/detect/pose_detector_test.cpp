@@ -91,7 +91,9 @@ TEST(PoseDetector, FindsThePersonAndRepeatsExactly) {
   const ImageRgb image = person_in_scene(data);
   const Camera camera = camera_from_fov(400, 480, 50);
   test::on_every_device([&](ocl::DeviceContext& device) {
-    detect::PoseDetector detector(device, lite());
+    detect::PoseDetectorOptions options = lite();
+    options.max_unsettled_frames = 0;
+    detect::PoseDetector detector(device, options);
     const auto run = [&] {
       std::vector<Detections> frames;
       for (int i = 0; i < 3; ++i) frames.push_back(detector.detect(image, camera, i, i / 30.0));
@@ -124,6 +126,29 @@ TEST(PoseDetector, FindsThePersonAndRepeatsExactly) {
   });
 }
 
+// Who is small in the picture is seen through a crop that is as large in the first frame as in those that follow.
+TEST(PoseDetector, LooksAtWhoIsFoundUntilTheCropSettles) {
+  LIVECAP_MODEL_OR_SKIP(model, "lite");
+  LIVECAP_DATA_OR_SKIP(data, "network");
+  cv::Mat scene(960, 540, CV_8UC3, cv::Scalar(120, 110, 100)), person;
+  cv::resize(cv::imread((data / "crop.png").string()), person, cv::Size(420, 420), 0, 0, cv::INTER_CUBIC);
+  person.copyTo(scene(cv::Rect(60, 420, person.cols, person.rows)));
+  const ImageRgb image = from_mat(scene);
+  const Camera camera = camera_from_fov(540, 960, 50);
+  test::on_every_device([&](ocl::DeviceContext& device) {
+    detect::PoseDetectorOptions options = lite();
+    options.max_unsettled_frames = 0;
+    options.alternate_mirror = false;
+    detect::PoseDetector detector(device, options);
+    ASSERT_TRUE(detector.detect(image, camera, 0, 0).person);
+    const double first = detector.crop().side_px;
+    for (int frame = 1; frame < 4; ++frame) {
+      ASSERT_TRUE(detector.detect(image, camera, frame, frame / 30.0).person);
+      EXPECT_NEAR(detector.crop().side_px / first, 1, test::kCropAtRest) << frame;
+    }
+  });
+}
+
 // A picture with no symmetry in which the network sees something; which does not matter here.
 cv::Mat blobs(int width, int height) {
   cv::Mat bgr(height, width, CV_8UC3, cv::Scalar(90, 100, 110));
@@ -141,8 +166,8 @@ cv::Mat blobs(int width, int height) {
 TEST(PoseDetector, FirstCropIsAsideByWhatWasAsked) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
   LIVECAP_DATA_OR_SKIP(data, "network");
-  const ImageRgb image = person_in_scene(data);
-  const Camera camera = camera_from_fov(400, 480, 50);
+  const ImageRgb image = from_mat(cv::imread((data / "crop.png").string()));
+  const Camera camera = camera_from_fov(image.width, image.height, 50);
   test::on_every_device([&](ocl::DeviceContext& device) {
     detect::PoseDetectorOptions options = lite();
     detect::PoseDetector usual(device, options);
@@ -206,12 +231,13 @@ TEST(PoseDetector, WhatJumpsStaysUntilItIsForgotten) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
   constexpr int kJumps = 5, kWidth = 320, kHeight = 240;
   cv::Mat other = blobs(kWidth, kHeight);
-  cv::line(other, {125, 85}, {60, 40}, {120, 150, 210}, 14, cv::LINE_AA);
+  cv::line(other, {125, 85}, {60, 60}, {120, 150, 210}, 14, cv::LINE_AA);
   const ImageRgb first = from_mat(blobs(kWidth, kHeight)), second = from_mat(other);
   const Camera camera = camera_from_fov(kWidth, kHeight, 50);
   test::on_every_device([&](ocl::DeviceContext& device) {
     detect::PoseDetectorOptions options = lite();
     options.score_threshold = 0;
+    options.max_unsettled_frames = 0;  // nobody is in these pictures
     options.mask = options.filter = options.keep_sides = options.correct_posture = options.alternate_mirror = false;
     options.drop_jumps = false;
     detect::PoseDetector plain(device, options);
@@ -384,6 +410,31 @@ TEST(PoseDetector, MissedFramesAreBridged) {
     for (int i = 0; i <= most; ++i, ++frame) interrupted.detect(black, camera, frame, frame / 30.0);
     ASSERT_TRUE(see(interrupted, frame).person);
     EXPECT_EQ(interrupted.crop().side_px, first.side_px) << "searched as in the first frame";
+  });
+}
+
+// `lite` sees this person in two ways, turn about. So they are looked for anew, with the same result, for as many
+// frames as asked and after none without it.
+TEST(PoseDetector, WhatDoesNotSettleIsNotFollowedAtOnce) {
+  LIVECAP_MODEL_OR_SKIP(model, "lite");
+  LIVECAP_DATA_OR_SKIP(data, "network");
+  const ImageRgb image = person_in_scene(data);
+  const Camera camera = camera_from_fov(400, 480, 50);
+  test::on_every_device([&](ocl::DeviceContext& device) {
+    detect::PoseDetectorOptions options = lite();
+    options.max_unsettled_frames = -1;
+    EXPECT_THROW(detect::PoseDetector(device, options), ConfigError);
+    options.max_unsettled_frames = 2;
+    detect::PoseDetector detector(device, options);
+    for (int round = 0; round < 2; ++round) {
+      double found_px = 0;
+      for (int frame = 0; frame < 5; ++frame) {
+        ASSERT_TRUE(detector.detect(image, camera, frame, frame / 30.0).person);
+        if (frame == 0) found_px = detector.crop().side_px;
+        EXPECT_EQ(detector.crop().side_px == found_px, frame < 3) << round << " " << frame;
+      }
+      detector.reset();
+    }
   });
 }
 

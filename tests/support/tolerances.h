@@ -38,6 +38,7 @@ inline constexpr int kMaskBytes = 8;
 // seen 1e-3.
 inline constexpr double kLandmarkPx = 0.05;
 inline constexpr double kLandmarkMm = 0.5;
+inline constexpr double kCropAtRest = 0.1;  // share by which the crop of a person at rest changes
 
 // Float rasteriser against a double ray caster: perspective-correct depth from three edge values of a float each.
 inline constexpr double kRasterDepthRelative = 1e-4;

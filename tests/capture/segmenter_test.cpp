@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "capture/engine.h"
 #include "nn/models.h"
 #include "support/kernel_bodies.h"
@@ -50,6 +52,33 @@ TEST(Segmenter, WarmUpIsForgotten) {
     item.image = {160, 120, std::vector<uint8_t>(size_t(3) * 160 * 120, 0)};
     segmenter.find_gate(item);
     EXPECT_EQ(item.frame, nullptr);
+  });
+}
+
+// A person's keypoints where the picture is as the empty one, and where a quarter of their box differs from it.
+TEST(Segmenter, NobodyIsWhereNothingDiffersFromThePlate) {
+  constexpr int kWidth = 160, kHeight = 120, kLeft = 50, kTop = 20, kSide = 60;
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const Camera camera = camera_from_fov(kWidth, kHeight, 60);
+    Segmenter segmenter(device, device, background(camera, Plate::kGrey), camera, false, 1);
+    for (const bool there : {false, true, false}) {
+      WorkItem item;
+      item.image = {kWidth, kHeight, std::vector<uint8_t>(size_t(3) * kWidth * kHeight, 128)};
+      for (int y = kTop; there && y < kTop + kSide; ++y)
+        std::fill_n(&item.image.pixels[size_t(3) * (y * kWidth + kLeft + kSide / 4)], 3 * kSide / 4, uint8_t{20});
+      item.detections.person = true;
+      for (int k = 0; k < kKeypointCount; ++k) {
+        KeypointDetection& keypoint = item.detections.keypoints[k];
+        keypoint.confidence = 1;
+        keypoint.x_px = float(k % 2 == 0 ? kLeft : kLeft + kSide);
+        keypoint.y_px = float(k % 4 < 2 ? kTop : kTop + kSide);
+      }
+      segmenter.find_gate(item);
+      segmenter.segment(item);
+      EXPECT_EQ(item.nobody, !there);
+      EXPECT_EQ(item.silhouette.empty(), !there);
+      EXPECT_TRUE(item.detections.person) << "what the network saw";
+    }
   });
 }
 

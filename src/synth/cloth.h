@@ -1,11 +1,13 @@
-// Clothes that lag behind and swing around the skinned surface: a mass-spring simulation with position-based edge
-// lengths and capsules for the limbs. Small and stable rather than exact: it makes truth that skinning alone cannot
-// reach.
+// Clothes that do more than skinning alone can reach. Skirts fall (synth/falling_cloth.h); tops and trousers, which the
+// body holds, lag behind and swing around the skinned surface: a mass-spring simulation with position-based edge
+// lengths, small and stable rather than exact.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "synth/actor_model.h"
+#include "synth/falling_cloth.h"
 
 namespace livecap::synth {
 
@@ -14,7 +16,7 @@ class Cloth {
   explicit Cloth(const ActorModel& actor);
 
   // Vertices that may leave the skinned surface.
-  const std::vector<int>& vertices() const { return free_; }
+  const std::vector<int>& vertices() const { return moving_; }
 
   // Starts at rest on the skinned surface.
   void reset(const std::vector<Vec3>& skinned, const BonePose& pose);
@@ -25,22 +27,25 @@ class Cloth {
   struct Edge {
     int a, b;
     double length;
-    double stiffness;
   };
-  struct Capsule {
+  struct Limb {
     int from, to;  // bones
     double radius_from, radius_to;
   };
 
+  void set_up_skirt(const BodyShape& shape);
   void substep(const std::vector<Vec3>& target, const std::vector<Vec3>& origins, double dt);
+  void step_skirt(const std::vector<Vec3>& skinned, const BonePose& pose, double seconds);
 
   const ActorModel& actor_;
-  std::vector<int> free_;
-  std::vector<double> freedom_;  // [n] 0 held on the skin .. 1 hanging free
-  std::vector<double> spring_;   // [n] 1/s^2, pull towards the skinned place
-  std::vector<bool> inner_;      // [n] underside of the skirt: follows its neighbours, no collisions
-  std::vector<Edge> edges_;      // with at least one free end
-  std::vector<Capsule> capsules_;
+  std::vector<int> moving_;
+  std::vector<int> close_;       // of tops and trousers
+  std::vector<double> freedom_;  // [n] of them, 0 held on the skin .. 1 hanging free
+  std::vector<double> spring_;   // [n] of them, 1/s^2, pull towards the skinned place
+  std::vector<Edge> edges_;      // of them, with at least one free end
+  std::vector<Limb> limbs_;
+  std::optional<FallingCloth> skirt_;
+  std::vector<int> lid_;  // underside of the skirt
   std::vector<std::vector<int>> neighbors_;
   std::vector<Vec3> position_, velocity_, previous_target_, previous_origins_;
 };

@@ -146,7 +146,7 @@ class Performer {
     if (!use_cloth_) return now;
     if (!started_) {
       cloth_.reset(now.skinned, now.pose);
-      for (int i = 0; i < 60; ++i) cloth_.step(now.skinned, now.pose, 1 / 30.0);  // let it settle
+      for (int i = 0; i < 30; ++i) cloth_.step(now.skinned, now.pose, 1 / 30.0);  // let it settle
       started_ = true;
     }
     now.vertices = cloth_.step(now.skinned, now.pose, 1 / fps_);

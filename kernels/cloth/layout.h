@@ -21,6 +21,7 @@ typedef struct {
   float spring;      // 1/s: the pull to the skinned place, times seconds
   float damped;      // share of the velocity relative to the skinned place that is lost
   float air;         // share of the velocity that air leaves
+  float falls;       // mm/s: gravity, times seconds
 } ClothStep;
 
 #endif

@@ -75,7 +75,7 @@ static inline Vec3 outside(Vec3 p, Limb limb, REAL reach) {
   return add3(p, scale3(out, push));
 }
 
-// Springs, drag and velocities. t: how far from the frame before to this one.
+// Springs, gravity, drag and velocities. t: how far from the frame before to this one.
 static inline void ahead_row(int row, int stride, ClothStep step, float t, global const float* is_free,
                              global const float* before, global const float* target, global const float* x,
                              global float* v, global float* ahead) {
@@ -84,6 +84,7 @@ static inline void ahead_row(int row, int stride, ClothStep step, float t, globa
   const Vec3 carried = scale3(moves, step.per_second);
   Vec3 velocity = add3(old, scale3(sub3(carried, old), step.damped));
   velocity = add3(scale3(velocity, step.air), scale3(sub3(goal, at), step.spring));
+  velocity.y += step.falls;  // down the picture
   Vec3 next = add3(at, scale3(velocity, step.seconds));
   const REAL free = LOAD(is_free, row);
   next = add3(goal, scale3(sub3(next, goal), free));

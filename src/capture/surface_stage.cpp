@@ -46,7 +46,8 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
   }
   if (options.enable_surface && hanging_.opening() > 0)
     folds_.emplace(device, actor, hanging_.hung_weights(), hanging_.opening());
-  if (options.enable_surface && options.simulate_cloth) cloth_.emplace(device, actor, options.cloth);
+  if (options.enable_surface && options.simulate_cloth)
+    cloth_.emplace(device, actor, options.cloth, hanging_.opening());
   std::vector<float> share(actor.n_vertices());
   const float hanging_share = std::lerp(options.taut_carried_share, options.loose_carried_share, hanging_.opening());
   for (int i = 0; i < actor.n_vertices(); ++i)

@@ -18,7 +18,7 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
-static_assert(sizeof(ClothStep) == 24, "as the kernel has it");
+static_assert(sizeof(ClothStep) == 28, "as the kernel has it");
 
 constexpr const char *kProgram = "cloth/cloth.cl", *kKernel = "simulate_cloth";
 constexpr double kLongestStep = 0.1;  // s, for which a frame's springs are to be stable
@@ -61,23 +61,32 @@ void ClothOptions::validate() const {
   const auto rate = [&](float value, const char* field) {
     require(value >= 0 && std::isfinite(value), field, value, "at least 0");
   };
+  require(steps >= 1, "steps", steps, "at least 1");
   require(max_held_leg_weight >= 0 && max_held_leg_weight < 1, "max_held_leg_weight", max_held_leg_weight,
           "at least 0 and below 1");
-  rate(stiffness, "stiffness");
-  rate(damping, "damping");
+  const double small = kLongestStep / steps;
+  for (const Fabric& fabric : {taut, loose}) {
+    rate(fabric.stiffness, "stiffness");
+    rate(fabric.damping, "damping");
+    rate(fabric.gravity, "gravity");
+    require(fabric.stiffness * small * small < 4, "stiffness", fabric.stiffness,
+            "less, or there must be more steps");  // semi-implicit Euler
+  }
   rate(air_drag, "air_drag");
   rate(bending_share, "bending_share");
   require(relaxation > 0 && relaxation < 2, "relaxation", relaxation, "above 0 and below 2");
-  require(steps >= 1, "steps", steps, "at least 1");
-  const double small = kLongestStep / steps;
-  require(stiffness * small * small < 4, "stiffness", stiffness,
-          "less, or there must be more steps");  // semi-implicit Euler
+  require(settling_frames >= 0, "settling_frames", settling_frames, "at least 0");
   for (const float radius : limb_radii)
     require(radius >= 0 && radius < 1, "a limb's radius", radius, "at least 0 and below 1");
 }
 
-ClothSimulation::ClothSimulation(ocl::DeviceContext& device, const Actor& actor, const ClothOptions& options)
-    : device_(&device), options_(options) {
+ClothSimulation::ClothSimulation(ocl::DeviceContext& device, const Actor& actor, const ClothOptions& options,
+                                 float opening)
+    : device_(&device),
+      options_(options),
+      fabric_{std::lerp(options.taut.stiffness, options.loose.stiffness, opening),
+              std::lerp(options.taut.damping, options.loose.damping, opening),
+              std::lerp(options.taut.gravity, options.loose.gravity, opening)} {
   options.validate();
   const ClothGraph cloth = make_cloth_graph(actor, options.max_held_leg_weight);
   const Skeleton& skeleton = actor.skeleton;
@@ -199,17 +208,22 @@ void ClothSimulation::step(const PosedSkeleton& posed, double seconds, ocl::Buff
   const ClothStep step{float(small),
                        float(1 / small),
                        float(1 / seconds),
-                       float(options_.stiffness * small),
-                       float(1 - std::exp(-options_.damping * small)),
-                       float(std::exp(-options_.air_drag * small))};
-  simulate_.launch(groups_.n() * group_, group_, first_ ? 1 : 0, options_.steps, graph_.n_rows, graph_.stride, n_moved_,
-                   groups_.arrived(), step, slice_offsets_, neighbors_, pulls_, lengths_, vertices_, is_free_, limbs_,
-                   reach_, moved_, particles_, weights_, before_, target_, x_, v_, ahead_, skinned, start, start_before,
-                   groups_.state());
-  groups_.launched(options_.steps + 1);
+                       float(fabric_.stiffness * small),
+                       float(1 - std::exp(-fabric_.damping * small)),
+                       float(std::exp(-options_.air_drag * small)),
+                       float(fabric_.gravity * small)};
+  const bool settles = first_ && fabric_.gravity > 0;
+  for (int left = settles ? options_.settling_frames : 0; left >= 0; --left) {
+    const int n_moved = left > 0 ? 0 : n_moved_;  // until it hangs, the surface stays where it is
+    simulate_.launch(groups_.n() * group_, group_, first_ ? 1 : 0, options_.steps, graph_.n_rows, graph_.stride,
+                     n_moved, groups_.arrived(), step, slice_offsets_, neighbors_, pulls_, lengths_, vertices_,
+                     is_free_, limbs_, reach_, moved_, particles_, weights_, before_, target_, x_, v_, ahead_, skinned,
+                     start, start_before, groups_.state());
+    groups_.launched(options_.steps + 1);
+    first_ = false;
+  }
   if (groups_.n() > 1) groups_.read_later();
   limbs_before_ = now;
-  first_ = false;
 }
 
 bool ClothSimulation::gave_up() {

@@ -1,7 +1,8 @@
 // How hanging cloth moves with the body, without looking at pictures: position based dynamics of a ClothGraph, driven
-// by the skinned surface. Links keep their rest lengths, springs draw every particle to its skinned place (cloth in the
-// rest pose hangs in equilibrium, so gravity is not added), limbs push it away. It tells stage II what the camera does
-// not see: how far a skirt swings, and where thighs lift it. Not of the paper, whose V^S is the skinned template.
+// by the skinned surface. Links keep their rest lengths, limbs push particles away. Cloth in folds is soft and falls
+// from where it is held; cloth that stands wide without folds must be stiff: springs draw each of its particles to the
+// skinned place, where it hangs in equilibrium. It tells stage II what the camera does not see: how far a skirt swings,
+// and where thighs lift it. Not of the paper, whose V^S is the skinned template.
 #pragma once
 
 #include <array>
@@ -18,28 +19,34 @@ namespace livecap {
 
 struct ClothOptions {
   float max_held_leg_weight = 0.15f;  // vertices with less weight on the legs are fastened to the skinned surface
-  float stiffness = 150;              // 1/s^2, acceleration by a mm from the skinned place
-  float damping = 12;                 // 1/s, of the velocity relative to the skinned place
-  float air_drag = 3;                 // 1/s, of the velocity
-  float bending_share = 1;            // of a link across an edge by one along an edge
-  float relaxation = 1.2f;            // of a particle's mean correction by its links
-  int steps = 20;                     // a frame
+  struct Fabric {
+    float stiffness;  // 1/s^2, acceleration by a mm from the skinned place
+    float damping;    // 1/s, of the velocity relative to the skinned place
+    float gravity;    // mm/s^2, down the picture: a camera stands about level
+  };
+  Fabric taut = {100, 8, 0}, loose = {0, 4, 9810};  // what is part of both lies between them
+  float air_drag = 1;                               // 1/s, of the velocity
+  float bending_share = 0.3f;                       // of a link across an edge by one along an edge
+  float relaxation = 1.2f;                          // of a particle's mean correction by its links
+  int steps = 40;                                   // a frame; Jacobi with 20 lets cloth sag by 2.5 %
+  int settling_frames = 10;                         // in which it falls before the first
   // Radii of hips, thighs at their upper ends, knees and ankles, by the length of a thigh: how near cloth may come. For
   // what is nearer in the rest pose no limb is thicker than that.
-  std::array<float, 4> limb_radii = {0.3f, 0.24f, 0.16f, 0.12f};
+  std::array<float, 4> limb_radii = {0.3f, 0.3f, 0.2f, 0.2f};
 
   void validate() const;  // throws ConfigError
 };
 
 class ClothSimulation {
  public:
-  // Keeps no reference to the actor; the device must outlive it. Throws ConfigError.
-  ClothSimulation(ocl::DeviceContext& device, const Actor& actor, const ClothOptions& options);
+  // opening: of HangingCloth, 0 taut to 1 loose. Keeps no reference to the actor; the device must outlive it. Throws
+  // ConfigError.
+  ClothSimulation(ocl::DeviceContext& device, const Actor& actor, const ClothOptions& options, float opening);
 
   // False for an actor without hanging cloth: step() does nothing then.
   bool has_cloth() const { return graph_.n > 0; }
 
-  // Forgets how the cloth moves: the next step begins at rest on the skinned surface.
+  // Forgets how the cloth moves: the next step begins at rest, on the skinned surface or where it falls from there.
   void reset() { first_ = true; }
 
   // One frame, seconds after the last. skinned: [3n] mm, camera frame, V^S in, where hanging cloth is replaced by the
@@ -58,6 +65,7 @@ class ClothSimulation {
 
   ocl::DeviceContext* device_;
   ClothOptions options_;
+  ClothOptions::Fabric fabric_;
   SellGraph graph_;                           // of particles
   std::array<std::array<int, 3>, 2> legs_{};  // hip, knee and ankle
   float thigh_mm_ = 0;

@@ -81,7 +81,7 @@ std::optional<Eigen::Vector3d> middle_of_the_hips(const Skeleton& skeleton) {
 
 SkinWeights hanging_weights(const Actor& actor, const HangingClothOptions& options) {
   options.validate();
-  const float c = options.leg_share;
+  const float c = std::lerp(options.taut_leg_share, options.loose_leg_share, opening(actor, options));
   const auto kept = [&](float legs) {
     const float trusted = trusted_legs(actor, legs, options);
     return c / (c + (1 - c) * trusted) * (trusted / legs);
@@ -105,13 +105,19 @@ std::vector<float> leg_weights(const Actor& actor) {
   return sums;
 }
 
+float opening(const Actor& actor, const HangingClothOptions& options) {
+  const float folds = float(share_in_folds(actor));
+  return std::clamp((folds - options.taut) / (options.loose - options.taut), 0.0f, 1.0f);
+}
+
 void HangingClothOptions::validate() const {
   const auto require_share = [](float value, const char* field) {
     if (!(value > 0.0f && value <= 1.0f))
       throw ConfigError(std::string("hanging cloth: ") + field + " is " + std::to_string(value) +
                         ", must be above 0 and at most 1");
   };
-  require_share(leg_share, "leg_share");
+  require_share(taut_leg_share, "taut_leg_share");
+  require_share(loose_leg_share, "loose_leg_share");
   require_share(loose_on_legs, "loose_on_legs");
   if (!(taut >= 0.0f && taut < loose && std::isfinite(loose))) {
     throw ConfigError("hanging cloth: taut is " + std::to_string(taut) + " and loose " + std::to_string(loose) +
@@ -128,8 +134,7 @@ void HangingClothOptions::validate() const {
 
 HangingCloth::HangingCloth(const Actor& actor, const HangingClothOptions& options) : options_(options) {
   options.validate();
-  const float folds = float(share_in_folds(actor));
-  opening_ = std::clamp((folds - options.taut) / (options.loose - options.taut), 0.0f, 1.0f);
+  opening_ = livecap::opening(actor, options);
   const float most = 1 - opening_ * (1 - options.loose_on_legs);
   const int hanging_bone = actor.skeleton.n_bones();
   const auto kept = [&](float legs) { return std::min(trusted_legs(actor, legs, options), most) / legs; };

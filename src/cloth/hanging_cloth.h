@@ -12,9 +12,10 @@
 namespace livecap {
 
 struct HangingClothOptions {
-  // In stage I a vertex whose weights on the legs sum to L keeps c L / (c + (1 - c) L) of them, c = leg_share in (0,1]:
-  // all of a small L, c of L = 1. The rest goes to the hanging bone. 1 = the actor's own skinning (the paper).
-  float leg_share = 0.4f;
+  // In stage I a vertex whose weights on the legs sum to L keeps c L / (c + (1 - c) L) of them, c in (0,1]:
+  // all of a small L, c of L = 1. The rest goes to the hanging bone. 1 = the actor's own skinning (the paper). Loose
+  // cloth lies on the legs; what is taut stands away from them (ClothSimulation), and moves once they touch it.
+  float taut_leg_share = 0.1f, loose_leg_share = 0.4f;
   // Where the actor's weights are guessed, L to this power stands for L in both stages: heat lets cloth near the hips
   // follow the legs two to three times as far as it does.
   float guessed_power = 2;
@@ -36,6 +37,9 @@ std::optional<Eigen::Vector3d> middle_of_the_hips(const Skeleton& skeleton);
 // [n] sum of each vertex's weights on the legs (below and including the hips).
 std::vector<float> leg_weights(const Actor& actor);
 
+// 0 taut to 1 loose, by how much of it lies in folds: how little the cloth is pulled by legs that move away from it.
+float opening(const Actor& actor, const HangingClothOptions& options);
+
 // [n] the same, of hanging cloth as far as they are trusted (guessed_power).
 std::vector<float> trusted_leg_weights(const Actor& actor, const HangingClothOptions& options);
 
@@ -56,7 +60,6 @@ class HangingCloth {
   // Where no leg touches it.
   const SkinWeights& hung_weights() const { return hung_weights_; }
 
-  // 0 taut to 1 loose: how little the cloth is pulled by legs that move away from it.
   float opening() const { return opening_; }
 
   // camera_from_rest of every bone and of the hanging bone as dual quaternions, [8*(n_bones+1)].

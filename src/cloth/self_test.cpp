@@ -78,7 +78,8 @@ std::vector<ocl::SelfTestResult> cloth_self_test(ocl::DeviceContext& device) {
   options.steps = 1;
   options.relaxation = 1e-9f;
   options.limb_radii = {0, 0, 0, 0};
-  ClothSimulation cloth(device, actor, options);
+  constexpr float kTaut = 0, kLoose = 1;
+  ClothSimulation cloth(device, actor, options, kTaut);
   ocl::Buffer<float> skinned(device, rest), start(device, rest), before(device, rest);
   const double seconds = 0.04, aside = 10;
   // The largest distance along x from the rest place and so much, of the vertices from `first` to `end`.
@@ -101,14 +102,32 @@ std::vector<ocl::SelfTestResult> cloth_self_test(ocl::DeviceContext& device) {
   skinned.write(moved);
   cloth.step(posed, seconds, skinned, start, before);
   // It takes up a share of the velocity it is carried with, loses some of that to the air, and is pulled.
-  const double carried = aside / seconds * (1 - std::exp(-options.damping * seconds));
-  const double by = seconds * (carried * std::exp(-options.air_drag * seconds) + options.stiffness * seconds * aside);
+  const double carried = aside / seconds * (1 - std::exp(-options.taut.damping * seconds));
+  const double pulled = options.taut.stiffness * seconds * aside;
+  const double by = seconds * (carried * std::exp(-options.air_drag * seconds) + pulled);
   const double swung = std::max(error(0, kAround, aside), error(kAround, actor.n_vertices(), by));
+
+  // What is loose has fallen one step when it begins.
+  options.settling_frames = 0;
+  ClothSimulation falling(device, actor, options, kLoose);
+  skinned.write(rest);
+  falling.step(posed, seconds, skinned, start, before);
+  std::vector<float> got = skinned.read_all();
+  if (falling.gave_up()) {
+    skinned.write(rest);
+    falling.step(posed, seconds, skinned, start, before);
+    got = skinned.read_all();
+  }
+  double fell = 0;
+  for (int i = 0; i < actor.n_vertices(); ++i) {
+    const double down = i < kAround ? 0 : options.loose.gravity * seconds * seconds;
+    fell = std::max(fell, std::abs(got[3 * i + 1] - rest[3 * i + 1] - down));
+  }
   const auto told = [](const char* what, double error_mm) {
     return ocl::SelfTestResult{what, error_mm <= kTolerance, std::to_string(error_mm) + " mm beside the known place"};
   };
   return {told("simulate_cloth at rest", at_rest), told("simulate_cloth carried aside", swung),
-          told("open_folds", opening_error(device))};
+          told("simulate_cloth falling", fell), told("open_folds", opening_error(device))};
 }
 
 }  // namespace livecap

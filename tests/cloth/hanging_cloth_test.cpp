@@ -94,7 +94,7 @@ TEST(HangingCloth, WithoutTheHangingBoneTheHipsBoneTakesTheShare) {
                                   {{{kRoot, 0.5f}, {kOtherHip, 0.5f}, {0, 0}, {0, 0}}},
                                   {{{kHip, 1.0f}, {0, 0}, {0, 0}, {0, 0}}}},
                                  {1, 1, 2});
-  const SkinWeights skin = hanging_weights(actor, {.leg_share = 0.4f});
+  const SkinWeights skin = hanging_weights(actor, {.taut_leg_share = 0.4f, .loose_leg_share = 0.4f});
   const auto hem = weights_of(skin, 0), middle = weights_of(skin, 1), trousers = weights_of(skin, 2);
   ASSERT_EQ(hem.size(), 3u);
   EXPECT_NEAR(hem.at(kRoot), 0.6f, 1e-6f);
@@ -103,8 +103,23 @@ TEST(HangingCloth, WithoutTheHangingBoneTheHipsBoneTakesTheShare) {
   EXPECT_NEAR(middle.at(kRoot), 5.0f / 7, 1e-6f);
   EXPECT_NEAR(middle.at(kOtherHip), 2.0f / 7, 1e-6f);
   EXPECT_EQ(trousers, (std::map<int, float>{{kHip, 1.0f}}));
-  EXPECT_EQ(hanging_weights(actor, {.leg_share = 1.0f}).weights, actor.skin.weights);
-  EXPECT_THROW(hanging_weights(actor, {.leg_share = 0.0f}), ConfigError);
+  EXPECT_EQ(hanging_weights(actor, {.taut_leg_share = 1.0f, .loose_leg_share = 1.0f}).weights, actor.skin.weights);
+  EXPECT_THROW(hanging_weights(actor, {.taut_leg_share = 0.0f}), ConfigError);
+}
+
+// What stands away from the legs follows them less than what lies on them.
+TEST(HangingCloth, TautClothFollowsTheLegsLessInStageOne) {
+  const auto on_legs = [](double depth) {
+    const Actor actor = test::folded_skirt(depth, 12);
+    const SkinWeights skin = hanging_weights(actor, {.taut_leg_share = 0.2f, .loose_leg_share = 0.6f});
+    float legs = 0;
+    for (int k = 0; k < 4; ++k)
+      if (skin.bones[k] != 0) legs += skin.weights[k];
+    return legs;
+  };
+  const auto kept = [](float c) { return c / (c + (1 - c) * 0.5f) * 0.5f; };  // of weights that sum to 0.5
+  EXPECT_NEAR(on_legs(0), kept(0.2f), 1e-6f);
+  EXPECT_NEAR(on_legs(0.3), kept(0.6f), 1e-6f);
 }
 
 // A weight of 0.5 on the legs that was guessed is worth 0.25.
@@ -115,7 +130,7 @@ TEST(HangingCloth, FollowsTheLegsLessWhereWeightsAreGuessed) {
   EXPECT_EQ(trusted_leg_weights(actor, {}), leg_weights(actor));
   actor.guessed_weights = true;
   EXPECT_EQ(trusted_leg_weights(actor, {}), (std::vector<float>{0.25f, 0.5f}));
-  const auto skirt = weights_of(hanging_weights(actor, {.leg_share = 1}), 0);
+  const auto skirt = weights_of(hanging_weights(actor, {.taut_leg_share = 1, .loose_leg_share = 1}), 0);
   ASSERT_EQ(skirt.size(), 3u);
   EXPECT_NEAR(skirt.at(kRoot), 0.75f, 1e-6f);
   EXPECT_NEAR(skirt.at(kOtherHip), 0.15f, 1e-6f);
@@ -207,7 +222,7 @@ TEST(HangingCloth, OptionsAreChecked) {
   const Actor actor = actor_with({{{{kHip, 1}, {0, 0}, {0, 0}, {0, 0}}}}, {1});
   for (const float share : {0.0f, -0.1f, 1.01f, std::nanf("")}) {
     EXPECT_THROW(HangingCloth(actor, {.loose_on_legs = share}), ConfigError) << share;
-    EXPECT_THROW(HangingCloth(actor, {.leg_share = share}), ConfigError) << share;
+    EXPECT_THROW(HangingCloth(actor, {.loose_leg_share = share}), ConfigError) << share;
   }
   for (const float share : {-0.1f, 1.01f, std::nanf("")}) {
     EXPECT_THROW(HangingCloth(actor, {.gravity_share = share}), ConfigError) << share;

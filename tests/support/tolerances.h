@@ -336,12 +336,12 @@ inline constexpr double kUnchangedActorMm = 6;
 // Centre of a dot of five pixels whose own place is rounded to a pixel, through undistortion and JPEG.
 inline constexpr double kDotPx = 0.8;
 
-// Four frames of twenty small steps of cloth in float against double, mm: positions of some 400 mm, velocities from
-// their differences over 1.7 ms.
+// Three frames of forty small steps of cloth in float against double, mm: positions of some 400 mm, velocities from
+// their differences over 0.8 ms.
 inline constexpr double kClothMm = 0.05;
 // The same of one sum of products, at 3 m from the camera.
 inline constexpr double kFoldedClothMm = 0.005;
-// An oscillator in 400 first-order steps a frame against the midpoint rule in 20000, of swings of 100 mm.
-inline constexpr double kOscillatorMm = 0.3;
+// An oscillator in 400 first-order steps a frame against the midpoint rule in 20000, of swings of 100 mm, in float.
+inline constexpr double kOscillatorMm = 1.0;
 
 }  // namespace livecap::test

@@ -30,6 +30,9 @@ constexpr double kShrug = 1.0 / 3;
 // A foot hardly turns about its shin: where the toes point, the knee does. Without a rest a bent knee that a skirt
 // hides goes aside, and the leg turns back below it. Feet tilt sideways, as far as the legs are apart.
 constexpr double kToesOut = 10, kTilt = 3;
+// Which way a forearm points tells how the upper arm is twisted, but hardly where it points straight on. Without a rest
+// an arm that hangs almost straight is as good bent backwards, the shoulder twisted.
+constexpr double kTwist = 0.05;
 
 // docs/formats.md, in its order.
 constexpr DofRow kDofs[] = {
@@ -45,11 +48,11 @@ constexpr DofRow kDofs[] = {
     {kRigRightClavicle, 'z', -40, 10, kShrug},
     {kRigLeftShoulder, 'z', -95, 95},
     {kRigLeftShoulder, 'y', -135, 45},
-    {kRigLeftShoulder, 'x', -120, 120},
+    {kRigLeftShoulder, 'x', -120, 120, kTwist},
     {kRigLeftElbow, 'y', -150, 2},
     {kRigRightShoulder, 'z', -95, 95},
     {kRigRightShoulder, 'y', -45, 135},
-    {kRigRightShoulder, 'x', -120, 120},
+    {kRigRightShoulder, 'x', -120, 120, kTwist},
     {kRigRightElbow, 'y', -2, 150},
     {kRigLeftHip, 'x', -135, 35},
     {kRigLeftHip, 'y', -45, 45},

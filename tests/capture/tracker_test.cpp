@@ -36,6 +36,7 @@ class TrackerScene {
           TrackerOptions options;
           options.enable_surface = false;
           options.pose.rebone = false;
+          options.pose.weights.floor = 0;  // these feet rise though the body does not
           options.starts.max_exchanged_frames = max_exchanged_frames;
           return options;
         }()) {}

@@ -21,8 +21,9 @@ using Vector3 = Eigen::Vector3d;
 static_assert(sizeof(ClothStep) == 28, "as the kernel has it");
 
 constexpr const char *kProgram = "cloth/cloth.cl", *kKernel = "simulate_cloth";
-constexpr double kLongestStep = 0.1;  // s, for which a frame's springs are to be stable
-constexpr int kEnds = 6, kRadii = 2;  // values of a limb
+constexpr double kSettlingFrame = 1 / 30.0;  // s
+constexpr double kLongestStep = 0.1;         // s, for which a frame's springs are to be stable
+constexpr int kEnds = 6, kRadii = 2;         // values of a limb
 
 // The limbs of both legs in their order: thigh, shin, and what lies between the middle of the hips and the hip.
 struct Limb {
@@ -192,6 +193,17 @@ std::vector<float> ClothSimulation::limbs_at(const PosedSkeleton& posed) const {
   return values;
 }
 
+ClothStep ClothSimulation::step_of(double seconds) const {
+  const double small = seconds / options_.steps;
+  return {float(small),
+          float(1 / small),
+          float(1 / seconds),
+          float(fabric_.stiffness * small),
+          float(1 - std::exp(-fabric_.damping * small)),
+          float(std::exp(-options_.air_drag * small)),
+          float(fabric_.gravity * small)};
+}
+
 void ClothSimulation::step(const PosedSkeleton& posed, double seconds, ocl::Buffer<float>& skinned,
                            ocl::Buffer<float>& start, ocl::Buffer<float>& start_before) {
   if (!has_cloth()) return;
@@ -204,17 +216,10 @@ void ClothSimulation::step(const PosedSkeleton& posed, double seconds, ocl::Buff
     limbs.insert(limbs.end(), now.begin() + of, now.begin() + of + kEnds + kRadii);
   }
   limbs_.write_later(limbs);
-  const double small = seconds / options_.steps;
-  const ClothStep step{float(small),
-                       float(1 / small),
-                       float(1 / seconds),
-                       float(fabric_.stiffness * small),
-                       float(1 - std::exp(-fabric_.damping * small)),
-                       float(std::exp(-options_.air_drag * small)),
-                       float(fabric_.gravity * small)};
   const bool settles = first_ && fabric_.gravity > 0;
   for (int left = settles ? options_.settling_frames : 0; left >= 0; --left) {
-    const int n_moved = left > 0 ? 0 : n_moved_;  // until it hangs, the surface stays where it is
+    const int n_moved = left > 0 ? 0 : n_moved_;  // meanwhile the surface stays where it is
+    const ClothStep step = step_of(left > 0 ? kSettlingFrame : seconds);
     simulate_.launch(groups_.n() * group_, group_, first_ ? 1 : 0, options_.steps, graph_.n_rows, graph_.stride,
                      n_moved, groups_.arrived(), step, slice_offsets_, neighbors_, pulls_, lengths_, vertices_,
                      is_free_, limbs_, reach_, moved_, particles_, weights_, before_, target_, x_, v_, ahead_, skinned,

@@ -10,6 +10,7 @@
 
 #include "actor/actor.h"
 #include "cloth/cloth_graph.h"
+#include "cloth/layout.h"
 #include "ocl/buffer.h"
 #include "ocl/groups_together.h"
 #include "ocl/kernel.h"
@@ -29,7 +30,7 @@ struct ClothOptions {
   float bending_share = 0.3f;                       // of a link across an edge by one along an edge
   float relaxation = 1.2f;                          // of a particle's mean correction by its links
   int steps = 40;                                   // a frame; Jacobi with 20 lets cloth sag by 2.5 %
-  int settling_frames = 10;                         // in which it falls before the first
+  int settling_frames = 10;                         // of a 30th of a second, in which it falls before the first
   // Radii of hips, thighs at their upper ends, knees and ankles, by the length of a thigh: how near cloth may come. For
   // what is nearer in the rest pose no limb is thicker than that.
   std::array<float, 4> limb_radii = {0.3f, 0.3f, 0.2f, 0.2f};
@@ -46,7 +47,8 @@ class ClothSimulation {
   // False for an actor without hanging cloth: step() does nothing then.
   bool has_cloth() const { return graph_.n > 0; }
 
-  // Forgets how the cloth moves: the next step begins at rest, on the skinned surface or where it falls from there.
+  // Forgets how the cloth moves: the next step begins at rest on the skinned surface; what has weight has fallen from
+  // there for settling_frames, and may still swing.
   void reset() { first_ = true; }
 
   // One frame, seconds after the last. skinned: [3n] mm, camera frame, V^S in, where hanging cloth is replaced by the
@@ -59,6 +61,7 @@ class ClothSimulation {
   bool gave_up();
 
  private:
+  ClothStep step_of(double seconds) const;  // seconds: of a frame
   std::vector<float> limbs_at(const PosedSkeleton& posed) const;
   void set_up_links(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth);
   void set_up_limbs(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth);

@@ -106,6 +106,7 @@ std::vector<float> leg_weights(const Actor& actor) {
 }
 
 float opening(const Actor& actor, const HangingClothOptions& options) {
+  options.validate();
   const float folds = float(share_in_folds(actor));
   return std::clamp((folds - options.taut) / (options.loose - options.taut), 0.0f, 1.0f);
 }

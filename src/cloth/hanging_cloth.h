@@ -38,6 +38,7 @@ std::optional<Eigen::Vector3d> middle_of_the_hips(const Skeleton& skeleton);
 std::vector<float> leg_weights(const Actor& actor);
 
 // 0 taut to 1 loose, by how much of it lies in folds: how little the cloth is pulled by legs that move away from it.
+// Throws ConfigError.
 float opening(const Actor& actor, const HangingClothOptions& options);
 
 // [n] the same, of hanging cloth as far as they are trusted (guessed_power).

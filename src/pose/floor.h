@@ -39,7 +39,7 @@ std::vector<double> standing(std::span<const SolePoint> soles, const Skeleton& s
 
 struct FloorOptions {
   double memory = 1000;  // after so many resting feet one's say has fallen to 1/e
-  double least = 2;      // resting feet before the floor is known
+  double least = 2;      // resting feet before the floor is known, upright to the body until more places are
   double early = 60;     // until so many have rested, every frame is asked for its feet (twice as many frames at most),
   int every = 5;         // then one in so many
   double tilt_deviation = 0.06;  // rad, of the floor against what a body stands upright on

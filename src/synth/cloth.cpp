@@ -103,6 +103,11 @@ void Cloth::set_up_skirt(const BodyShape& shape) {
     for (const Vec3& p : rest) mm.push_back((p - from - segment_parameter(p, from, to) * (to - from)).norm());
   }
   skirt_.emplace(rest, outer, held, reach, Fabric{});
+  // What hangs on the underside alone goes along with it.
+  std::vector<char> falls(rest.size(), 0);
+  for (int i : skirt_->vertices()) falls[i] = 1;
+  for (size_t i = 0; i < rest.size(); ++i)
+    if (!held[i] && !falls[i]) lid_.push_back(static_cast<int>(i));
   moving_.insert(moving_.end(), skirt_->vertices().begin(), skirt_->vertices().end());
   moving_.insert(moving_.end(), lid_.begin(), lid_.end());
 }

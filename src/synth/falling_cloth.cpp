@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "geometry/segment.h"
+#include "livecap/error.h"
 
 namespace livecap::synth {
 
@@ -48,6 +49,9 @@ FallingCloth::FallingCloth(const std::vector<Vec3>& rest, const std::vector<Eige
                            const std::vector<char>& held, const std::vector<std::vector<double>>& reach_mm,
                            const Fabric& fabric)
     : fabric_(fabric), inverse_mass_(rest.size(), 0), reach_(reach_mm), neighbors_(rest.size()) {
+  if (held.size() != rest.size()) throw LogicError("falling cloth: not one value in `held` for each vertex");
+  for (const std::vector<double>& mm : reach_mm)
+    if (mm.size() != rest.size()) throw LogicError("falling cloth: not one reach for each vertex");
   std::map<std::pair<int, int>, std::vector<std::array<int, 2>>> edges;  // triangle, corner opposite
   std::vector<double> mass(rest.size(), 0);
   for (const Eigen::Vector3i& t : triangles) {
@@ -72,14 +76,11 @@ FallingCloth::FallingCloth(const std::vector<Vec3>& rest, const std::vector<Eige
     neighbors_[a].push_back(b);
     neighbors_[b].push_back(a);
     if (sides.size() != 2) continue;
-    int c = sides[0][1], d = sides[1][1];
-    const auto& corner = weaves_[sides[0][0]].corner;  // a, b, c in this order, or the other
-    const auto at = std::find(corner.begin(), corner.end(), a) - corner.begin();
-    if (corner[(at + 1) % 3] != b) std::swap(c, d);
+    const int c = sides[0][1], d = sides[1][1];  // the sign of the angle is that of the rest
     const double area = weaves_[sides[0][0]].area + weaves_[sides[1][0]].area;
     hinges_.push_back({{a, b, c, d},
                        hinge_angle({rest[a], rest[b], rest[c], rest[d]}),
-                       3 * fabric.bending * kSquareMetre * (rest[b] - rest[a]).squaredNorm() / area});
+                       fabric.bending * kSquareMetre * (rest[b] - rest[a]).squaredNorm() / area});
   }
   for (int i = 0; i < static_cast<int>(rest.size()); ++i) {
     if (mass[i] == 0) continue;
@@ -97,6 +98,8 @@ void FallingCloth::reset(const std::vector<Vec3>& position) {
 
 const std::vector<Vec3>& FallingCloth::step(const std::vector<Vec3>& target, const std::vector<MovingCone>& cones,
                                             double seconds) {
+  if (position_.size() != inverse_mass_.size() || target.size() != position_.size() || cones.size() != reach_.size())
+    throw LogicError("falling cloth: other vertices or cones than before");
   const double dt = seconds / kSmallSteps;
   for (int k = 1; k <= kSmallSteps; ++k) {
     const double t = static_cast<double>(k) / kSmallSteps;
@@ -146,7 +149,7 @@ void FallingCloth::keep_shape(const Weave& weave, double dt) {
     return sum;
   };
   // C = how far it is violated, its gradient by each corner, N/m.
-  const auto move = [&](double violated, const std::array<Vec3, 3>& gradient, double stiffness) {
+  const auto correct = [&](double violated, const std::array<Vec3, 3>& gradient, double stiffness) {
     double sum = 1 / (stiffness * weave.area * dt * dt);
     for (int k = 0; k < 3; ++k) sum += free[k] * gradient[k].squaredNorm();
     for (int k = 0; k < 3; ++k) position_[weave.corner[k]] -= free[k] * violated / sum * gradient[k];
@@ -156,12 +159,12 @@ void FallingCloth::keep_shape(const Weave& weave, double dt) {
     const double length = along.norm();
     if (length < 1e-9) continue;
     const Vec3 unit = along / length;
-    move(length - 1, {thread[0] * unit, thread[1] * unit, thread[2] * unit}, fabric_.stretch);
+    correct(length - 1, {thread[0] * unit, thread[1] * unit, thread[2] * unit}, fabric_.stretch);
   }
   const Vec3 warp = direction(weave.warp), weft = direction(weave.weft);
   std::array<Vec3, 3> gradient;
   for (int k = 0; k < 3; ++k) gradient[k] = weave.warp[k] * weft + weave.weft[k] * warp;
-  move(warp.dot(weft), gradient, fabric_.shear);
+  correct(warp.dot(weft), gradient, fabric_.shear);
 }
 
 void FallingCloth::keep_angle(const Hinge& hinge, double dt) {

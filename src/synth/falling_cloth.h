@@ -13,18 +13,18 @@ namespace livecap::synth {
 
 constexpr double kGravity = 9810;  // mm/s^2
 
-// Of a lined skirt.
+// Of a stiff, lined skirt.
 struct Fabric {
   double density = 0.22;  // kg/m^2
   double stretch = 700;   // N/m, along warp and weft
   double shear = 150;     // N/m
-  double bending = 3e-4;  // N m
+  double bending = 9e-4;  // N m
   double drag = 1.1;      // of a plate across the air
   double damping = 4;     // 1/s, of velocities relative to those of the neighbours
   double friction = 0.3;  // of what it slides on
 };
 
-// A cone with round ends, mm: where it is at the beginning of a step and at its end.
+// A cone with round ends, mm: where it is at the beginning of a step and at its end. That it spins takes nothing along.
 struct MovingCone {
   std::array<Vec3, 2> from, to;  // at the beginning, at the end
   double radius_from, radius_to;
@@ -37,7 +37,8 @@ double hinge_angle(const std::array<Vec3, 4>& abcd, std::array<Vec3, 4>* gradien
 class FallingCloth {
  public:
   // rest: mm, of all vertices, of which the triangles use some; held [n]: 1 for what the caller moves. reach_mm
-  // [n_cones][n]: for a vertex a cone is at most so thick. Y is up.
+  // [n_cones][n]: for a vertex a cone is at most so thick. Y is up. Throws LogicError for lists of other lengths, as
+  // step() does.
   FallingCloth(const std::vector<Vec3>& rest, const std::vector<Eigen::Vector3i>& triangles,
                const std::vector<char>& held, const std::vector<std::vector<double>>& reach_mm, const Fabric& fabric);
 

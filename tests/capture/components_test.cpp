@@ -55,7 +55,7 @@ TEST(Components, EachOneMakesADifference) {
   EXPECT_TRUE(captured() == everything);
   for (const std::string& name : component_names()) {
     if (name == "anatomic") continue;  // a barrier: nothing while no joint reaches a limit
-    if (name == "floor") continue;     // known only after fifteen resting feet, see below
+    if (name == "floor") continue;     // not known from the first frame on, see below
     options.without = {name};
     EXPECT_FALSE(captured() == everything) << name;
   }

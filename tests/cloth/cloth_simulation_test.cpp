@@ -92,7 +92,7 @@ class Reference {
       v_.assign(n, Vector3::Zero());
       limbs_before_ = limbs;
       if (gravity_ > 0)
-        for (int frame = 0; frame < options_.settling_frames; ++frame) step(posed, skinned, seconds);
+        for (int frame = 0; frame < options_.settling_frames; ++frame) step(posed, skinned, 1 / 30.0);
     }
     const double dt = seconds / options_.steps;
     for (int s = 1; s <= options_.steps; ++s) {
@@ -355,6 +355,26 @@ TEST(ClothSimulation, ATurnLeavesTheHemBehindUntilReset) {
     EXPECT_LT(swings(behind, seam), test::kMillimetreFloat);
     (*cloth).reset();
     EXPECT_LT(swings(cloth.step(legs, turned), hem), 0.1);
+  });
+}
+
+// What is loose begins as if nothing had been, and stretches hardly more than what is taut.
+TEST(ClothSimulation, WhatIsLooseBeginsAnewAfterReset) {
+  const Actor actor = test::skirt_actor();
+  Pose pose = test::pose_of(actor.skeleton);
+  pose.root_rotation = Vector3(1, -1, -1).asDiagonal();  // y is down in the camera frame
+  const PosedSkeleton standing = forward_kinematics(actor.skeleton, pose);
+  std::vector<float> skinned = actor.mesh.positions;
+  for (size_t k = 0; k < skinned.size(); ++k)
+    if (k % 3 != 0) skinned[k] = -skinned[k];
+  test::on_every_device_and_body([&](ocl::DeviceContext& device) {
+    Simulation cloth(device, actor, {}, kLoose), other(device, actor, {}, kLoose);
+    const Reference reference(actor, {}, kLoose);
+    std::vector<float> out;
+    for (int frame = 0; frame < 5; ++frame) out = cloth.step(standing, moved(skinned, {10.0 * frame, 0, 0}));
+    EXPECT_LT(reference.mean_stretch(out), 0.03);
+    (*cloth).reset();
+    EXPECT_EQ(cloth.step(standing, skinned), other.step(standing, skinned));
   });
 }
 

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <vector>
 
-#include "support/tolerances.h"
+#include "livecap/error.h"
 
 namespace livecap::synth {
 namespace {
@@ -68,7 +70,7 @@ TEST(FallingCloth, AStripSwingsAsAHangingChainDoes) {
   double before = leant.back().z();
   for (int frame = 1; frame < 240; ++frame) {
     const double z = cloth.step(s.rest, {}, kFrame).back().z();
-    if (before < 0 != z < 0) crossings.push_back(kFrame * (frame - z / (z - before)));
+    if ((before < 0) != (z < 0)) crossings.push_back(kFrame * (frame - z / (z - before)));
     before = z;
   }
   ASSERT_GE(crossings.size(), 7u);
@@ -109,26 +111,68 @@ TEST(FallingCloth, AFlatPieceFallsAsFastAsTheAirLetsIt) {
   EXPECT_NEAR((before - after) / kFrame, speed, 0.01 * speed);
 }
 
-TEST(FallingCloth, LiesOnALimbAndGoesAlongWithIt) {
+TEST(FallingCloth, LiesOnALimbAndIsTakenAlongByFriction) {
   const Strip s = strip(300);
   const double radius = 40;
-  std::vector<Vec3> out;
-  for (double friction : {0.0, 5.0}) {
+  for (const double friction : {0.0, 5.0}) {
     Fabric fabric;
     fabric.friction = friction;
     FallingCloth cloth(s.rest, s.triangles, s.held, {std::vector<double>(s.rest.size(), 1e9)}, fabric);
     cloth.reset(s.rest);
-    double z = -80;  // comes from behind the strip, pushes it aside
-    for (int frame = 0; frame < 60; ++frame) {
-      const double next = std::min(z + 4, 60.0);
-      const MovingCone limb{
-          {{{-200, -150, z}, {-200, -150, next}}}, {{{200, -150, z}, {200, -150, next}}}, radius, radius};
-      out = cloth.step(s.rest, {limb}, kFrame);
-      z = next;
-    }
-    for (const Vec3& p : out) EXPECT_GT(std::hypot(p.y() + 150, p.z() - z), radius - 0.5) << friction;
+    std::vector<Vec3> out;
+    Vec3 at(0, -150, -80);
+    const auto limb_to = [&](const Vec3& next) {
+      const Vec3 half(200, 0, 0);
+      out =
+          cloth.step(s.rest, {MovingCone{{at - half, next - half}, {at + half, next + half}, radius, radius}}, kFrame);
+      at = next;
+    };
+    // It comes from behind the strip and pushes it aside.
+    while (at.z() < 60) limb_to(at + Vec3(0, 0, 4));
+    for (const Vec3& p : out) EXPECT_GT(std::hypot(p.y() - at.y(), p.z() - at.z()), radius - 0.5) << friction;
     EXPECT_GT(out[30].z(), 80) << "at the limb's height";
+    // Then it goes along itself.
+    const double before = out[30].x();
+    for (int frame = 0; frame < 10; ++frame) limb_to(at + Vec3(3, 0, 0));
+    if (friction == 0)
+      EXPECT_NEAR(out[30].x(), before, 3);
+    else
+      EXPECT_GT(out[30].x(), before + 10);
   }
+}
+
+// A strip held at one end sinks at the other by rho g L^4 / (8 bending).
+TEST(FallingCloth, IsAsStiffAsItsFabric) {
+  Strip s;  // lies flat along x, equilateral triangles
+  const double cell = 10, row = cell * std::sqrt(3) / 2;
+  constexpr int kAlong = 20, kAcross = 6;
+  for (int i = 0; i <= kAlong; ++i)
+    for (int k = 0; k <= kAcross; ++k) {
+      s.rest.push_back({row * i, 0, cell * (k + 0.5 * (i % 2))});
+      s.held.push_back(i <= 1);
+    }
+  const auto at = [](int i, int k) { return i * (kAcross + 1) + k; };
+  for (int i = 0; i < kAlong; ++i)
+    for (int k = 0; k < kAcross; ++k)
+      if (i % 2 == 0) {
+        s.triangles.push_back({at(i, k), at(i + 1, k), at(i, k + 1)});
+        s.triangles.push_back({at(i, k + 1), at(i + 1, k), at(i + 1, k + 1)});
+      } else {
+        s.triangles.push_back({at(i, k), at(i + 1, k), at(i + 1, k + 1)});
+        s.triangles.push_back({at(i, k), at(i + 1, k + 1), at(i, k + 1)});
+      }
+  Fabric fabric;
+  fabric.density = 0.05;
+  fabric.bending = 1e-3;
+  fabric.damping = 30;
+  FallingCloth cloth(s.rest, s.triangles, s.held, {}, fabric);
+  cloth.reset(s.rest);
+  std::vector<Vec3> out;
+  for (int frame = 0; frame < 300; ++frame) out = cloth.step(s.rest, {}, kFrame / 8);  // coarser ones leave it softer
+  // A cantilever under its own weight.
+  const double length = row * (kAlong - 1), sunk = -out[at(kAlong, kAcross / 2)].y();
+  const double expected = fabric.density * 1e-6 * kGravity * std::pow(length, 4) / (8 * fabric.bending * 1e6);
+  EXPECT_NEAR(sunk, expected, 0.4 * expected) << "of few triangles with zigzag edges";
 }
 
 // No limb is thicker for a vertex than its reach.
@@ -142,6 +186,17 @@ TEST(FallingCloth, IsNotPushedByWhatItIsDrawnInto) {
   std::vector<Vec3> out;
   for (int frame = 0; frame < 20; ++frame) out = cloth.step(s.rest, {limb}, kFrame);
   for (const Vec3& p : out) EXPECT_NEAR(p.z(), 0, 2);
+}
+
+TEST(FallingCloth, RefusesOtherVerticesOrCones) {
+  const Strip s = strip(50);
+  EXPECT_THROW(FallingCloth(s.rest, s.triangles, {1}, {}, {}), LogicError);
+  EXPECT_THROW(FallingCloth(s.rest, s.triangles, s.held, {{1.0}}, {}), LogicError);
+  FallingCloth cloth(s.rest, s.triangles, s.held, {}, {});
+  EXPECT_THROW(cloth.step(s.rest, {}, kFrame), LogicError) << "before reset()";
+  cloth.reset(s.rest);
+  EXPECT_THROW(cloth.step({}, {}, kFrame), LogicError);
+  EXPECT_THROW(cloth.step(s.rest, {MovingCone{}}, kFrame), LogicError);
 }
 
 }  // namespace

@@ -115,13 +115,25 @@ TEST(Floor, OfOnePlaceIsUprightToTheBody) {
   const Floor truth{kUp, 1200};
   const Pose stands = on_floor(actor, 100, 3200, truth);
   FloorFinder finder(actor, {}, {});
-  for (int frame = 0; frame < 14; ++frame) finder.learn(stands, stands, &stands, seen(actor, stands));
+  finder.learn(stands, stands, &stands, seen(actor, stands));
   EXPECT_EQ(finder.floor(), nullptr) << "known too early";
   for (int frame = 0; frame < 6; ++frame) finder.learn(stands, stands, &stands, seen(actor, stands));
   ASSERT_NE(finder.floor(), nullptr);
   EXPECT_LT(angle(finder.floor()->up, kUp), test::kLearnedFloorRad);
   finder.forget();
   EXPECT_EQ(finder.floor(), nullptr);
+}
+
+// The first feet were found 80 mm too low.
+TEST(Floor, ThatBeganWrongIsCorrectedByLaterFeet) {
+  const Actor actor = test::make_test_actor();
+  const Floor truth{kUp, 1200};
+  const Pose wrong = on_floor(actor, 100, 3200, {kUp, 1280}), stands = on_floor(actor, 100, 3200, truth);
+  FloorFinder finder(actor, {}, {});
+  for (int frame = 0; frame < 3; ++frame) finder.learn(wrong, wrong, &wrong, seen(actor, wrong));
+  ASSERT_NE(finder.floor(), nullptr);
+  for (int frame = 0; frame < 120; ++frame) finder.learn(stands, stands, &stands, seen(actor, stands));
+  for (const Eigen::Vector3d& p : soles_of(actor, stands)) EXPECT_NEAR(finder.floor()->height_mm(p), 0, 15);
 }
 
 TEST(Floor, FeetThatMoveOrAreNotSeenTellNothing) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geometry/segment.h"
+#include "meshing/surface_parts.h"
 
 namespace livecap::synth {
 
@@ -18,17 +19,6 @@ constexpr int kLidRounds = 30;     // a frame
 double ramp(double x, double low, double high) {
   const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
   return t * t * (3 - 2 * t);
-}
-
-std::vector<Vec3> vertex_normals(const Surface& surface) {
-  std::vector<Vec3> normals(surface.vertices.size(), Vec3::Zero());
-  for (const auto& t : surface.triangles) {
-    const Vec3& a = surface.vertices[t[0]];
-    const Vec3 normal = (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a);
-    for (int i = 0; i < 3; ++i) normals[t[i]] += normal;
-  }
-  for (Vec3& normal : normals) normal.normalize();
-  return normals;
 }
 
 }  // namespace
@@ -79,7 +69,7 @@ void Cloth::set_up_skirt(const BodyShape& shape) {
   limbs_.push_back({kHips, kSpine, s * 105, s * 95});
   limbs_.push_back({kLeftUpLeg, kRightUpLeg, s * 94, s * 94});
   const std::vector<Vec3>& rest = actor_.surface.vertices;
-  const std::vector<Vec3> normals = vertex_normals(actor_.surface);
+  const std::vector<Vec3> normals = meshing::vertex_normals(actor_.surface);
   std::vector<char> held(rest.size(), 1), lid(rest.size(), 0);
   for (size_t i = 0; i < rest.size(); ++i) {
     if (actor_.parts[i] != kBottomPart) continue;

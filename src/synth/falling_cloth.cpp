@@ -128,14 +128,13 @@ void FallingCloth::fall(double dt) {
     const Vec3 share = -0.5 * kAir * fabric_.drag * std::abs(across) * across / 2 / 3 * normal;
     for (int i : w.corner) force[i] += share;
   }
-  std::vector<Vec3> velocity = velocity_;
   const double taken = 1 - std::exp(-fabric_.damping * dt);
   for (int i : free_) {
     Vec3 mean = Vec3::Zero();
     for (int j : neighbors_[i]) mean += velocity_[j];
-    velocity[i] += taken * (mean / static_cast<double>(neighbors_[i].size()) - velocity_[i]);
-    velocity[i] += dt * (inverse_mass_[i] * force[i] - kGravity * Vec3::UnitY());
-    position_[i] += dt * velocity[i];
+    Vec3 velocity = velocity_[i] + taken * (mean / static_cast<double>(neighbors_[i].size()) - velocity_[i]);
+    velocity += dt * (inverse_mass_[i] * force[i] - kGravity * Vec3::UnitY());
+    position_[i] += dt * velocity;
   }
 }
 

@@ -169,7 +169,7 @@ TEST(SurfaceStage, ASkirtSwingsByTheFramesTimes) {
       return furthest_behind(simulated.at(kAsideMm, 5 + seconds), skinned.at(kAsideMm, 0));
     };
     const float fast = behind_after(1 / 60.0), usual = behind_after(kFrame), slow = behind_after(2 * kFrame);
-    EXPECT_GT(fast, usual + 3);
+    EXPECT_GT(fast, usual + 4);
     EXPECT_GT(usual, slow + 5);
     EXPECT_EQ(behind_after(-1), usual) << "where time does not rise it is a 30th of a second";
     EXPECT_EQ(behind_after(1e-6), behind_after(1 / 240.0)) << "time stamps of bunched frames hardly differ";

@@ -278,7 +278,7 @@ TEST(ClothSimulation, SpringsGravityAndDragAreThoseOfTheOscillator) {
   ClothOptions options;
   options.relaxation = 1e-9f;
   options.limb_radii = {0, 0, 0, 0};
-  options.steps = 400;
+  options.steps = 200;
   options.settling_frames = 0;
   const auto check = [&](ocl::DeviceContext& device, float opening) {
     const auto between = [&](float taut, float loose) { return taut + double(opening) * (loose - taut); };

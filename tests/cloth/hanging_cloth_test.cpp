@@ -222,6 +222,7 @@ TEST(HangingCloth, OptionsAreChecked) {
   const Actor actor = actor_with({{{{kHip, 1}, {0, 0}, {0, 0}, {0, 0}}}}, {1});
   for (const float share : {0.0f, -0.1f, 1.01f, std::nanf("")}) {
     EXPECT_THROW(HangingCloth(actor, {.loose_on_legs = share}), ConfigError) << share;
+    EXPECT_THROW(HangingCloth(actor, {.taut_leg_share = share}), ConfigError) << share;
     EXPECT_THROW(HangingCloth(actor, {.loose_leg_share = share}), ConfigError) << share;
   }
   for (const float share : {-0.1f, 1.01f, std::nanf("")}) {

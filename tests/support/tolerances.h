@@ -341,7 +341,7 @@ inline constexpr double kDotPx = 0.8;
 inline constexpr double kClothMm = 0.05;
 // The same of one sum of products, at 3 m from the camera.
 inline constexpr double kFoldedClothMm = 0.005;
-// An oscillator in 400 first-order steps a frame against the midpoint rule in 20000, of swings of 100 mm, in float.
-inline constexpr double kOscillatorMm = 1.0;
+// An oscillator in 200 first-order steps a frame, in float, against the midpoint rule in 20000, of swings of 100 mm.
+inline constexpr double kOscillatorMm = 0.3;
 
 }  // namespace livecap::test

@@ -57,7 +57,7 @@ typedef struct {
   int iterations;
   float softness;         // contrast^2 per px^2 whose direction counts half
   float max_move_px;      // of the level; matches further away are dropped
-  float min_correlation;  // as are those less alike
+  float min_correlation;  // as are those less alike; the weight grows from 0 there to all of it at 1
   float depth_range_mm;   // pixels of a patch further from the vertex than that belong to something else
 } PatchOptions;
 

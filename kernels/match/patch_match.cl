@@ -41,7 +41,8 @@ static inline void write_match(Aligned m, PatchOptions options, float u, float v
   const float c = sqrt(fmax(wyy - b * b, 0.0f));
 
   const float scale = (float)(1 << options.level), wanted = out[LC_MATCH_SEEN_PX];
-  vstore8((float8)(u + m.dx * scale, v + m.dy * scale, a, b, c, m.correlation * wanted, m.correlation, wanted), 0, out);
+  const float certain = (m.correlation - options.min_correlation) / (1.0f - options.min_correlation);
+  vstore8((float8)(u + m.dx * scale, v + m.dy * scale, a, b, c, certain * wanted, m.correlation, wanted), 0, out);
 }
 
 // px^2 that a vertex stands for: its area as the camera sees it.

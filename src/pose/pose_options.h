@@ -13,7 +13,7 @@ struct PoseWeights {
   double keypoint_2d = 460;  // lambda_2D
   double keypoint_3d = 28;   // lambda_3D
   double silhouette = 1300;  // lambda_silhouette; the paper: 200
-  double match = 1400;       // lambda_match; not in the paper
+  double match = 2650;       // lambda_match; not in the paper
   double shading = 3e4;      // lambda_shading; not in the paper
   double floor = 200;        // lambda_floor; not in the paper
   double temporal = 1.5;     // lambda_temporal
@@ -68,7 +68,9 @@ struct PoseOptions {
   // along.
   double keypoint_2d_huber_px = 12;
   double silhouette_huber_px = 1.5;
-  double match_huber_px = 2;   // patches that were moved onto something similar
+  // A tenth to a third of the patches were moved onto something similar, 1 to 3 px away; at the true pose half of those
+  // on shoes are within 0.4 px.
+  double match_huber_px = 0.6;
   double shading_huber = 3;    // standard deviations; shadows and highlights
   double floor_huber_mm = 20;  // a step, a floor thought too high
 

@@ -336,6 +336,47 @@ TEST(PoseSystem, WrongInputsAreRefused) {
   });
 }
 
+// Matches of all vertices, so far from where they are in the scene's pose.
+std::vector<VertexMatch> matched_beside(ocl::DeviceContext& device, const SystemScene& scene, Eigen::Vector2d by_px) {
+  Skinner skinner(device, scene.actor);
+  skinner.set_pose(bone_dual_quats(forward_kinematics(scene.actor.skeleton, scene.state.pose)));
+  ocl::Buffer<float> zero(device, 3 * size_t(scene.actor.n_vertices())), positions(device, zero.size());
+  zero.fill(0);
+  skinner.skin(zero, positions);
+  const std::vector<float> p = positions.read_all();
+  std::vector<VertexMatch> matches;
+  for (int i = 0; i < scene.actor.n_vertices(); ++i) {
+    const Eigen::Vector2d px = project_px(scene.camera, {p[3 * i], p[3 * i + 1], p[3 * i + 2]}) + by_px;
+    matches.push_back({.vertex = i, .u_px = float(px.x()), .v_px = float(px.y())});
+  }
+  return matches;
+}
+
+// By how far it is in the picture, and not by how much of that counts: patches slide along edges.
+TEST(PoseSystem, RobustMatchesGrowLinearlyBeyondTheirThreshold) {
+  test::on_every_device_and_body(
+      [](ocl::DeviceContext& device) {
+        SystemScene scene;
+        scene.options.match_huber_px = 2;
+        scene.options.max_matches = scene.actor.n_vertices();
+        PoseSystem system(device, scene.actor, scene.camera, scene.options);
+        for (const double distance_px : {1.5, 6.0}) {
+          std::vector<VertexMatch> matches = matched_beside(device, scene, {0.6 * distance_px, 0.8 * distance_px});
+          for (VertexMatch& match : matches) match.a = 0.5f;
+          system.set_frame({}, nullptr, {}, matches);
+          ASSERT_EQ(system.n_matches(), scene.actor.n_vertices());
+          const std::vector<float> rows = system.residuals(scene.state);
+          double energy = 0;
+          for (size_t i = system.n_point_rows(); i < rows.size(); ++i) energy += double(rows[i]) * rows[i];
+          const double counted = 0.25 * 0.36 + 0.64;  // of the distance's square
+          const double each = counted * (distance_px < 2 ? distance_px * distance_px : 2 * distance_px);
+          const double expected = scene.options.weights.match * matches.size() * each;
+          EXPECT_NEAR(energy, expected, test::kMatchedBeside * expected) << distance_px;
+        }
+      },
+      test::Doubles::kAlsoWithout);
+}
+
 // More matches than rows: the heavy ones stay, and the total weight with them.
 TEST(PoseSystem, MatchesAreThinnedToTheirTotalWeight) {
   test::on_every_device_and_body(
@@ -344,20 +385,11 @@ TEST(PoseSystem, MatchesAreThinnedToTheirTotalWeight) {
         scene.options.max_matches = 40;
         scene.options.match_huber_px = 0;
         PoseSystem system(device, scene.actor, scene.camera, scene.options);
-        // All 3 px right of where the vertices are.
-        Skinner skinner(device, scene.actor);
-        skinner.set_pose(bone_dual_quats(forward_kinematics(scene.actor.skeleton, scene.state.pose)));
-        ocl::Buffer<float> zero(device, 3 * size_t(scene.actor.n_vertices())), positions(device, zero.size());
-        zero.fill(0);
-        skinner.skin(zero, positions);
-        const std::vector<float> p = positions.read_all();
-        std::vector<VertexMatch> matches;
+        std::vector<VertexMatch> matches = matched_beside(device, scene, {-3, 0});
         double total = 0;
-        for (int i = 0; i < scene.actor.n_vertices(); ++i) {
-          const Eigen::Vector2d px = project_px(scene.camera, {p[3 * i], p[3 * i + 1], p[3 * i + 2]});
-          const float weight = i % 7 == 0 ? 3.0f : 0.1f;
-          matches.push_back({.vertex = i, .u_px = float(px.x() - 3), .v_px = float(px.y()), .weight = weight});
-          total += weight;
+        for (VertexMatch& match : matches) {
+          match.weight = match.vertex % 7 == 0 ? 3.0f : 0.1f;
+          total += match.weight;
         }
         ASSERT_GT(matches.size(), 40u);
         system.set_frame({}, nullptr, {}, matches);

@@ -5,10 +5,9 @@
 
 // matches [LC_MATCH*n]: mesh order. v: 3 planes; blocks (6 planes) and rhs (3 planes) are added to; energy (1 plane) is
 // set.
-kernel void match_system(int n, int n_rows, int stride, float weight, float huber_px, Pinhole cam,
-                         global const int* restrict order, global const float* restrict matches,
-                         global const float* restrict v, global float* restrict blocks, global float* restrict rhs,
-                         global float* restrict energy) {
+kernel void match_system(int n, int n_rows, int stride, float weight, Pinhole cam, global const int* restrict order,
+                         global const float* restrict matches, global const float* restrict v,
+                         global float* restrict blocks, global float* restrict rhs, global float* restrict energy) {
   int row = get_global_id(0);
   if (row >= n_rows) return;
   energy[row] = 0.0f;
@@ -20,7 +19,6 @@ kernel void match_system(int n, int n_rows, int stride, float weight, float hube
   Vec2 target = {m[0], m[1]};
   MatchRow r = match_row(p, cam, target, m[2], m[3], m[4]);
   float w = weight * m[LC_MATCH_CORRELATION];
-  if (huber_px > 0.0f && r.distance > huber_px) w *= huber_px / r.distance;
   VertexSystem s = empty_system();
   LC_UNROLL
   for (int i = 0; i < 2; ++i) s = add_row(s, w, r.r[i], vec3(r.J[i][0], r.J[i][1], r.J[i][2]));

@@ -104,6 +104,7 @@ PoseResult PoseSolver::solve(const PoseInput& input, const Prepared& prepared) {
   const KeypointPositions& initial = prepared.keypoints_mm;
   const PoseState start{input.initial, best_t_prime(targets, initial)};
   const int n_steps = steps_of(input);
+  system_.set_match_px(input.match_px);
   std::optional<PoseSteps> steps = system_.take_steps(start, n_steps, input.settled_px);
   if (!steps) {
     system_.read_choice();
@@ -181,6 +182,7 @@ void PoseSolver::launch_round(int round, const SeenVertices& seen) {
   const PoseInput& input = *rounds_[round].input;
   const bool is_followed = std::any_of(rounds_.begin() + round + 1, rounds_.end(),
                                        [](const Round& later) { return !(later.least_moved_px > 0); });
+  system_.set_match_px(input.match_px);
   system_.launch_round({.round = round,
                         .n_steps = steps_of(input),
                         .settled_px = input.settled_px,

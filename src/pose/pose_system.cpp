@@ -223,8 +223,8 @@ void PoseSystem::launch_records() {
                                point_residuals_);
   if (n_matches() > 0)
     match_records_kernel_.launch(lane_items(n_matches()), 1, layout_, pinhole_, n_matches(),
-                                 float(options_.match_huber_px), inputs_.places(), step_, inputs_on_device_, rest_,
-                                 bones_, weights_, match_records_, match_residuals_);
+                                 float(match_px_ * options_.match_huber_px), inputs_.places(), step_, inputs_on_device_,
+                                 rest_, bones_, weights_, match_records_, match_residuals_);
   if (n_shaded() > 0)
     shading_records_kernel_.launch(lane_items(n_shaded()), 1, layout_, n_shaded(), float(options_.shading_huber),
                                    inputs_.places(), step_, inputs_on_device_, rest_normals_, bones_, weights_,
@@ -284,10 +284,11 @@ void PoseSystem::read_choice() {
 void PoseSystem::launch_gauss_newton(size_t n_groups, const PoseStepsArg& steps) {
   gauss_newton_kernel_.launch(
       n_groups * LC_POSE_GROUP, LC_POSE_GROUP, layout_, pinhole_, contour_arg(), float(options_.keypoint_2d_huber_px),
-      float(options_.match_huber_px), float(options_.shading_huber), float(std::sqrt(options_.weights.anatomic)),
-      inputs_.places(), steps, inputs_on_device_, chain_, links_, moves_, limits_, rest_, rest_normals_, bones_,
-      weights_, frame_ ? frame_->signed_distance : rest_, step_, kept_, J_, parts_, sums_, results_, groups_.state(),
-      moved_, motions_, look_state_, choice_state_, ocl::LocalMemory{sizeof(float) * LC_POSE_ROWS_SIZE(layout_)},
+      float(match_px_ * options_.match_huber_px), float(options_.shading_huber),
+      float(std::sqrt(options_.weights.anatomic)), inputs_.places(), steps, inputs_on_device_, chain_, links_, moves_,
+      limits_, rest_, rest_normals_, bones_, weights_, frame_ ? frame_->signed_distance : rest_, step_, kept_, J_,
+      parts_, sums_, results_, groups_.state(), moved_, motions_, look_state_, choice_state_,
+      ocl::LocalMemory{sizeof(float) * LC_POSE_ROWS_SIZE(layout_)},
       ocl::LocalMemory{sizeof(float) * LC_POSE_NEAR_SIZE(layout_)},
       ocl::LocalMemory{takes_steps_ ? sizeof(double) * LC_POSE_LOCAL(layout_) : sizeof(double)});
 }

@@ -78,6 +78,8 @@ class PoseSystem {
   void begin_rounds(int n_rounds, const PoseState& start, const DeviceFrame* frame);
   // [8*n_bones], camera frame: see motions().
   void set_motions(std::span<const float> dual_quats) { motions_.write_later(dual_quats); }
+  // PoseInput::match_px, of all that is launched until the next call.
+  void set_match_px(double px) { match_px_ = px; }
   struct Round {
     int round = 0;
     int n_steps = 0;
@@ -158,6 +160,7 @@ class PoseSystem {
   bool inputs_changed_ = true;        // since they were uploaded
   std::optional<SeenVertices> seen_;  // what the device is to choose from
   bool rests_ = false;                // whether soles_before of the rounds are known
+  double match_px_ = 1;
   size_t most_rows_ = 0;
   std::vector<float> step_host_;
   std::vector<float> gram_host_;

@@ -177,11 +177,11 @@ class Bench {
                                    {LC_MATCH_CORRELATION, 0.5f}})
       matches[LC_MATCH + k] = value;
     kernel(kSurfaceProgram, "match_system")
-        .launch(rows_, 64, graph_.n, rows_, stride_, 10.0f, 1.5f, PinholeArg{100, 100, 16, 16},
+        .launch(rows_, 64, graph_.n, rows_, stride_, 10.0f, PinholeArg{100, 100, 16, 16},
                 ocl::Buffer<int32_t>(device_, graph_.order), ocl::Buffer<float>(device_, matches),
                 ocl::Buffer<float>(device_, graph_.planes(vertices_, 3)), blocks, rhs, energy);
-    // J = (0.1, 0, -0.01) px per mm; rhs = -10 * 0.5 * 3 * J, of which 1.5 / 3 counts.
-    expect("match_system", added_to_vertex_1(blocks, rhs, energy), {-0.75f, 0, 0.075f, 22.5f, 0, 0.025f});
+    // J = (0.1, 0, -0.01) px per mm; rhs = -10 * 0.5 * 3 * J.
+    expect("match_system", added_to_vertex_1(blocks, rhs, energy), {-1.5f, 0, 0.15f, 45, 0, 0.05f});
   }
 
   // Triangle with right angle at vertex 0, s = 2 so c = 2 for each edge; edges 0-1 and 0-2 are 1 mm longer than what

@@ -36,9 +36,7 @@ struct SurfaceOptions {
   // the mean IoU rose by 0.001 to 0.02 on the three sequences with ground truth it was tried on, the vertex error
   // stayed.
   float w_silhouette = 4000.0f;
-  float w_match = 1000.0f;  // px. Times the correlation of the two patches, or ClothBehind's share
-  // From here on, px, a match pulls linearly (Huber): it was moved onto something similar. 0: never.
-  float match_huber_px = 1;
+  float w_match = 1000.0f;      // px. Times the correlation of the two patches, or ClothBehind's share
   float constant_rigidity = 0;  // > 0: s_ij of every edge, instead of its vertices' labels'
   float w_smooth = 10.0f;       // mm, as the following
   float w_edge = 30.0f;

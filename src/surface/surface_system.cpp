@@ -48,7 +48,6 @@ void SurfaceOptions::validate() const {
   require_weight(w_photo, "w_photo");
   require_weight(w_silhouette, "w_silhouette");
   require_weight(w_match, "w_match");
-  require_weight(match_huber_px, "match_huber_px");
   require_weight(w_smooth, "w_smooth");
   require_weight(w_edge, "w_edge");
   require_weight(w_depth, "w_depth");
@@ -191,8 +190,8 @@ void SurfaceSystem::linearize(const SurfaceInput& input, int gaussian_kernel) {
                      input.frame.signed_distance, has_parts ? *input.part_image : no_parts_,
                      has_parts ? *input.vertex_part : input.contour_flag, v_, blocks_, residual_, data_energies_[1]);
   if (input.matches) {
-    match_.launch(n_rows, row_local_, n, n_rows, stride, options_.w_match, options_.match_huber_px, domain_->camera,
-                  domain_->order, *input.matches, v_, blocks_, residual_, data_energies_[2]);
+    match_.launch(n_rows, row_local_, n, n_rows, stride, options_.w_match, domain_->camera, domain_->order,
+                  *input.matches, v_, blocks_, residual_, data_energies_[2]);
   }
   // Without an earlier frame the term is off; its positions must still be finite.
   const ocl::Buffer<float>& previous = w_velocity_ > 0 || w_acceleration_ > 0 ? previous_ : v_;

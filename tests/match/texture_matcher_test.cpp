@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 
 #include "livecap/error.h"
@@ -17,7 +18,8 @@ namespace {
 
 using namespace test;  // plane_scene.h
 
-Matches find_all(ocl::DeviceContext& device, const Actor& actor, const Drawing& drawing, int level) {
+Matches find_all(ocl::DeviceContext& device, const Actor& actor, const Drawing& drawing, int level,
+                 const MatchOptions& options = {}) {
   const Camera camera = plane_camera();
   DeviceFrame frame(device, camera.width, camera.height);
   frame.upload(drawing.silhouette, drawing.picture);
@@ -28,7 +30,7 @@ Matches find_all(ocl::DeviceContext& device, const Actor& actor, const Drawing& 
   const ocl::Buffer<float> normals(device, toward);
   const ocl::Buffer<int32_t> visible(device, std::vector<int32_t>(actor.n_vertices(), 1));
   const ocl::Buffer<float> share(device, std::vector<float>(actor.n_vertices(), 1.0f));
-  TextureMatcher matcher(device, actor, camera, MatchOptions{});
+  TextureMatcher matcher(device, actor, camera, options);
   raster.render(positions, camera);
   matcher.set_picture(frame, drawing.silhouette.box);
   matcher.match(raster, positions, normals, visible, share, level);
@@ -133,6 +135,37 @@ TEST(TextureMatcher, WhatIsNotMatchedIsCounted) {
 
 // align() and match_vertex() of kernels/match, each behind its own pictures: moves near and far, other light, and
 // nothing to be found.
+// With a least correlation c0 a weight times (1 - c0) is the area times (correlation - c0): on one line over c0, which
+// falls by the area.
+TEST(TextureMatcher, AMatchCountsByHowFarItsCorrelationIsAboveTheLeast) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
+    const std::vector<double> texture = noise(9);
+    const Actor actor = plane_actor(texture);
+    const Drawing drawing = draw(plane_camera(), texture, 0.4, 0.3, 1, 1);
+    std::map<int, std::vector<double>> on_lines;
+    for (const float least : {0.5f, 0.6f, 0.8f}) {
+      MatchOptions options;
+      options.min_correlation = least;
+      for (const VertexMatch& match : find_all(device, actor, drawing, 0, options).found)
+        on_lines[match.vertex].push_back(match.weight * (1 - least));
+    }
+    int n_compared = 0;
+    double correlations = 0;
+    for (const auto& [vertex, at] : on_lines) {
+      if (at.size() < 3) continue;  // below one of them
+      const double area = (at[0] - at[1]) / 0.1;
+      EXPECT_GT(area, 0);
+      EXPECT_NEAR((at[1] - at[2]) / 0.2, area, test::kMatchWeight * area) << vertex;
+      const double correlation = 0.8 + at[2] / area;  // where the line ends
+      EXPECT_LT(correlation, 1 + test::kMatchWeight);
+      correlations += correlation;
+      ++n_compared;
+    }
+    EXPECT_GT(n_compared, kInner);
+    EXPECT_LT(correlations / n_compared, 0.99) << "the camera's texels are the nearest ones";
+  });
+}
+
 TEST(TextureMatcher, BodiesOfCpusAndGpusFindTheSame) {
   std::mt19937 rng(11);
   std::uniform_real_distribution<double> uniform(-1, 1);

@@ -360,7 +360,8 @@ TEST(PoseSystem, RobustMatchesGrowLinearlyBeyondTheirThreshold) {
         scene.options.match_huber_px = 2;
         scene.options.max_matches = scene.actor.n_vertices();
         PoseSystem system(device, scene.actor, scene.camera, scene.options);
-        for (const double distance_px : {1.5, 6.0}) {
+        for (const auto& [distance_px, match_px] : {std::pair(1.5, 1.0), {6.0, 1.0}, {3.5, 2.0}, {6.0, 2.0}}) {
+          system.set_match_px(match_px);
           std::vector<VertexMatch> matches = matched_beside(device, scene, {0.6 * distance_px, 0.8 * distance_px});
           for (VertexMatch& match : matches) match.a = 0.5f;
           system.set_frame({}, nullptr, {}, matches);
@@ -369,9 +370,9 @@ TEST(PoseSystem, RobustMatchesGrowLinearlyBeyondTheirThreshold) {
           double energy = 0;
           for (size_t i = system.n_point_rows(); i < rows.size(); ++i) energy += double(rows[i]) * rows[i];
           const double counted = 0.25 * 0.36 + 0.64;  // of the distance's square
-          const double each = counted * (distance_px < 2 ? distance_px * distance_px : 2 * distance_px);
+          const double each = counted * distance_px * std::min(distance_px, 2 * match_px);
           const double expected = scene.options.weights.match * matches.size() * each;
-          EXPECT_NEAR(energy, expected, test::kMatchedBeside * expected) << distance_px;
+          EXPECT_NEAR(energy, expected, test::kMatchedBeside * expected) << distance_px << " " << match_px;
         }
       },
       test::Doubles::kAlsoWithout);

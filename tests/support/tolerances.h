@@ -108,7 +108,9 @@ inline constexpr double kTermResidual = 1e-3;
 inline constexpr double kPoseJacobian = 5e-5;
 // J^T J of some 600 float rows against the same sum in double, relative to sqrt(A_ii A_jj).
 inline constexpr double kGramFloat = 3e-6;
-// An energy of distances of 1.5 px between places of some hundred px in single precision: 1e-5 and less.
+// Differences of weights in single precision that are a tenth of them.
+inline constexpr double kMatchWeight = 1e-4;
+// Energies of distances of 1.5 px between places of some hundred px in single precision, 3e-5 px each.
 inline constexpr double kMatchedBeside = 1e-4;
 // Six Gauss-Newton steps whose float sums are added in another order: 1e-7 of the normal equations times their
 // condition. Seen 1e-7 and 4e-6.

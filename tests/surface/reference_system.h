@@ -119,10 +119,8 @@ inline ReferenceSystem reference_system(const Scene& s, const SurfaceOptions& o,
       const float* m = &s.matches[LC_MATCH * i];
       Eigen::Matrix2d root;
       root << m[2], m[3], 0, m[4];
-      const Eigen::Vector2d away = uv - Eigen::Vector2d(m[0], m[1]);
-      const double huber = o.match_huber_px > 0 && away.norm() > o.match_huber_px ? o.match_huber_px / away.norm() : 1;
-      const double w = std::sqrt(double(o.w_match) * m[LC_MATCH_CORRELATION] * huber);
-      const Eigen::Vector2d r = w * root * away;
+      const double w = std::sqrt(double(o.w_match) * m[LC_MATCH_CORRELATION]);
+      const Eigen::Vector2d r = w * root * (uv - Eigen::Vector2d(m[0], m[1]));
       const Eigen::Matrix<double, 2, 3> R = w * root * D;
       for (int k = 0; k < 2; ++k) {
         const int at = row(r[k]);

@@ -1,7 +1,7 @@
 // E_match = lambda_match sum_i w_i || R_i (pi(V_i) - u_i) ||^2      (not in the paper; see src/match/texture_matcher.h)
 // u_i is where the picture shows vertex i, R_i = [a b; 0 c] the root of the weight of a distance from there: matches
-// are certain along some directions and not along others. w_i: what is seen of the vertex in stage I, the correlation
-// of the patches in stage II. r in px. Unknown: the vertex V (mm).
+// are certain along some directions and not along others. w_i: in stage I what is seen of the vertex, times how far the
+// correlation of the patches is above the least; in stage II the correlation. r in px. Unknown: the vertex V (mm).
 #include "shared/camera.h"
 
 typedef struct {

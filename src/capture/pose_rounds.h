@@ -42,8 +42,7 @@ class PoseRounds {
 
   struct Solution {
     PoseResult pose;
-    // The energy, and for what the last round did not match that of a match missed_px away: alone it would favour who
-    // matches less.
+    // The energy, and what the last round did not match costs (missed_px): alone it would favour who matches less.
     double cost = 0;
     std::vector<SkinSample> skin;  // as the last round found it
     int drawn = 0;                 // number of its last drawing

@@ -70,7 +70,8 @@ struct PoseRoundsOptions {
   double on_feet_legs_3d = 0.1;
   // The same where legs are free, to tell of the floor. 0: never free.
   double free_legs_3d = 0.03;
-  // Where several starts compete, what could not be matched costs like a match so far away.
+  // Where several starts compete, what could not be matched, and what a match falls short of a correlation of 1, costs
+  // as one so far away would if it grew by the square for ever.
   double missed_px = 2;
 
   void validate() const;  // throws ConfigError

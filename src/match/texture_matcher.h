@@ -36,8 +36,8 @@ struct MatchOptions {
   float variance_floor = 5e-4f;  // of luminance in [0,1]: contrast below is noise
   float softness = 0.002f;       // contrast^2 per px^2 of normalised pictures whose direction counts half
   float max_move_px = 4;         // of the level; further away a match is accidental
-  // Of the two patches: a match counts nothing there, all of its weight at 1. At true poses matches are 1.2 to 1.5 px
-  // off with 0.6 to 0.8, 0.3 with more than 0.98.
+  // Of the two patches: in stage I a match counts nothing there, all of its weight at 1. At true poses matches on shoes
+  // are 1.2 to 1.5 px off with 0.6 to 0.8, 0.3 to 0.5 with more than 0.98.
   float min_correlation = 0.6f;
   float depth_range_mm = 80;  // pixels of a patch further from its vertex belong to another limb
   float weight_area_px = 25;  // a match that stands for so many pixels has weight 1

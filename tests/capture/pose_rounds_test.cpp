@@ -110,9 +110,10 @@ std::string rounds_that_differ(const PoseResult& ahead, const PoseResult& waits)
   return differs.str();
 }
 
-// In every second frame a match stands on the edge of counting: the last bits of a pose turn it over, which moves that
-// by 1e-3 rad. Which frames these are depends on the silhouette's weight and on the device, so each must agree with one
-// of some weights, and none may be further off than a match that is turned over brings it.
+// In some frames a vertex stands on the edge of another pixel, or a match of how far it may be: the last bits of a pose
+// turn it over, which moves that by 1e-3 rad. Which frames these are depends on the silhouette's weight and on the
+// device, so each must agree with one of some weights, and none may be further off than a match that is turned over
+// brings it.
 void expect_rounds_ahead_are_the_hosts(Ground floor, double most_turned_rad, int n_weights) {
   test::on_every_gpu_body([&](ocl::DeviceContext& device) {
     ocl::DeviceContext one_by_one(without_sight(device.info()));

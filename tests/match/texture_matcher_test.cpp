@@ -133,8 +133,6 @@ TEST(TextureMatcher, WhatIsNotMatchedIsCounted) {
   });
 }
 
-// align() and match_vertex() of kernels/match, each behind its own pictures: moves near and far, other light, and
-// nothing to be found.
 // With a least correlation c0 a weight times (1 - c0) is the area times (correlation - c0): on one line over c0, which
 // falls by the area.
 TEST(TextureMatcher, AMatchCountsByHowFarItsCorrelationIsAboveTheLeast) {
@@ -162,10 +160,12 @@ TEST(TextureMatcher, AMatchCountsByHowFarItsCorrelationIsAboveTheLeast) {
       ++n_compared;
     }
     EXPECT_GT(n_compared, kInner);
-    EXPECT_LT(correlations / n_compared, 0.99) << "the camera's texels are the nearest ones";
+    EXPECT_LT(correlations / n_compared, 0.99) << "weights that do not fall with the correlation end at 1";
   });
 }
 
+// align() and match_vertex() of kernels/match, each behind its own pictures: moves near and far, other light, and
+// nothing to be found.
 TEST(TextureMatcher, BodiesOfCpusAndGpusFindTheSame) {
   std::mt19937 rng(11);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -251,7 +251,7 @@ TEST(TextureMatcher, WeightsAddUpToTheArea) {
       sum += match.weight;
       ++n;
     }
-    // 240 px / 20 cells: 144 px around each vertex, times a correlation near 1.
+    // 240 px / 20 cells: 144 px around each vertex, times how far the correlation, near 1, is above the least one.
     EXPECT_NEAR(sum / double(n), 144 / MatchOptions{}.weight_area_px, 0.1 * 144 / MatchOptions{}.weight_area_px);
   });
 }

@@ -7,6 +7,7 @@
 
 #include "actor/skinner.h"
 #include "livecap/error.h"
+#include "pose/pose_solver.h"
 #include "support/kernel_bodies.h"
 #include "support/pose_reference.h"
 #include "support/pose_scene.h"
@@ -376,6 +377,30 @@ TEST(PoseSystem, RobustMatchesGrowLinearlyBeyondTheirThreshold) {
         }
       },
       test::Doubles::kAlsoWithout);
+}
+
+// Half of the matches on either side hold the pose; each costs in proportion to the threshold, in px of its level.
+TEST(PoseSystem, MatchesOfCoarseLevelsAreRobustFurtherOut) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    SystemScene scene;
+    scene.options.match_huber_px = 1;
+    std::vector<VertexMatch> matches = matched_beside(device, scene, {-8, 0});
+    const std::vector<VertexMatch> others = matched_beside(device, scene, {8, 0});
+    matches.insert(matches.end(), others.begin(), others.end());
+    scene.options.max_matches = int(matches.size());
+    PoseSolver solver(device, scene.actor, scene.camera, scene.options);
+    const Detections seen = test::exact_detections(scene.actor, scene.camera, scene.state.pose);
+    for (const double match_px : {1.0, 4.0, 2.0}) {
+      const PoseResult result = solver.solve({.detections = seen,
+                                              .initial = scene.state.pose,
+                                              .previous = &scene.state.pose,
+                                              .matches = matches,
+                                              .match_px = match_px,
+                                              .n_steps = 1});
+      const double expected = scene.options.weights.match * double(matches.size()) * 8 * match_px;
+      EXPECT_NEAR(result.energy.match, expected, 0.02 * expected) << match_px;
+    }
+  });
 }
 
 // More matches than rows: the heavy ones stay, and the total weight with them.

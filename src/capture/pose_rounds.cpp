@@ -186,7 +186,7 @@ PoseInput PoseRounds::round_input(const PoseStageInput& input, const Detections&
           .initial = initial,
           .previous = round.free_legs ? nullptr : previous,
           .frame = input.silhouette.empty() ? nullptr : &input.frame,
-          .match_px = double(1 << round.level),
+          .match_px = previous ? 1 : double(1 << round.level),  // who is seen first may be far from where matches are
           .floor = round.free_legs ? nullptr : floor_.floor(),
           .share_3d = matches(input) ? options.matched_3d : 1,
           .arms_3d = round.refining ? options.refined_arms_3d : 1,

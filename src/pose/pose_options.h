@@ -68,8 +68,8 @@ struct PoseOptions {
   // along.
   double keypoint_2d_huber_px = 12;
   double silhouette_huber_px = 1.5;
-  // Of the level that was matched at. Some patches were moved onto something similar, 1.5 to 3 px away; at the true
-  // pose half of those on shoes are within 0.5 px.
+  // Where a pose follows none, of the level that was matched at. Some patches were moved onto something similar, 1.5 to
+  // 3 px away; at the true pose half of those on shoes are within 0.5 px.
   double match_huber_px = 0.6;
   double shading_huber = 3;    // standard deviations; shadows and highlights
   double floor_huber_mm = 20;  // a step, a floor thought too high

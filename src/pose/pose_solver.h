@@ -27,15 +27,15 @@ struct PoseInput {
   std::span<const int32_t> contour_vertices = {};  // B of the frame, template vertex indices
   std::span<const VertexMatch> matches = {};       // where the picture shows vertices of the skinned template
   std::span<const ShadedVertex> shaded = {};       // how bright it shows skin
-  double match_px = 1;  // px of the picture that one is of the level at which was matched: PoseOptions::match_huber_px
-  const SeenVertices* seen = nullptr;  // instead of these three, where PoseSolver::chooses()
-  const Floor* floor = nullptr;        // nullptr: none is known
-  double share_3d = 1;                 // factor of lambda_3D
-  double arms_3d = 1;                  // factor of lambda_i of E_3D of elbows, wrists and hands
-  double legs_3d = 1;                  // likewise of knees, ankles and toes
-  double doubt_3d_mm = 0;              // see doubt_far_detections(), at `initial`; 0: detections are not doubted
-  int n_steps = 0;                     // 0: PoseOptions::steps
-  double settled_px = 0;               // no further step after one that moves no keypoint so far in the picture
+  double match_px = 1;                             // px that one of PoseOptions::match_huber_px stands for
+  const SeenVertices* seen = nullptr;              // instead of these three, where PoseSolver::chooses()
+  const Floor* floor = nullptr;                    // nullptr: none is known
+  double share_3d = 1;                             // factor of lambda_3D
+  double arms_3d = 1;                              // factor of lambda_i of E_3D of elbows, wrists and hands
+  double legs_3d = 1;                              // likewise of knees, ankles and toes
+  double doubt_3d_mm = 0;  // see doubt_far_detections(), at `initial`; 0: detections are not doubted
+  int n_steps = 0;         // 0: PoseOptions::steps
+  double settled_px = 0;   // no further step after one that moves no keypoint so far in the picture
 };
 
 // Weighted, as in the paper's E_pose.

@@ -27,7 +27,7 @@ struct PoseInput {
   std::span<const int32_t> contour_vertices = {};  // B of the frame, template vertex indices
   std::span<const VertexMatch> matches = {};       // where the picture shows vertices of the skinned template
   std::span<const ShadedVertex> shaded = {};       // how bright it shows skin
-  double match_px = 1;                             // px that one of PoseOptions::match_huber_px stands for
+  double match_px = 1;                             // factor of PoseOptions::match_huber_px
   const SeenVertices* seen = nullptr;              // instead of these three, where PoseSolver::chooses()
   const Floor* floor = nullptr;                    // nullptr: none is known
   double share_3d = 1;                             // factor of lambda_3D

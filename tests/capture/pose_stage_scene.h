@@ -68,8 +68,8 @@ inline Pose turned(const Actor& actor, int frame) {
   return pose;
 }
 
-// The floor that somebody stands on, a little below the soles. (At some heights the last bits of a pose
-// decide what a match is.)
+// The floor that somebody stands on, a little below the soles. (At some heights the last bits of a pose decide what
+// a match is.)
 inline FloorPlane under(const Actor& actor, const Pose& pose) {
   const PosedSkeleton posed = forward_kinematics(actor.skeleton, pose);
   double lowest = -INFINITY;

@@ -119,8 +119,8 @@ inline constexpr double kStepsMm = 1e-4;
 // And of several rounds, each of whose rows are made where the one before ended (6.9e-6 rad and 4.1e-4 mm on PoCL).
 inline constexpr double kRoundsRad = 5e-5;
 inline constexpr double kRoundsMm = 5e-3;
-// Where a match is turned over by their last bits: 1e-3 rad where E_3D holds the legs, 0.014
-// seen on a GPU and 0.021 on PoCL where it holds them with a tenth of that.
+// Where a match is turned over by their last bits: 1e-3 rad where E_3D holds the legs, 0.014 seen on a GPU and 0.021 on
+// PoCL where it holds them with a tenth of that.
 inline constexpr double kTurnedMatchRad = 3e-2;
 // And between a floor and shoes, where E_3D hardly holds the legs: 0.043 in 123 frames on PoCL. More would take a pose
 // further than it is from the truth there, which is 0.057 to 0.1 with rounds ahead and without.

@@ -44,8 +44,10 @@ struct Seen {
       const auto lit = float(1 + coded * coded / (coded * coded + 0.04) * (brightness - 1));
       for (int k = 0; k < 3; ++k) picture.pixels[3 * at + k] = uint8_t(255 * lit * color[k] / 3);
     }
-    Silhouette silhouette = make_silhouette(rasterizer.read_mask());
+    const ImageGray mask = rasterizer.read_mask();
+    Silhouette silhouette = make_silhouette(mask);
     frame.upload(silhouette, picture);
+    frame.mask.write(mask.pixels);
     return silhouette;
   }
 

@@ -37,7 +37,6 @@ std::vector<PoseResult> track(ocl::DeviceContext& device, int n_frames, int n_ah
   TrackerOptions options;
   options.shading.light.harmonics.least_frames = options.actor_light.least_frames = 0.5;
   options.shares.covered_foot_share = PoseSharesOptions().foot_share;  // with more a match turns legs further
-  options.pose.max_matches = 5000;  // all: of more, one that changes in its last bits changes which others are taken
   options.pose.weights.silhouette *= silhouette;
   if (floor == kKnownLegsHeld) {
     options.rounds.on_feet_legs_3d = 1;

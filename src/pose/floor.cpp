@@ -115,6 +115,7 @@ void FloorOptions::validate() const {
   positive("tilt_deviation", tilt_deviation);
   positive("height_deviation_mm", height_deviation_mm);
   positive("outlier_mm", outlier_mm);
+  positive("higher_foot_mm", higher_foot_mm);
   positive("max_contradicted_frames", max_contradicted_frames);
 }
 
@@ -175,8 +176,8 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet
       if (soles_[i].bone == bone && up.dot(now[i]) < lowest.height_mm) lowest = {i, up.dot(now[i])};
     if (std::isfinite(lowest.height_mm)) resting.push_back(lowest);
   }
-  if (!floor_ && resting.size() == 2)  // only the lower foot surely stands
-    resting = {resting[0].height_mm < resting[1].height_mm ? resting[0] : resting[1]};
+  double lower_mm = std::numeric_limits<double>::infinity();
+  for (const Lowest& lowest : resting) lower_mm = std::min(lower_mm, up.dot(told[lowest.point]));
   bool near = false, still = false;
   for (const Lowest& lowest : resting) {
     const Eigen::Vector3d& p = now[lowest.point];
@@ -188,6 +189,7 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet
       near = near || (rests && std::abs(height) < 3 * options_.outlier_mm);
       weight /= cauchy_doubt(height * height, options_.outlier_mm);
     }
+    weight /= cauchy_doubt(std::pow(up.dot(told[lowest.point]) - lower_mm, 2), options_.higher_foot_mm);
     if (!is_measured_ && feet) add(told[lowest.point], times * weight);
   }
   if (floor_ && still) contradicted_frames_ = near ? 0 : contradicted_frames_ + 1;

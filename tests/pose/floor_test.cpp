@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -107,6 +108,27 @@ TEST(Floor, IsWhereThePictureHasTheFeetOfTheFramesAskedFor) {
   for (const Eigen::Vector3d& p : soles_of(actor, stands))
     EXPECT_NEAR(finder.floor()->height_mm(p), truth.height_mm(p), test::kLearnedFloorMm);
   EXPECT_FALSE(FloorFinder(actor, {}, truth).asks_for_feet()) << "measured";
+}
+
+// A lifted foot is as still where it is highest as one that stands; the other one stands meanwhile.
+TEST(Floor, ALiftedFootTellsLittle) {
+  const Actor actor = test::make_test_actor();
+  const Floor truth{kUp, 1200};
+  FloorFinder finder(actor, {}, {});
+  const Pose stands = on_floor(actor, 100, 3200, truth);
+  for (int frame = 0; frame < 120; ++frame) {
+    Pose pose = stands;  // one foot is 40 mm up
+    const std::string side = frame % 2 == 0 ? "left" : "right";
+    for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
+      const std::string& name = actor.skeleton.dofs[k].name;
+      if (name == side + "_hip_x") pose.angles_rad[k] -= 0.45;
+      if (name == side + "_knee_x") pose.angles_rad[k] += 0.9;
+    }
+    finder.learn(pose, pose, &pose, seen(actor, pose));
+  }
+  ASSERT_NE(finder.floor(), nullptr);
+  for (const Eigen::Vector3d& p : soles_of(actor, stands))
+    EXPECT_NEAR(finder.floor()->height_mm(p), truth.height_mm(p), test::kFloorBesideLiftedFootMm);
 }
 
 // One place does not tell the tilt: it is that of who stands there.
@@ -316,7 +338,8 @@ TEST(Floor, BadOptionsAreNamed) {
        {std::pair("memory", &FloorOptions::memory), std::pair("least", &FloorOptions::least),
         std::pair("tilt_deviation", &FloorOptions::tilt_deviation),
         std::pair("height_deviation_mm", &FloorOptions::height_deviation_mm),
-        std::pair("outlier_mm", &FloorOptions::outlier_mm)}) {
+        std::pair("outlier_mm", &FloorOptions::outlier_mm),
+        std::pair("higher_foot_mm", &FloorOptions::higher_foot_mm)}) {
     for (const double bad : {0.0, double(NAN)}) {
       FloorOptions options;
       options.*value = bad;

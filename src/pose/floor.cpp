@@ -176,7 +176,7 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet
       if (soles_[i].bone == bone && up.dot(now[i]) < lowest.height_mm) lowest = {i, up.dot(now[i])};
     if (std::isfinite(lowest.height_mm)) resting.push_back(lowest);
   }
-  if (!floor_ && resting.size() == 2)  // how much higher the other is depends on a tilt that is not known
+  if (!floor_ && resting.size() == 2)  // there is no height yet that the other could be doubted by
     resting = {resting[0].height_mm < resting[1].height_mm ? resting[0] : resting[1]};
   double lower_mm = std::numeric_limits<double>::infinity();
   for (const Lowest& lowest : resting) lower_mm = std::min(lower_mm, up.dot(told[lowest.point]));

@@ -46,11 +46,11 @@ struct FloorOptions {
   // mm, of a resting foot's height: its depth is off by several times as much, for many frames alike.
   double height_deviation_mm = 45;
   double outlier_mm = 30;  // a foot so far from the floor has half a say (Cauchy)
-  // So has one so much higher than the other: only the lower surely stands, and a foot that is lifted is as still where
-  // it is highest.
-  double higher_foot_mm = 25;
   // After more than so many frames on end in which no resting foot is within three times that: another floor.
   int max_contradicted_frames = 30;
+  // A foot so much higher than the other has half a say, however that one moves: the floor is below both, and a foot
+  // that is lifted is as still where it is highest as one that stands.
+  double higher_foot_mm = 25;
 
   void validate() const;  // throws ConfigError
 };

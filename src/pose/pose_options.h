@@ -50,8 +50,9 @@ struct PoseOptions {
   // 3D detections are re-boned with the template's lengths. false: they already have the actor's size.
   bool rebone = true;
 
-  // More are thinned, and the term keeps its total weight. What is seen of 5,000 vertices is fewer: thinned ones tell
-  // less, and one whose weight changes in its last bits changes which others are taken.
+  // More are thinned, and the term keeps its total weight. The camera sees fewer of the built-in figures (5,000
+  // vertices): thinned ones tell less, and a match whose weight changes in its last bits changes which others are
+  // taken.
   int max_contour_vertices = 1024;
   int max_matches = 2560;
   int max_shaded = 512;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -117,13 +118,16 @@ TEST(Floor, ALiftedFootTellsLittle) {
   FloorFinder finder(actor, {}, {});
   const Pose stands = on_floor(actor, 100, 3200, truth);
   for (int frame = 0; frame < 120; ++frame) {
-    Pose pose = stands;  // one foot is 40 mm up
+    Pose pose = stands;
     const std::string side = frame % 2 == 0 ? "left" : "right";
     for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
       const std::string& name = actor.skeleton.dofs[k].name;
       if (name == side + "_hip_x") pose.angles_rad[k] -= 0.45;
       if (name == side + "_knee_x") pose.angles_rad[k] += 0.9;
     }
+    double lifted_mm = 0;
+    for (const Eigen::Vector3d& p : soles_of(actor, pose)) lifted_mm = std::max(lifted_mm, truth.height_mm(p));
+    ASSERT_GT(lifted_mm, 50);  // 38 mm where its sole is lowest
     finder.learn(pose, pose, &pose, seen(actor, pose));
   }
   ASSERT_NE(finder.floor(), nullptr);

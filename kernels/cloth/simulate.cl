@@ -84,7 +84,7 @@ static inline void ahead_row(int row, int stride, ClothStep step, float t, globa
   const Vec3 carried = scale3(moves, step.per_second);
   Vec3 velocity = add3(old, scale3(sub3(carried, old), step.damped));
   velocity = add3(scale3(velocity, step.air), scale3(sub3(goal, at), step.spring));
-  velocity.y += step.falls;  // down the picture
+  velocity = add3(velocity, vec3(step.falls_x, step.falls_y, step.falls_z));
   Vec3 next = add3(at, scale3(velocity, step.seconds));
   const REAL free = LOAD(is_free, row);
   next = add3(goal, scale3(sub3(next, goal), free));

@@ -29,7 +29,7 @@ const std::vector<std::string>& component_names() {
     std::vector<std::string> list;
     for (const Term& term : term_table()) list.emplace_back(term.name);
     for (const char* name : {"face", "warping", "part_mask", "snapping", "cloth", "cloth_behind", "confidence",
-                             kMaskGating.data(), kFixedLag.data(), "pose_solver"})
+                             kMaskGating.data(), kFixedLag.data(), kUpright.data(), "pose_solver"})
       list.emplace_back(name);
     return list;
   }();

@@ -12,9 +12,11 @@ namespace livecap {
 struct TrackerOptions;
 
 // Components outside the tracker. Without the first the background is subtracted without the network's person mask,
-// without the second the surface is fitted to poses as they are solved, two frames earlier (capture/fixed_lag.h).
+// without the second the surface is fitted to poses as they are solved, two frames earlier (capture/fixed_lag.h),
+// without the third bodies alone tell which way is up (image/upright_edges.h).
 inline constexpr std::string_view kMaskGating = "mask_gating";
 inline constexpr std::string_view kFixedLag = "fixed_lag";
+inline constexpr std::string_view kUpright = "upright";
 
 // All names in the order they are documented.
 const std::vector<std::string>& component_names();

@@ -5,8 +5,12 @@
 #include <optional>
 #include <string_view>
 #include <thread>
+#include <utility>
 
 #include "actor/keypoint_offsets.h"
+#include "base/camera_tilt.h"
+#include "base/log.h"
+#include "base/text.h"
 #include "base/trace.h"
 #include "capture/components.h"
 #include "capture/fixed_lag.h"
@@ -14,6 +18,7 @@
 #include "capture/tracker.h"
 #include "capture/warm_up.h"
 #include "image/image_io.h"
+#include "image/upright_edges.h"
 #include "ocl/context.h"
 #include "synth/named_actor.h"
 
@@ -40,15 +45,19 @@ class Solver {
  public:
   // surface_device: the same, with a queue of its own.
   Solver(const MethodOptions& options, ocl::DeviceContext& device, ocl::DeviceContext& surface_device,
-         const Actor& actor, const Camera& camera)
-      : tracker_(device, surface_device, actor, camera, tracker_options(options)),
+         const Actor& actor, const Camera& camera, const BackgroundModel& background)
+      : camera_(camera),
+        upright_due_(is_on(options, kUpright)),
+        tracker_(device, surface_device, actor, camera, tracker_options(options)),
         poses_(actor.skeleton, is_on(options, kFixedLag) ? kLagShare : 0, kLagPasses) {
     warm_up_tracker(tracker_, actor, camera);
+    if (background.trained()) look_for_upright(background.picture(), {});
   }
 
   std::optional<WorkItem> solve(WorkItem&& item) {
     if (item.report.status != TrackStatus::kDamaged) {
       const TraceSpan span("solve", "pose", item.report.index);
+      if (item.frame) look_for_upright(item.image, item.mask);
       item.result = tracker_.solve_pose(input_of(item));
       item.report.status = item.result.status;
     }
@@ -73,6 +82,16 @@ class Solver {
   }
 
  private:
+  // In the empty room, or else beside the first person in it.
+  void look_for_upright(const ImageRgb& picture, const ImageGray& person) {
+    if (!std::exchange(upright_due_, false)) return;
+    const std::optional<Upright> upright = upright_by_edges(picture, person, camera_);
+    if (!upright) return;
+    const CameraTilt tilt = tilt_above({{upright->up.x(), upright->up.y(), upright->up.z()}});
+    log_debug(format("the camera looks down by %.1f deg, by %d upright edges", tilt.down_deg, upright->n_edges));
+    tracker_.set_upright(*upright);
+  }
+
   static TrackInput input_of(const WorkItem& item) {
     return {item.image,       item.detections,           item.silhouette, item.mask,
             item.frame.get(), item.report.pts_ms / 1000, item.nobody};
@@ -86,6 +105,8 @@ class Solver {
     return tracker;
   }
 
+  Camera camera_;
+  bool upright_due_;
   Tracker tracker_;
   FixedLag poses_;
 };
@@ -155,7 +176,7 @@ CaptureEngine::CaptureEngine(const MethodOptions& options, const DetectionOption
     p.detection.emplace(detections, *p.cnn);
     p.detection->warm_up(camera);
   });
-  p.solver.emplace(options, p.solver_device, p.surface_device, actor, camera);
+  p.solver.emplace(options, p.solver_device, p.surface_device, actor, camera, background);
   p.segmenter.emplace(p.segmenter_device, p.gate_device, background, camera, is_on(options, kMaskGating),
                       kFramesUnderWay);
   p.segmenter->warm_up();

@@ -47,6 +47,11 @@ class PoseStage {
   // How brightly the actor is lit as it is drawn to be matched, learned so far.
   const Light& light() const { return rounds_.light(); }
 
+  // Of the room, by its edges; where none tell, a body is taken to stand upright.
+  void set_upright(const Upright& upright) { floor_.set_upright(upright); }
+  // Which way things do not fall, camera frame, unit.
+  Eigen::Vector3d up() const { return floor_.up(); }
+
   // Whether all rounds of a tracked frame are launched at once.
   bool looks_ahead(const PoseStageInput& input) const { return rounds_.looks_ahead(input); }
 

@@ -140,7 +140,8 @@ void SurfaceStage::snap(const SurfaceInput& solved) {
 }
 
 // Puts the template and the last displacements where the pose is; folds open there, then hanging cloth swings.
-void SurfaceStage::place(const PosedSkeleton& posed, std::span<const float> dual_quats, double seconds) {
+void SurfaceStage::place(const PosedSkeleton& posed, std::span<const float> dual_quats, double seconds,
+                         const Eigen::Vector3d& up) {
   skinner_.skin(zero_, skinned_);
   skinner_.skin(displacement_rest_, start_);
   if (n_history_ >= 2) skinner_.skin(before_displacement_rest_, before_);
@@ -148,11 +149,11 @@ void SurfaceStage::place(const PosedSkeleton& posed, std::span<const float> dual
     skinner_.normals(skinned_, normals_);
     folds_->open(dual_quats, normals_, skinned_, start_, before_);
   }
-  if (cloth_) cloth_->step(posed, seconds, skinned_, start_, before_);
+  if (cloth_) cloth_->step(posed, seconds, up, skinned_, start_, before_);
 }
 
 double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* picture, const PixelBox& person,
-                           const Light& light) {
+                           const Light& light, const Eigen::Vector3d& up) {
   if (cloth_matcher_) cloth_matcher_->set_light(light);
   const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);
   const std::vector<float> dual_quats = hanging_.dual_quats(posed);
@@ -161,10 +162,10 @@ double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* p
   last_time_s_ = time_s;
   if (cloth_ && passed > kLongestFrame) cloth_->reset();
   const double seconds = std::clamp(passed, kShortestFrame, kLongestFrame);
-  place(posed, dual_quats, seconds);
+  place(posed, dual_quats, seconds, up);
   if (!picture) {
     if (cloth_) device_.finish();  // gave_up() knows then
-    if (cloth_ && cloth_->gave_up()) place(posed, dual_quats, seconds);
+    if (cloth_ && cloth_->gave_up()) place(posed, dual_quats, seconds, up);
     vertices_.copy_from(skinned_);
     return 0;
   }
@@ -173,7 +174,7 @@ double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* p
     launch(*picture, person);
     surface = solver_.result();
     const bool cloth_gave_up = cloth_ && cloth_->gave_up();
-    if (cloth_gave_up) place(posed, dual_quats, seconds);
+    if (cloth_gave_up) place(posed, dual_quats, seconds, up);
     whole = !snapper_.gave_up() && surface && !cloth_gave_up;
   }
   if (surface->status != SurfaceStatus::kOk) vertices_.copy_from(start_);  // and not what a step made of it

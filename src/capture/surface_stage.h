@@ -33,8 +33,9 @@ class SurfaceStage {
 
   // picture: nullptr where nothing is segmented: the template then, skinned and its cloth simulated. person: the box
   // around the silhouette. time_s: of the frame, for how cloth swings. light: how brightly the actor is lit
-  // (TextureMatcher::set_light). Returns the energy.
-  double solve(const Pose& pose, double time_s, const DeviceFrame* picture, const PixelBox& person, const Light& light);
+  // (TextureMatcher::set_light). up: unit, camera frame; cloth falls the other way. Returns the energy.
+  double solve(const Pose& pose, double time_s, const DeviceFrame* picture, const PixelBox& person, const Light& light,
+               const Eigen::Vector3d& up);
 
   // The skinned template instead of a solve.
   void skin_template(const Pose& pose);
@@ -46,7 +47,7 @@ class SurfaceStage {
   void reset();
 
  private:
-  void place(const PosedSkeleton& posed, std::span<const float> dual_quats, double seconds);
+  void place(const PosedSkeleton& posed, std::span<const float> dual_quats, double seconds, const Eigen::Vector3d& up);
   void launch(const DeviceFrame& picture, const PixelBox& person);
   void snap(const SurfaceInput& solved);
   SurfaceInput seen_from(const ocl::Buffer<float>& vertices, const DeviceFrame& picture);

@@ -128,6 +128,7 @@ TrackResult Tracker::solve_pose(const TrackInput& given) {
   result.status = solved.initialized ? TrackStatus::kInitialized : TrackStatus::kOk;
   result.pose = solved.pose.pose;
   result.light = pose_stage_.light();
+  result.up = pose_stage_.up();
   const bool follows = last_pose_ && missed_frames_ == 0;
   pose_before_last_ = last_pose_;
   last_pose_ = result.pose;
@@ -144,7 +145,7 @@ void Tracker::solve_surface(const TrackInput& given, TrackResult& result) {
   if (options_.enable_surface) {
     if (result.status == TrackStatus::kInitialized) surface_stage_.reset();
     result.surface_energy =
-        surface_stage_.solve(result.pose, given.time_s, picture, given.silhouette.box, result.light);
+        surface_stage_.solve(result.pose, given.time_s, picture, given.silhouette.box, result.light, result.up);
   } else {
     surface_stage_.skin_template(result.pose);
   }

@@ -31,9 +31,10 @@ struct TrackInput {
 
 struct TrackResult {
   TrackStatus status = TrackStatus::kNobody;
-  Pose pose;                       // valid when tracked
-  Light light{1};                  // that it was solved in, for stage II
-  std::vector<float> vertices_mm;  // [3*n_vertices] camera frame; empty unless tracked
+  Pose pose;                                       // valid when tracked
+  Light light{1};                                  // that it was solved in, for stage II
+  Eigen::Vector3d up = -Eigen::Vector3d::UnitY();  // PoseStage::up(), likewise
+  std::vector<float> vertices_mm;                  // [3*n_vertices] camera frame; empty unless tracked
   double pose_energy = 0;
   double surface_energy = 0;
   double keypoint_error_px = 0;
@@ -61,6 +62,9 @@ class Tracker {
   void solve_surface(const TrackInput& given, TrackResult& result);
   // One after the other.
   TrackResult track(const TrackInput& given);
+
+  // Which way is up by what the camera sees of the room. Stays so. Not beside the other calls.
+  void set_upright(const Upright& upright) { pose_stage_.set_upright(upright); }
 
   // Forgets the person and the light: the next frame with detections is initialised.
   void reset();

@@ -18,7 +18,7 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
-static_assert(sizeof(ClothStep) == 28, "as the kernel has it");
+static_assert(sizeof(ClothStep) == 36, "as the kernel has it");
 
 constexpr const char *kProgram = "cloth/cloth.cl", *kKernel = "simulate_cloth";
 constexpr double kSettlingFrame = 1 / 30.0;  // s
@@ -193,19 +193,22 @@ std::vector<float> ClothSimulation::limbs_at(const PosedSkeleton& posed) const {
   return values;
 }
 
-ClothStep ClothSimulation::step_of(double seconds) const {
+ClothStep ClothSimulation::step_of(double seconds, const Eigen::Vector3d& up) const {
   const double small = seconds / options_.steps;
+  const Vector3 falls = -fabric_.gravity * small * up;
   return {float(small),
           float(1 / small),
           float(1 / seconds),
           float(fabric_.stiffness * small),
           float(1 - std::exp(-fabric_.damping * small)),
           float(std::exp(-options_.air_drag * small)),
-          float(fabric_.gravity * small)};
+          float(falls.x()),
+          float(falls.y()),
+          float(falls.z())};
 }
 
-void ClothSimulation::step(const PosedSkeleton& posed, double seconds, ocl::Buffer<float>& skinned,
-                           ocl::Buffer<float>& start, ocl::Buffer<float>& start_before) {
+void ClothSimulation::step(const PosedSkeleton& posed, double seconds, const Eigen::Vector3d& up,
+                           ocl::Buffer<float>& skinned, ocl::Buffer<float>& start, ocl::Buffer<float>& start_before) {
   if (!has_cloth()) return;
   if (!(seconds > 0)) throw LogicError("cloth: a frame takes " + std::to_string(seconds) + " s");
   const std::vector<float> now = limbs_at(posed), &before = first_ ? now : limbs_before_;
@@ -219,7 +222,7 @@ void ClothSimulation::step(const PosedSkeleton& posed, double seconds, ocl::Buff
   const bool settles = first_ && fabric_.gravity > 0;
   for (int left = settles ? options_.settling_frames : 0; left >= 0; --left) {
     const int n_moved = left > 0 ? 0 : n_moved_;  // meanwhile the surface stays where it is
-    const ClothStep step = step_of(left > 0 ? kSettlingFrame : seconds);
+    const ClothStep step = step_of(left > 0 ? kSettlingFrame : seconds, up);
     simulate_.launch(groups_.n() * group_, group_, first_ ? 1 : 0, options_.steps, graph_.n_rows, graph_.stride,
                      n_moved, groups_.arrived(), step, slice_offsets_, neighbors_, pulls_, lengths_, vertices_,
                      is_free_, limbs_, reach_, moved_, particles_, weights_, before_, target_, x_, v_, ahead_, skinned,

@@ -23,7 +23,7 @@ struct ClothOptions {
   struct Fabric {
     float stiffness;  // 1/s^2, acceleration by a mm from the skinned place
     float damping;    // 1/s, of the velocity relative to the skinned place
-    float gravity;    // mm/s^2, down the picture: a camera stands about level
+    float gravity;    // mm/s^2
   };
   Fabric taut = {100, 8, 0}, loose = {0, 4, 9810};  // what is part of both lies between them
   float air_drag = 1;                               // 1/s, of the velocity
@@ -51,17 +51,18 @@ class ClothSimulation {
   // there for settling_frames, and may still swing.
   void reset() { first_ = true; }
 
-  // One frame, seconds after the last. skinned: [3n] mm, camera frame, V^S in, where hanging cloth is replaced by the
-  // simulated one. start, start_before [3n]: moved by as much. Enqueued. Throws LogicError unless seconds > 0.
-  void step(const PosedSkeleton& posed, double seconds, ocl::Buffer<float>& skinned, ocl::Buffer<float>& start,
-            ocl::Buffer<float>& start_before);
+  // One frame, seconds after the last. up: unit, camera frame; it falls the other way. skinned: [3n] mm, camera frame,
+  // V^S in, where hanging cloth is replaced by the simulated one. start, start_before [3n]: moved by as much. Enqueued.
+  // Throws LogicError unless seconds > 0.
+  void step(const PosedSkeleton& posed, double seconds, const Eigen::Vector3d& up, ocl::Buffer<float>& skinned,
+            ocl::Buffer<float>& start, ocl::Buffer<float>& start_before);
 
   // After the next blocking read: true once where a GPU's work-groups do not wait for each other. Then the buffers are
   // to be made anew, for a step at rest.
   bool gave_up();
 
  private:
-  ClothStep step_of(double seconds) const;  // seconds: of a frame
+  ClothStep step_of(double seconds, const Eigen::Vector3d& up) const;  // seconds: of a frame
   std::vector<float> limbs_at(const PosedSkeleton& posed) const;
   void set_up_links(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth);
   void set_up_limbs(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth);

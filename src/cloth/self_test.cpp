@@ -87,7 +87,7 @@ std::vector<ocl::SelfTestResult> cloth_self_test(ocl::DeviceContext& device) {
   const auto begin = [&](ClothSimulation& simulation) {
     do {
       skinned.write(rest);
-      simulation.step(posed, seconds, skinned, start, before);
+      simulation.step(posed, seconds, -Eigen::Vector3d::UnitY(), skinned, start, before);
       device.finish();
     } while (simulation.gave_up());
   };
@@ -104,7 +104,7 @@ std::vector<ocl::SelfTestResult> cloth_self_test(ocl::DeviceContext& device) {
   std::vector<float> moved = rest;
   for (size_t k = 0; k < moved.size(); k += 3) moved[k] += float(aside);
   skinned.write(moved);
-  cloth.step(posed, seconds, skinned, start, before);
+  cloth.step(posed, seconds, -Eigen::Vector3d::UnitY(), skinned, start, before);
   // It takes up a share of the velocity it is carried with, loses some of that to the air, and is pulled.
   const double carried = aside / seconds * (1 - std::exp(-options.taut.damping * seconds));
   const double pulled = options.taut.stiffness * seconds * aside;

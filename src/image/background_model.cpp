@@ -230,6 +230,15 @@ FrameChange BackgroundModel::estimate_change(const ImageRgb& frame, const ImageG
   return change;
 }
 
+ImageRgb BackgroundModel::picture() const {
+  if (!trained()) return {};
+  ImageRgb picture{width_, height_, std::vector<uint8_t>(size_t(3) * width_ * height_)};
+  for (size_t p = 0; p < size_t(width_) * height_; ++p)
+    for (int c = 0; c < 3; ++c)
+      picture.pixels[3 * p + c] = uint8_t(std::clamp(std::lround(layers_[0].mean[c][p]), 0L, 255L));
+  return picture;
+}
+
 float BackgroundModel::least_variance(const FrameChange& change) const {
   return squared(std::clamp(change.sigma, options_.min_sigma, options_.initial_sigma));
 }

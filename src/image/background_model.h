@@ -51,6 +51,9 @@ class BackgroundModel {
   // The least variance to reckon with in such a frame.
   float least_variance(const FrameChange& change) const;
 
+  // Of the empty scene: the heaviest means, rounded. Empty before it is trained.
+  ImageRgb picture() const;
+
   const BackgroundOptions& options() const { return options_; }
   // Those Gaussians that are background; a pixel with fewer than others repeats its last. At least one once trained.
   const std::vector<Layer>& layers() const { return layers_; }

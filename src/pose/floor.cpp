@@ -161,7 +161,7 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet
   const Eigen::Vector3d upright = (joints[kNeck] - (joints[kLeftAnkle] + joints[kRightAnkle]) / 2).normalized();
   if (!(upright.y() < kUprightY)) return;
   body_up_ += upright;
-  const Eigen::Vector3d up = floor_ ? floor_->up : body_up_.normalized();
+  const Eigen::Vector3d up = this->up();
 
   struct Lowest {
     size_t point = 0;
@@ -208,15 +208,36 @@ void FloorFinder::add(const Eigen::Vector3d& point_mm, double weight) {
   n_resting_ = fade * n_resting_ + weight;
 }
 
-// y = c + a x + b z, m, with the tilt of what the body stands upright on as a prior.
+// What is upright, together. Both ways are nearly level in the picture, where slopes and turns are the same.
+FloorFinder::Tilt FloorFinder::tilt() const {
+  Tilt both;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  const auto count = [&](const Eigen::Vector3d& up, const Eigen::Matrix2d& information) {
+    both.information += information;
+    sum += information * Eigen::Vector2d(-up.x() / up.y(), -up.z() / up.y());
+  };
+  if (body_up_.y() < 0) count(body_up_, Eigen::Matrix2d::Identity() / std::pow(options_.tilt_deviation, 2));
+  if (upright_) count(upright_->up, upright_->information({0, 2}, {0, 2}));
+  if (both.information.determinant() > 0) both.slope = both.information.ldlt().solve(sum);
+  return both;
+}
+
+Eigen::Vector3d FloorFinder::up() const {
+  if (floor_) return floor_->up;
+  const Eigen::Vector2d slope = tilt().slope;
+  return Eigen::Vector3d(slope.x(), -1, slope.y()).normalized();
+}
+
+// y = c + a x + b z, m, with what is upright as a prior of its tilt.
 void FloorFinder::fit() {
   if (!floor_ && n_resting_ < options_.least) return;
-  const Eigen::Vector3d up = body_up_.normalized();
-  const Eigen::Vector3d upright(0, -up.x() / up.y(), -up.z() / up.y());
-  const double tilts = std::pow(options_.height_deviation_mm / kMmPerM / options_.tilt_deviation, 2);
-  const Eigen::Vector3d prior(0, tilts, tilts);
-  const Eigen::Matrix3d matrix = products_ + Eigen::Matrix3d(prior.asDiagonal());
-  const Eigen::Vector3d plane = matrix.ldlt().solve(sums_ + prior.cwiseProduct(upright));
+  const Tilt upright = tilt();
+  const Eigen::Matrix2d prior = std::pow(options_.height_deviation_mm / kMmPerM, 2) * upright.information;
+  Eigen::Matrix3d matrix = products_;
+  matrix.bottomRightCorner<2, 2>() += prior;
+  Eigen::Vector3d sums = sums_;
+  sums.tail<2>() += prior * upright.slope;
+  const Eigen::Vector3d plane = matrix.ldlt().solve(sums);
   if (!plane.allFinite()) return;
   const Eigen::Vector3d normal(plane[1], -1, plane[2]);
   floor_ = Floor{normal.normalized(), kMmPerM * plane[0] / normal.norm()};

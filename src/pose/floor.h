@@ -11,6 +11,7 @@
 #include "actor/actor.h"
 #include "base/detections.h"
 #include "geometry/skeleton.h"
+#include "image/upright_edges.h"
 #include "livecap/camera.h"
 
 namespace livecap {
@@ -55,8 +56,8 @@ struct FloorOptions {
   void validate() const;  // throws ConfigError
 };
 
-// A plane through the resting feet of the frames so far; where they do not tell its tilt, upright to the body from
-// ankles to neck, as that was on average. A floor that was measured stays what it is.
+// A plane through the resting feet of the frames so far; where they do not tell its tilt, below what is upright: the
+// room's edges, and the body from ankles to neck, as that was on average. A floor that was measured stays what it is.
 class FloorFinder {
  public:
   // Keeps a reference to the actor. Throws ConfigError.
@@ -69,6 +70,12 @@ class FloorFinder {
   // not known.
   void learn(const Pose& previous, const Pose& pose, const Pose* feet, const Detections& detections);
   void forget();
+  // By the room's edges. It stays so.
+  void set_upright(const Upright& upright) { upright_ = upright; }
+
+  // Unit, camera frame: out of the floor, or while it is not known the way of what is upright. Where nothing is, a
+  // camera stands level.
+  Eigen::Vector3d up() const;
 
   // A measured floor on which no foot has rested for so long that a learned one would have been forgotten: the camera
   // was moved, or it is another camera's. It stays so.
@@ -80,10 +87,16 @@ class FloorFinder {
  private:
   void add(const Eigen::Vector3d& point_mm, double weight);
   void fit();
+  struct Tilt {
+    Eigen::Vector2d slope = Eigen::Vector2d::Zero();        // of a level plane y = slope . (x, z)
+    Eigen::Matrix2d information = Eigen::Matrix2d::Zero();  // 1/rad^2
+  };
+  Tilt tilt() const;
 
   const Actor& actor_;
   FloorOptions options_;
   std::vector<SolePoint> soles_;
+  std::optional<Upright> upright_;
   Eigen::Vector3d body_up_ = Eigen::Vector3d::Zero();   // sum
   Eigen::Matrix3d products_ = Eigen::Matrix3d::Zero();  // of (1, x, z), m
   Eigen::Vector3d sums_ = Eigen::Vector3d::Zero();      // of y (1, x, z)

@@ -50,10 +50,12 @@ class Scene {
     pose.root_translation_mm.x() += x_mm;
     for (int k = 0; k < actor_.skeleton.n_dofs(); ++k)
       if (actor_.skeleton.dofs[k].name == "left_hip_x") pose.angles_rad[k] = -lifted_rad;
-    stage_.solve(pose, time_s, nullptr, {}, {1});
+    stage_.solve(pose, time_s, nullptr, {}, {1}, up);
     return stage_.vertices().read_all();
   }
   void reset() { stage_.reset(); }
+
+  Eigen::Vector3d up = -Eigen::Vector3d::UnitY();
 
   // From a pose so far beside that of the picture, in which the actor is as skinning has it.
   std::vector<float> found_from(float beside_mm, const Light& light = {1}) {
@@ -67,7 +69,7 @@ class Scene {
     DeviceFrame frame(device_, camera_.width, camera_.height);
     frame.upload(silhouette, picture);
     pose.root_translation_mm.x() += beside_mm;
-    stage_.solve(pose, 0, &frame, bounding_box(mask), light);
+    stage_.solve(pose, 0, &frame, bounding_box(mask), light, up);
     return stage_.vertices().read_all();
   }
 
@@ -174,6 +176,28 @@ TEST(SurfaceStage, ASkirtSwingsByTheFramesTimes) {
     EXPECT_EQ(behind_after(-1), usual) << "where time does not rise it is a 30th of a second";
     EXPECT_EQ(behind_after(1e-6), behind_after(1 / 240.0)) << "time stamps of bunched frames hardly differ";
     EXPECT_LT(behind_after(1), kAsideMm / 8) << "after a gap it begins at rest";
+  });
+}
+
+// Before a camera that looks down by 0.2 rad, or leans, things do not fall down the picture.
+TEST(SurfaceStage, ASkirtHangsTheWayThingsFall) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const auto hem_after = [&](const Eigen::Vector3d& up) {
+      const Actor& actor = test::builtin_actor("skirt");
+      Scene scene(device, true, true);
+      scene.up = up;
+      std::vector<float> out;
+      for (int frame = 0; frame < 30; ++frame) out = scene.at(0, frame * kFrame);
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      int n = 0;
+      for (int i = 0; i < actor.n_vertices(); ++i)
+        if (hangs(actor, i)) sum += Eigen::Vector3d(out[3 * i], out[3 * i + 1], out[3 * i + 2]), ++n;
+      return Eigen::Vector3d(sum / n);
+    };
+    const Eigen::Vector3d level = hem_after(-Eigen::Vector3d::UnitY());
+    // The ground is further away below: what hangs swings away from a camera that looks down.
+    EXPECT_GT(hem_after(Eigen::Vector3d(0, -1, -0.2).normalized()).z(), level.z() + 10);
+    EXPECT_LT(hem_after(Eigen::Vector3d(0.2, -1, 0).normalized()).x(), level.x() - 10);
   });
 }
 

@@ -135,6 +135,23 @@ TEST(Floor, ALiftedFootTellsLittle) {
     EXPECT_NEAR(finder.floor()->height_mm(p), truth.height_mm(p), test::kFloorBesideLiftedFootMm);
 }
 
+// Who stands there leans by 0.12 rad, and the room's edges know it.
+TEST(Floor, OfOnePlaceIsUprightToTheRoom) {
+  const Actor actor = test::make_test_actor();
+  const Floor leaning{Eigen::Vector3d(0.02, -1, 0.02).normalized(), 1200};
+  FloorFinder finder(actor, {}, {});
+  EXPECT_EQ(finder.up(), -Eigen::Vector3d::UnitY()) << "a camera stands level";
+  finder.set_upright({kUp, 1e4 * Eigen::Matrix3d::Identity(), 20});
+  EXPECT_LT(angle(finder.up(), kUp), 1e-6);
+  const Pose pose = on_floor(actor, 100, 3200, leaning);
+  for (int frame = 0; frame < 100; ++frame) finder.learn(pose, pose, &pose, seen(actor, pose));
+  ASSERT_NE(finder.floor(), nullptr);
+  EXPECT_LT(angle(finder.floor()->up, kUp), 0.02) << "0.12 by the body";
+  EXPECT_EQ(finder.up(), finder.floor()->up);
+  finder.forget();
+  EXPECT_LT(angle(finder.up(), kUp), 1e-6) << "the room stays";
+}
+
 // One place does not tell the tilt: it is that of who stands there.
 TEST(Floor, OfOnePlaceIsUprightToTheBody) {
   const Actor actor = test::make_test_actor();

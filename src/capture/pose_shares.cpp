@@ -53,7 +53,6 @@ std::vector<float> on_feet_share(const Actor& actor, const PoseSharesOptions& op
 }
 
 TrackerOptions options_for(const Actor& actor, TrackerOptions options) {
-  if (wears_hanging_cloth(actor)) options.shares.foot_share = options.shares.covered_foot_share;
   if (actor.rough_shape) options.shares.foot_share = options.shares.rough_foot_share;
   if (!actor.guessed_weights) return options;
   options.match.blur = options.guessed.blur;

@@ -22,8 +22,7 @@ std::vector<float> refined_share(const Actor& actor, const PoseSharesOptions& op
 std::vector<float> on_feet_share(const Actor& actor, const PoseSharesOptions& options,
                                  const HangingClothOptions& hanging);
 
-// As both stages have them for this actor: see GuessedWeightsOptions, PoseSharesOptions::covered_foot_share and
-// rough_foot_share.
+// As both stages have them for this actor: see GuessedWeightsOptions and PoseSharesOptions::rough_foot_share.
 TrackerOptions options_for(const Actor& actor, TrackerOptions options);
 
 }  // namespace livecap

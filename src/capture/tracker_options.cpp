@@ -42,9 +42,8 @@ void PoseSharesOptions::validate() const {
   not_negative("shares.min_matched_rigidity", min_matched_rigidity);
   not_negative("shares.max_matched_leg_weight", max_matched_leg_weight);
   share("shares.refined_hanging_share", refined_hanging_share);
-  for (const auto& [field, value] : {std::pair{"shares.foot_share", foot_share},
-                                     {"shares.covered_foot_share", covered_foot_share},
-                                     {"shares.rough_foot_share", rough_foot_share}})
+  for (const auto& [field, value] :
+       {std::pair{"shares.foot_share", foot_share}, {"shares.rough_foot_share", rough_foot_share}})
     require(value >= 1 && value <= LC_EXACT_MOST_SHARE, field, value, format("from 1 to %d", LC_EXACT_MOST_SHARE));
 }
 

@@ -34,8 +34,6 @@ struct PoseSharesOptions {
   // legs that are exchanged hold on to the wrong shoes; what is chosen of them is refined once more. Not in the first
   // frame either.
   float foot_share = 40;
-  // Instead, where hanging cloth hides the rest of the legs.
-  float covered_foot_share = 160;
   // The same of an actor whose shape is rough: a shoe that is 5 mm too short is a foot 80 mm too near, at 4 m.
   float rough_foot_share = 8;
 

@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "capture/pose_shares.h"
 #include "capture/pose_stage_scene.h"
 #include "cloth/hanging_cloth.h"
 #include "support/gpu_bodies.h"
@@ -36,7 +35,6 @@ std::vector<PoseResult> track(ocl::DeviceContext& device, int n_frames, int n_ah
   if (floor != kUnknown) seen.camera.floor = under(seen.actor, turned(seen.actor, 0));
   TrackerOptions options;
   options.shading.light.harmonics.least_frames = options.actor_light.least_frames = 0.5;
-  options.shares.covered_foot_share = PoseSharesOptions().foot_share;  // with more a match turns legs further
   options.pose.weights.silhouette *= silhouette;
   if (floor == kKnownLegsHeld) {
     options.rounds.on_feet_legs_3d = 1;
@@ -202,7 +200,7 @@ double match_energy(ocl::DeviceContext& device, int refining_rounds, float hangi
   Actor actor = seen.actor;
   actor.rough_shape = rough;
   TrackerOptions options;
-  options.shares.covered_foot_share = foot_share;
+  options.shares.foot_share = foot_share;
   options.rounds.match_levels = {0};
   options.rounds.refining_rounds = refining_rounds;
   options.shares.refined_hanging_share = hanging_share;
@@ -225,15 +223,6 @@ TEST(PoseRounds, FeetAreMatchedWithMoreWeightInTheLastRounds) {
     EXPECT_EQ(match_energy(device, 1, 0.3f, 40, true), match_energy(device, 1, 0.3f, rough)) << "of a rough shape";
     EXPECT_LT(rough, PoseSharesOptions().foot_share);
   });
-}
-
-TEST(PoseRounds, FeetCountMostWhereASkirtHidesTheLegs) {
-  const PoseSharesOptions shares;
-  Actor skirt = test::builtin_actor("skirt");
-  EXPECT_EQ(options_for(test::builtin_actor("trousers"), {}).shares.foot_share, shares.foot_share);
-  EXPECT_EQ(options_for(skirt, {}).shares.foot_share, shares.covered_foot_share);
-  skirt.rough_shape = true;
-  EXPECT_EQ(options_for(skirt, {}).shares.foot_share, shares.rough_foot_share);
 }
 
 }  // namespace

@@ -60,7 +60,6 @@ std::vector<Field> fields() {
       length(LC_FIELD(shares.max_matched_leg_weight)),
       share(LC_FIELD(shares.refined_hanging_share)),
       LC_FIELD(shares.foot_share, {1, most_share}, {0.9, most_share + 0.5, nan}),
-      LC_FIELD(shares.covered_foot_share, {1, most_share}, {0.9, most_share + 0.5, nan}),
       LC_FIELD(shares.rough_foot_share, {1, most_share}, {0.9, most_share + 0.5, nan}),
       {"rounds.match_levels",
        [](TrackerOptions& o, double value) {

@@ -21,7 +21,7 @@
 find_package(OpenCL 1.2 REQUIRED)
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.3 REQUIRED NO_MODULE)
-find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc video calib3d aruco)
+find_package(OpenCV 4.5.4 REQUIRED COMPONENTS core imgproc video calib3d aruco)
 find_package(nlohmann_json 3 REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(FFMPEG REQUIRED IMPORTED_TARGET libavformat libavcodec libavutil libswscale)

@@ -47,7 +47,7 @@ class Solver {
   Solver(const MethodOptions& options, ocl::DeviceContext& device, ocl::DeviceContext& surface_device,
          const Actor& actor, const Camera& camera, const BackgroundModel& background)
       : camera_(camera),
-        upright_due_(is_on(options, kUpright)),
+        upright_due_(is_on(options, kUpright) && !camera.floor),
         tracker_(device, surface_device, actor, camera, tracker_options(options)),
         poses_(actor.skeleton, is_on(options, kFixedLag) ? kLagShare : 0, kLagPasses) {
     warm_up_tracker(tracker_, actor, camera);
@@ -57,7 +57,7 @@ class Solver {
   std::optional<WorkItem> solve(WorkItem&& item) {
     if (item.report.status != TrackStatus::kDamaged) {
       const TraceSpan span("solve", "pose", item.report.index);
-      if (item.frame) look_for_upright(item.image, item.mask);
+      if (item.silhouette.area_px > 0) look_for_upright(item.image, item.mask);
       item.result = tracker_.solve_pose(input_of(item));
       item.report.status = item.result.status;
     }
@@ -86,7 +86,7 @@ class Solver {
   void look_for_upright(const ImageRgb& picture, const ImageGray& person) {
     if (!std::exchange(upright_due_, false)) return;
     const std::optional<Upright> upright = upright_by_edges(picture, person, camera_);
-    if (!upright) return;
+    if (!upright) return log_debug("no upright edges tell which way is up");
     const CameraTilt tilt = tilt_above({{upright->up.x(), upright->up.y(), upright->up.z()}});
     log_debug(format("the camera looks down by %.1f deg, by %d upright edges", tilt.down_deg, upright->n_edges));
     tracker_.set_upright(*upright);

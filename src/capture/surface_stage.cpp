@@ -156,7 +156,7 @@ double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* p
                            const Light& light, const Eigen::Vector3d& up) {
   if (cloth_matcher_) cloth_matcher_->set_light(light);
   const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);
-  const std::vector<float> dual_quats = hanging_.dual_quats(posed);
+  const std::vector<float> dual_quats = hanging_.dual_quats(posed, up);
   skinner_.set_pose(dual_quats);
   const double passed = time_s > last_time_s_ ? time_s - last_time_s_ : kUnknownFrame;
   last_time_s_ = time_s;

@@ -63,7 +63,7 @@ class Tracker {
   // One after the other.
   TrackResult track(const TrackInput& given);
 
-  // Which way is up by what the camera sees of the room. Stays so. Not beside the other calls.
+  // Which way is up by what the camera sees of the room. Stays so. Not beside solve_pose().
   void set_upright(const Upright& upright) { pose_stage_.set_upright(upright); }
 
   // Forgets the person and the light: the next frame with detections is initialised.

@@ -148,10 +148,10 @@ HangingCloth::HangingCloth(const Actor& actor, const HangingClothOptions& option
   base_ = *bone_of_the_hips(actor.skeleton);
 }
 
-std::vector<float> HangingCloth::dual_quats(PosedSkeleton posed) const {
+std::vector<float> HangingCloth::dual_quats(PosedSkeleton posed, const Eigen::Vector3d& up) const {
   Eigen::Isometry3d bone = posed.camera_from_rest[base_];
-  // The template's downward axis against the picture's; a body that lies or hangs upside down is left as it is.
-  const Eigen::Vector3d body_down = -bone.linear().col(1), down = Eigen::Vector3d::UnitY();
+  // The template's downward axis against straight down; a body that lies or hangs upside down is left as it is.
+  const Eigen::Vector3d body_down = -bone.linear().col(1), down = -up;
   const Eigen::Vector3d axis = body_down.cross(down);
   const double sine = axis.norm(), cosine = body_down.dot(down);
   if (sine > 1e-9 && cosine > 0) {

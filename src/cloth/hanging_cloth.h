@@ -24,8 +24,8 @@ struct HangingClothOptions {
   float taut = 0.10f;
   float loose = 0.13f;
   float loose_on_legs = 0.55f;
-  // The hanging bone is the bone the legs hang from, turned this far towards the picture's vertical (0..1): a camera
-  // stands about level, and pelvis tilt is what a pose network sees worst.
+  // The hanging bone is the bone the legs hang from, turned this far towards what is straight down (0..1): pelvis tilt
+  // is what a pose network sees worst.
   float gravity_share = 0.9f;
 
   void validate() const;  // throws ConfigError
@@ -63,8 +63,9 @@ class HangingCloth {
 
   float opening() const { return opening_; }
 
-  // camera_from_rest of every bone and of the hanging bone as dual quaternions, [8*(n_bones+1)].
-  std::vector<float> dual_quats(PosedSkeleton posed) const;
+  // camera_from_rest of every bone and of the hanging bone as dual quaternions, [8*(n_bones+1)]. up: unit, camera
+  // frame.
+  std::vector<float> dual_quats(PosedSkeleton posed, const Eigen::Vector3d& up) const;
 
  private:
   HangingClothOptions options_;

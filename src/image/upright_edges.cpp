@@ -28,6 +28,7 @@ constexpr double kAgrees = 3;      // deviations
 constexpr int kLeastEdges = 8;
 constexpr double kLeastShare = 0.3;  // of the length of all that lean no further than kMostLeaning
 constexpr int kRefinements = 20;
+constexpr double kBesidePerson = 0.02;  // of the picture's height: edges so near a person are taken for their outline
 
 struct Edge {
   Vector3d normal;  // unit, of the plane through it and the camera: up lies in it
@@ -44,15 +45,23 @@ std::vector<Edge> leaning_edges(const ImageRgb& picture, const ImageGray& person
   cv::Mat gray;
   cv::cvtColor(rgb, gray, cv::COLOR_RGB2GRAY);
   const double scale = std::min(1.0, double(kMostRows) / picture.height);
-  if (scale < 1) cv::resize(gray, gray, {}, scale, scale, cv::INTER_AREA);
+  if (scale < 1) {
+    const cv::Size smaller(std::max(1, int(std::lround(scale * gray.cols))), kMostRows);
+    cv::resize(gray, gray, smaller, 0, 0, cv::INTER_AREA);
+  }
   std::vector<cv::Vec4f> found;
   cv::createLineSegmentDetector(cv::LSD_REFINE_STD)->detect(gray, found);
 
+  cv::Mat near_person;
+  if (!person.pixels.empty()) {
+    const cv::Mat mask(person.height, person.width, CV_8U, const_cast<uint8_t*>(person.pixels.data()));
+    const int side = 2 * int(std::ceil(kBesidePerson * person.height)) + 1;
+    cv::dilate(mask, near_person, cv::Mat::ones(side, side, CV_8U));
+  }
   const auto is_person = [&](double x, double y) {
-    if (person.pixels.empty()) return false;
-    const int column = std::clamp(int(std::lround(x)), 0, person.width - 1);
-    const int row = std::clamp(int(std::lround(y)), 0, person.height - 1);
-    return person.pixels[size_t(row) * person.width + column] != 0;
+    if (near_person.empty()) return false;
+    return near_person.at<uint8_t>(std::clamp(int(std::lround(y)), 0, near_person.rows - 1),
+                                   std::clamp(int(std::lround(x)), 0, near_person.cols - 1)) != 0;
   };
   const auto ray = [&](double x, double y) {
     return Vector3d((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1);

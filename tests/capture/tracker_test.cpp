@@ -72,6 +72,13 @@ class TrackerScene {
     return tracker_.track({picture_, detections, nobody_segmented_, empty_mask_}).status;
   }
 
+  // Which way is up with a frame's pose.
+  Eigen::Vector3d up_at(int frame) {
+    const Detections detections = test::exact_detections(actor_, camera_, step_of(actor_, frame));
+    return tracker_.track({picture_, detections, nobody_segmented_, empty_mask_}).up;
+  }
+  void set_upright(const Upright& upright) { tracker_.set_upright(upright); }
+
   void reset() { tracker_.reset(); }
 
  private:
@@ -134,6 +141,18 @@ TEST(Tracker, AMissedPersonIsTakenUpAgain) {
     }
     for (int i = 0; i < most + 1; ++i, ++frame) EXPECT_EQ(scene.track_nobody(), TrackStatus::kNobody);
     EXPECT_EQ(scene.track_again(frame), TrackStatus::kInitialized);
+  });
+}
+
+TEST(Tracker, TheRoomsUprightGoesWithEachPose) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const Eigen::Vector3d up = Eigen::Vector3d(0.02, -1, -0.15).normalized();
+    TrackerScene scene(device, 0);
+    EXPECT_GT((scene.up_at(0) - up).norm(), 0.05);
+    scene.set_upright({up, 1e5 * Eigen::Matrix3d::Identity(), 20});
+    for (int frame = 1; frame < 4; ++frame) EXPECT_LT((scene.up_at(frame) - up).norm(), 0.01);
+    scene.reset();
+    EXPECT_LT((scene.up_at(4) - up).norm(), 0.01) << "the camera stands where it stood";
   });
 }
 

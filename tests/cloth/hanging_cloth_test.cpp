@@ -196,7 +196,7 @@ TEST(HangingCloth, TheHangingBoneTurnsTowardsTheVerticalAboutTheHips) {
   for (const double tilt : {0.4, -0.2}) {
     const PosedSkeleton posed = tilted(actor, tilt);
     for (const float share : {0.0f, 0.5f, 1.0f}) {
-      const auto quats = HangingCloth(actor, {.gravity_share = share}).dual_quats(posed);
+      const auto quats = HangingCloth(actor, {.gravity_share = share}).dual_quats(posed, -Eigen::Vector3d::UnitY());
       ASSERT_EQ(quats.size(), 8u * 6);
       const Eigen::Isometry3d root = motion_of(quats, kRoot), hanging = motion_of(quats, kHanging);
       EXPECT_LT((root.matrix() - posed.camera_from_rest[kRoot].matrix()).norm(), 1e-2);
@@ -209,10 +209,21 @@ TEST(HangingCloth, TheHangingBoneTurnsTowardsTheVerticalAboutTheHips) {
   }
 }
 
+// Before a camera that looks down by 0.15 rad a body that stands upright is tilted in the picture, and its cloth as
+// well.
+TEST(HangingCloth, TheVerticalIsNotThePictures) {
+  const Actor actor = actor_with({{{{kHip, 1}, {0, 0}, {0, 0}, {0, 0}}}}, {1});
+  const Eigen::Vector3d hips(0, -50, 0), hem(0, -450, 0);
+  const Eigen::Vector3d up(0, -std::cos(0.15), -std::sin(0.15));
+  const auto quats = HangingCloth(actor, {.gravity_share = 1}).dual_quats(tilted(actor, 0), up);
+  const Eigen::Vector3d line = motion_of(quats, kHanging) * hem - motion_of(quats, kHanging) * hips;
+  EXPECT_NEAR(std::atan2(line.z(), line.y()), 0.15 * std::cos(0.15), 1e-4);
+}
+
 TEST(HangingCloth, ABodyUpsideDownIsLeftAsItIs) {
   const Actor actor = actor_with({{{{kHip, 1}, {0, 0}, {0, 0}, {0, 0}}}}, {1});
   for (const double tilt : {1.7, 3.0, M_PI}) {
-    const auto quats = HangingCloth(actor, {}).dual_quats(tilted(actor, tilt));
+    const auto quats = HangingCloth(actor, {}).dual_quats(tilted(actor, tilt), -Eigen::Vector3d::UnitY());
     EXPECT_EQ(std::vector<float>(quats.begin() + 8 * kHanging, quats.end()),
               std::vector<float>(quats.begin(), quats.begin() + 8));
   }

@@ -31,6 +31,14 @@ FrameChange change(const ImageRgb& frame, const ImageGray& ignore = {}) {
   return model.estimate_change(frame, ignore, 1);
 }
 
+TEST(BackgroundModel, OfOnePlateThePictureIsThePlate) {
+  BackgroundModel model;
+  EXPECT_TRUE(model.picture().pixels.empty());
+  model.train(wall(1));
+  EXPECT_EQ(model.picture().width, kWallWidth);
+  EXPECT_EQ(model.picture().pixels, wall(1).pixels);
+}
+
 TEST(BackgroundModel, DriftOfTheLightIsNoChange) {
   for (const float gain : {0.85f, 1.0f, 1.2f}) {
     const FrameChange found = change(wall(gain));

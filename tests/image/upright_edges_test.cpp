@@ -117,7 +117,7 @@ TEST(UprightEdges, ThePersonIsNotOfTheRoom) {
     room.bar({x, -700, -3500}, {x + 110, 700, -3500}, 20, k % 2 ? 20 : 230);
   }
   for (int y = 0; y < person.height; ++y)
-    for (int x = 130; x < 430; ++x) person.pixels[size_t(y) * person.width + x] = 255;
+    for (int x = 143; x < 420; ++x) person.pixels[size_t(y) * person.width + x] = 255;
   const auto with = room.found(person);
   ASSERT_TRUE(with);
   EXPECT_LT(angle_deg(with->up, room.up), test::kUprightDeg);

@@ -142,14 +142,14 @@ TEST(Floor, OfOnePlaceIsUprightToTheRoom) {
   FloorFinder finder(actor, {}, {});
   EXPECT_EQ(finder.up(), -Eigen::Vector3d::UnitY()) << "a camera stands level";
   finder.set_upright({kUp, 1e4 * Eigen::Matrix3d::Identity(), 20});
-  EXPECT_LT(angle(finder.up(), kUp), 1e-6);
+  EXPECT_LT(angle(finder.up(), kUp), 1e-3);
   const Pose pose = on_floor(actor, 100, 3200, leaning);
   for (int frame = 0; frame < 100; ++frame) finder.learn(pose, pose, &pose, seen(actor, pose));
   ASSERT_NE(finder.floor(), nullptr);
   EXPECT_LT(angle(finder.floor()->up, kUp), 0.02) << "0.12 by the body";
   EXPECT_EQ(finder.up(), finder.floor()->up);
   finder.forget();
-  EXPECT_LT(angle(finder.up(), kUp), 1e-6) << "the room stays";
+  EXPECT_LT(angle(finder.up(), kUp), 1e-3) << "the room stays";
 }
 
 // One place does not tell the tilt: it is that of who stands there.

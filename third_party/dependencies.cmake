@@ -4,7 +4,7 @@
 # OpenCL          ocl-icd-opencl-dev, opencl-headers     1.2+     Apache/BSD     the compute interface
 # PoCL            pocl-opencl-icd (run time only)        3.1      MIT            OpenCL on any CPU
 # Eigen           libeigen3-dev                          3.4      MPL-2.0        small dense algebra, QR, reference solvers
-# OpenCV          libopencv-dev                          4.6      Apache-2.0     background model, distance transform, calibration boards
+# OpenCV          libopencv-dev                          4.6      Apache-2.0     background model, distance transform, calibration boards, edges
 # FFmpeg          libav{codec,device,format,util}-dev, libswscale-dev  5.1  LGPL/GPL  video and webcams in, video out, every damaged frame reported; of libavdevice only the library, at run time
 # libspng         libspng-dev                            0.7.3    BSD-2-Clause   PNG files
 # libjpeg-turbo   libjpeg-dev                            2.1.5    IJG/BSD        JPEG files (OpenCV reads both, but its imgcodecs loads 118 libraries)

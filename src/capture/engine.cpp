@@ -5,7 +5,6 @@
 #include <optional>
 #include <string_view>
 #include <thread>
-#include <utility>
 
 #include "actor/keypoint_offsets.h"
 #include "base/camera_tilt.h"
@@ -51,13 +50,13 @@ class Solver {
         tracker_(device, surface_device, actor, camera, tracker_options(options)),
         poses_(actor.skeleton, is_on(options, kFixedLag) ? kLagShare : 0, kLagPasses) {
     warm_up_tracker(tracker_, actor, camera);
-    if (background.trained()) look_for_upright(background.picture(), {});
+    if (upright_due_ && background.trained()) look_for_upright(background.picture(), {});
   }
 
   std::optional<WorkItem> solve(WorkItem&& item) {
     if (item.report.status != TrackStatus::kDamaged) {
       const TraceSpan span("solve", "pose", item.report.index);
-      if (item.silhouette.area_px > 0) look_for_upright(item.image, item.mask);
+      if (upright_due_ && item.silhouette.area_px > 0) look_for_upright(item.image, item.mask);
       item.result = tracker_.solve_pose(input_of(item));
       item.report.status = item.result.status;
     }
@@ -84,7 +83,7 @@ class Solver {
  private:
   // In the empty room, or else beside the first person in it.
   void look_for_upright(const ImageRgb& picture, const ImageGray& person) {
-    if (!std::exchange(upright_due_, false)) return;
+    upright_due_ = false;
     const std::optional<Upright> upright = upright_by_edges(picture, person, camera_);
     if (!upright) return log_debug("no upright edges tell which way is up");
     const CameraTilt tilt = tilt_above({{upright->up.x(), upright->up.y(), upright->up.z()}});

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/text.h"
+#include "image/person_gate.h"
 #include "livecap/error.h"
 
 namespace livecap {
@@ -52,16 +53,13 @@ std::vector<Edge> leaning_edges(const ImageRgb& picture, const ImageGray& person
   std::vector<cv::Vec4f> found;
   cv::createLineSegmentDetector(cv::LSD_REFINE_STD)->detect(gray, found);
 
-  cv::Mat near_person;
-  if (!person.pixels.empty()) {
-    const cv::Mat mask(person.height, person.width, CV_8U, const_cast<uint8_t*>(person.pixels.data()));
-    const int side = 2 * int(std::ceil(kBesidePerson * person.height)) + 1;
-    cv::dilate(mask, near_person, cv::Mat::ones(side, side, CV_8U));
-  }
+  ImageGray near_person = person;
+  if (!person.pixels.empty()) grow_by_disc(near_person, int(std::ceil(kBesidePerson * person.height)));
   const auto is_person = [&](double x, double y) {
-    if (near_person.empty()) return false;
-    return near_person.at<uint8_t>(std::clamp(int(std::lround(y)), 0, near_person.rows - 1),
-                                   std::clamp(int(std::lround(x)), 0, near_person.cols - 1)) != 0;
+    if (near_person.pixels.empty()) return false;
+    const int column = std::clamp(int(std::lround(x)), 0, near_person.width - 1);
+    const int row = std::clamp(int(std::lround(y)), 0, near_person.height - 1);
+    return near_person.pixels[size_t(row) * near_person.width + column] != 0;
   };
   const auto ray = [&](double x, double y) {
     return Vector3d((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1);

@@ -146,7 +146,7 @@ TEST(Floor, OfOnePlaceIsUprightToTheRoom) {
   const Pose pose = on_floor(actor, 100, 3200, leaning);
   for (int frame = 0; frame < 100; ++frame) finder.learn(pose, pose, &pose, seen(actor, pose));
   ASSERT_NE(finder.floor(), nullptr);
-  EXPECT_LT(angle(finder.floor()->up, kUp), 0.02) << "0.12 by the body";
+  EXPECT_LT(angle(finder.floor()->up, kUp), test::kLearnedFloorRad) << "0.12 by the body";
   EXPECT_EQ(finder.up(), finder.floor()->up);
   finder.forget();
   EXPECT_LT(angle(finder.up(), kUp), 1e-3) << "the room stays";

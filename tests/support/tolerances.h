@@ -350,7 +350,7 @@ inline constexpr double kFoldedClothMm = 0.005;
 // An oscillator in 200 first-order steps a frame, in float, against the midpoint rule in 20000, of swings of 100 mm.
 inline constexpr double kOscillatorMm = 0.3;
 
-// Which way is up by the edges of a drawn room with noise, degrees; seen 0.2.
+// Which way is up by the edges of a drawn room with noise, degrees; seen 0.12.
 inline constexpr double kUprightDeg = 0.4;
 
 }  // namespace livecap::test

@@ -69,10 +69,10 @@ void ClothOptions::validate() const {
   for (const Fabric& fabric : {taut, loose}) {
     rate(fabric.stiffness, "stiffness");
     rate(fabric.damping, "damping");
-    rate(fabric.gravity, "gravity");
     require(fabric.stiffness * small * small < 4, "stiffness", fabric.stiffness,
             "less, or there must be more steps");  // semi-implicit Euler
   }
+  rate(gravity, "gravity");
   rate(air_drag, "air_drag");
   rate(bending_share, "bending_share");
   require(relaxation > 0 && relaxation < 2, "relaxation", relaxation, "above 0 and below 2");
@@ -86,8 +86,7 @@ ClothSimulation::ClothSimulation(ocl::DeviceContext& device, const Actor& actor,
     : device_(&device),
       options_(options),
       fabric_{std::lerp(options.taut.stiffness, options.loose.stiffness, opening),
-              std::lerp(options.taut.damping, options.loose.damping, opening),
-              std::lerp(options.taut.gravity, options.loose.gravity, opening)} {
+              std::lerp(options.taut.damping, options.loose.damping, opening)} {
   options.validate();
   const ClothGraph cloth = make_cloth_graph(actor, options.max_held_leg_weight);
   const Skeleton& skeleton = actor.skeleton;
@@ -195,7 +194,7 @@ std::vector<float> ClothSimulation::limbs_at(const PosedSkeleton& posed) const {
 
 ClothStep ClothSimulation::step_of(double seconds, const Eigen::Vector3d& up) const {
   const double small = seconds / options_.steps;
-  const Vector3 falls = -fabric_.gravity * small * up;
+  const Vector3 falls = -options_.gravity * small * up;
   return {float(small),
           float(1 / small),
           float(1 / seconds),
@@ -219,8 +218,7 @@ void ClothSimulation::step(const PosedSkeleton& posed, double seconds, const Eig
     limbs.insert(limbs.end(), now.begin() + of, now.begin() + of + kEnds + kRadii);
   }
   limbs_.write_later(limbs);
-  const bool settles = first_ && fabric_.gravity > 0;
-  for (int left = settles ? options_.settling_frames : 0; left >= 0; --left) {
+  for (int left = first_ ? options_.settling_frames : 0; left >= 0; --left) {
     const int n_moved = left > 0 ? 0 : n_moved_;  // meanwhile the surface stays where it is
     const ClothStep step = step_of(left > 0 ? kSettlingFrame : seconds, up);
     simulate_.launch(groups_.n() * group_, group_, first_ ? 1 : 0, options_.steps, graph_.n_rows, graph_.stride,

@@ -1,7 +1,7 @@
 // How hanging cloth moves with the body, without looking at pictures: position based dynamics of a ClothGraph, driven
-// by the skinned surface. Links keep their rest lengths, limbs push particles away. Cloth in folds is soft and falls
-// from where it is held; cloth that stands wide without folds must be stiff: springs draw each of its particles to the
-// skinned place, where it hangs in equilibrium. It tells stage II what the camera does not see: how far a skirt swings,
+// by the skinned surface. Links keep their rest lengths, limbs push particles away, and all of it falls from where it is
+// held. Cloth in folds is soft; cloth that stands wide without folds must be stiff: springs draw each of its particles
+// to the skinned place. It tells stage II what the camera does not see: how far a skirt swings,
 // and where thighs lift it. Not of the paper, whose V^S is the skinned template.
 #pragma once
 
@@ -23,9 +23,9 @@ struct ClothOptions {
   struct Fabric {
     float stiffness;  // 1/s^2, acceleration by a mm from the skinned place
     float damping;    // 1/s, of the velocity relative to the skinned place
-    float gravity;    // mm/s^2
   };
-  Fabric taut = {100, 8, 0}, loose = {0, 4, 9810};  // what is part of both lies between them
+  Fabric taut = {200, 8}, loose = {0, 4};           // what is part of both lies between them
+  float gravity = 9810;                             // mm/s^2
   float air_drag = 1;                               // 1/s, of the velocity
   float bending_share = 0.3f;                       // of a link across an edge by one along an edge
   float relaxation = 1.2f;                          // of a particle's mean correction by its links
@@ -47,8 +47,8 @@ class ClothSimulation {
   // False for an actor without hanging cloth: step() does nothing then.
   bool has_cloth() const { return graph_.n > 0; }
 
-  // Forgets how the cloth moves: the next step begins at rest on the skinned surface; what has weight has fallen from
-  // there for settling_frames, and may still swing.
+  // Forgets how the cloth moves: the next step begins where it has fallen from rest on the skinned surface for
+  // settling_frames, and may still swing.
   void reset() { first_ = true; }
 
   // One frame, seconds after the last. up: unit, camera frame; it falls the other way. skinned: [3n] mm, camera frame,

@@ -31,7 +31,7 @@ std::vector<char> leg_bones(const Skeleton& skeleton) {
   return leg;
 }
 
-// What hanging cloth's weights on the legs, which sum to `legs`, should have summed to.
+// What hanging cloth's weights on the legs, which sum to `legs`, should have summed to in stage I.
 float trusted_legs(const Actor& actor, float legs, const HangingClothOptions& options) {
   return actor.guessed_weights ? std::pow(legs, options.guessed_power) : legs;
 }
@@ -124,10 +124,13 @@ void HangingClothOptions::validate() const {
     throw ConfigError("hanging cloth: taut is " + std::to_string(taut) + " and loose " + std::to_string(loose) +
                       "; they must be at least 0, and taut the less");
   }
-  if (!(guessed_power >= 1.0f && std::isfinite(guessed_power))) {
-    throw ConfigError("hanging cloth: guessed_power is " + std::to_string(guessed_power) +
-                      ", must be at least 1 and finite");
-  }
+  const auto require_power = [](float value, const char* field) {
+    if (!(value >= 1.0f && std::isfinite(value)))
+      throw ConfigError(std::string("hanging cloth: ") + field + " is " + std::to_string(value) +
+                        ", must be at least 1 and finite");
+  };
+  require_power(guessed_power, "guessed_power");
+  require_power(carried_power, "carried_power");
   if (!(gravity_share >= 0.0f && gravity_share <= 1.0f)) {
     throw ConfigError("hanging cloth: gravity_share is " + std::to_string(gravity_share) + ", must be from 0 to 1");
   }
@@ -138,7 +141,7 @@ HangingCloth::HangingCloth(const Actor& actor, const HangingClothOptions& option
   opening_ = livecap::opening(actor, options);
   const float most = 1 - opening_ * (1 - options.loose_on_legs);
   const int hanging_bone = actor.skeleton.n_bones();
-  const auto kept = [&](float legs) { return std::min(trusted_legs(actor, legs, options), most) / legs; };
+  const auto kept = [&](float legs) { return std::min(std::pow(legs, options.carried_power), most) / legs; };
   weights_ = give_to_hanging_bone(actor, kept, hanging_bone);
   hung_weights_ = give_to_hanging_bone(
       actor, [](float) { return 0.0f; }, hanging_bone);

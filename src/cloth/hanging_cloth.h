@@ -16,11 +16,14 @@ struct HangingClothOptions {
   // all of a small L, c of L = 1. The rest goes to the hanging bone. 1 = the actor's own skinning (the paper). Loose
   // cloth lies on the legs; what is taut stands away from them (ClothSimulation), and moves once they touch it.
   float taut_leg_share = 0.1f, loose_leg_share = 0.4f;
-  // Where the actor's weights are guessed, L to this power stands for L in both stages: heat lets cloth near the hips
-  // follow the legs two to three times as far as it does.
+  // Where the actor's weights are guessed, L to this power stands for L in stage I: heat lets cloth near the hips follow
+  // the legs two to three times as far as it does.
   float guessed_power = 2;
-  // In stage II cloth with less than `taut` of it in folds (cloth/folds.h) follows the legs as the actor's weights say.
-  // With `loose` or more it is only pushed by them, not pulled, and its weights on them sum to at most `loose_on_legs`.
+  // In stage II L to this power stands for L: cloth hangs where the legs do not push it (ClothSimulation), and only what
+  // lies all on them goes where they go.
+  float carried_power = 4;
+  // Cloth with less than `taut` of it in folds (cloth/folds.h) is taut. With `loose` or more it is loose: only pushed by
+  // the legs, not pulled, and in stage II its weights on them sum to at most `loose_on_legs`.
   float taut = 0.10f;
   float loose = 0.13f;
   float loose_on_legs = 0.55f;
@@ -41,7 +44,7 @@ std::vector<float> leg_weights(const Actor& actor);
 // Throws ConfigError.
 float opening(const Actor& actor, const HangingClothOptions& options);
 
-// [n] the same, of hanging cloth as far as they are trusted (guessed_power).
+// [n] the same, of hanging cloth as far as they are trusted in stage I (guessed_power).
 std::vector<float> trusted_leg_weights(const Actor& actor, const HangingClothOptions& options);
 
 // As stage I has it: the hanging bone is the bone the legs hang from itself, since gravity is none of its unknowns.

@@ -49,7 +49,7 @@ TEST(FoldedCloth, GoesWithLegsThatPushItAndStaysWhereTheyLeaveIt) {
   const Actor actor = lined(test::skirt_actor());
   const int n = actor.n_vertices();
   constexpr float kOpening = 0.7f;
-  const HangingCloth hanging(actor, {});
+  const HangingCloth hanging(actor, {.carried_power = 1});
   const std::vector<float> quats =
       hanging.dual_quats(forward_kinematics(actor.skeleton, far_away(actor)), -Eigen::Vector3d::UnitY());
   test::on_every_device_and_body([&](ocl::DeviceContext& device) {

@@ -47,7 +47,7 @@ Actor with_folds(Actor actor) {
 
 // Where everything with as much as these folds is loose.
 SkinWeights loose_weights(const Actor& actor, float loose_on_legs) {
-  const HangingCloth hanging(actor, {.taut = 0, .loose = 0.01f, .loose_on_legs = loose_on_legs});
+  const HangingCloth hanging(actor, {.carried_power = 1, .taut = 0, .loose = 0.01f, .loose_on_legs = loose_on_legs});
   EXPECT_EQ(hanging.opening(), 1);
   return hanging.weights();
 }
@@ -70,7 +70,7 @@ TEST(HangingCloth, LegsGiveWhatTheyHaveTooManyOfLooseClothToTheHangingBone) {
                                  {{{kRoot, 0.5f}, {kOtherHip, 0.5f}, {0, 0}, {0, 0}}},
                                  {{{kNeck, 0.6f}, {kRoot, 0.4f}, {0, 0}, {0, 0}}}},
                                 {1, 1, 1});
-  EXPECT_EQ(HangingCloth(taut, {}).weights().weights, taut.skin.weights);
+  EXPECT_EQ(HangingCloth(taut, {.carried_power = 1}).weights().weights, taut.skin.weights);
   const Actor actor = with_folds(taut);
   const SkinWeights skin = loose_weights(actor, 0.6f);
   const auto hem = weights_of(skin, 0), middle = weights_of(skin, 1), waist = weights_of(skin, 2);
@@ -134,14 +134,28 @@ TEST(HangingCloth, FollowsTheLegsLessWhereWeightsAreGuessed) {
   ASSERT_EQ(skirt.size(), 3u);
   EXPECT_NEAR(skirt.at(kRoot), 0.75f, 1e-6f);
   EXPECT_NEAR(skirt.at(kOtherHip), 0.15f, 1e-6f);
-  const auto taut = weights_of(HangingCloth(actor, {}).weights(), 0);
-  ASSERT_EQ(taut.size(), 4u);
-  EXPECT_NEAR(taut.at(kHanging), 0.25f, 1e-6f);
-  EXPECT_NEAR(taut.at(kHip), 0.1f, 1e-6f);
-  const SkinWeights as_it_is = HangingCloth(actor, {.guessed_power = 1}).weights();
-  EXPECT_EQ(as_it_is.weights, actor.skin.weights);
-  EXPECT_EQ(weights_of(HangingCloth(actor, {}).weights(), 1), weights_of(actor.skin, 1)) << "trousers";
   EXPECT_THROW(hanging_weights(actor, {.guessed_power = 0.5f}), ConfigError);
+}
+
+// In stage II, whoever painted them: of 0.5 on the legs 0.125 is left by the third power, all of 1.
+TEST(HangingCloth, IsCarriedByTheLegsOnlyWhereItLiesOnThem) {
+  Actor actor = actor_with({{{{kRoot, 0.5f}, {kOtherHip, 0.3f}, {kHip, 0.2f}, {0, 0}}},
+                            {{{kHip, 0.75f}, {kKnee, 0.25f}, {0, 0}, {0, 0}}},
+                            {{{kRoot, 0.5f}, {kOtherHip, 0.5f}, {0, 0}, {0, 0}}}},
+                           {1, 1, 2});
+  for (const bool guessed : {false, true}) {
+    actor.guessed_weights = guessed;
+    const SkinWeights skin = HangingCloth(actor, {.carried_power = 3}).weights();
+    const auto middle = weights_of(skin, 0);
+    ASSERT_EQ(middle.size(), 4u);
+    EXPECT_NEAR(middle.at(kRoot), 0.5f, 1e-6f);
+    EXPECT_NEAR(middle.at(kHanging), 0.375f, 1e-6f);
+    EXPECT_NEAR(middle.at(kOtherHip), 0.075f, 1e-6f);
+    EXPECT_NEAR(middle.at(kHip), 0.05f, 1e-6f);
+    EXPECT_EQ(weights_of(skin, 1), weights_of(actor.skin, 1)) << "on the leg";
+    EXPECT_EQ(weights_of(skin, 2), weights_of(actor.skin, 2)) << "trousers";
+  }
+  EXPECT_THROW(HangingCloth(actor, {.carried_power = 0.5f}), ConfigError);
 }
 
 TEST(HangingCloth, FiveInfluencesBecomeTheFourStrongest) {

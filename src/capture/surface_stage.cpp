@@ -13,7 +13,7 @@ namespace {
 
 // s. Velocities are differences over at least so long: frames come in bunches, with time stamps that hardly differ.
 constexpr double kShortestFrame = 1 / 240.0;
-// After a longer gap cloth begins at rest: nothing is known of how the body moved.
+// After a longer gap cloth begins anew: nothing is known of how the body moved.
 constexpr double kLongestFrame = 0.1;
 constexpr double kUnknownFrame = 1 / 30.0;  // where time does not rise
 

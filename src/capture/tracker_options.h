@@ -131,8 +131,8 @@ struct TrackerOptions {
   VisibilityOptions visibility;
   SurfaceOptions surface;
   SnapOptions snap;
-  // Of both stages: with the actor's weights in stage I a skirt that swings turns the thighs, and in stage II the back
-  // of one in folds follows them (docs/experiments.md).
+  // Of both stages: with the actor's weights in stage I a skirt that swings turns the thighs, and in stage II its
+  // back follows them (docs/experiments.md).
   HangingClothOptions hanging;
   ClothOptions cloth;
 

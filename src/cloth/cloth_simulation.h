@@ -1,8 +1,8 @@
 // How hanging cloth moves with the body, without looking at pictures: position based dynamics of a ClothGraph, driven
-// by the skinned surface. Links keep their rest lengths, limbs push particles away, and all of it falls from where it is
-// held. Cloth in folds is soft; cloth that stands wide without folds must be stiff: springs draw each of its particles
-// to the skinned place. It tells stage II what the camera does not see: how far a skirt swings,
-// and where thighs lift it. Not of the paper, whose V^S is the skinned template.
+// by the skinned surface. Links keep their rest lengths, limbs push particles away, and all of it falls from where it
+// is held. Cloth in folds is soft; cloth that stands wide without folds must be stiff: springs draw each of its
+// particles to the skinned place. It tells stage II what the camera does not see: how far a skirt swings, and where
+// thighs lift it. Not of the paper, whose V^S is the skinned template.
 #pragma once
 
 #include <array>
@@ -24,13 +24,13 @@ struct ClothOptions {
     float stiffness;  // 1/s^2, acceleration by a mm from the skinned place
     float damping;    // 1/s, of the velocity relative to the skinned place
   };
-  Fabric taut = {200, 8}, loose = {0, 4};           // what is part of both lies between them
-  float gravity = 9810;                             // mm/s^2
-  float air_drag = 1;                               // 1/s, of the velocity
-  float bending_share = 0.3f;                       // of a link across an edge by one along an edge
-  float relaxation = 1.2f;                          // of a particle's mean correction by its links
-  int steps = 40;                                   // a frame; Jacobi with 20 lets cloth sag by 2.5 %
-  int settling_frames = 10;                         // of a 30th of a second, in which it falls before the first
+  Fabric taut = {200, 8}, loose = {0, 4};  // what is part of both lies between them
+  float gravity = 9810;                    // mm/s^2
+  float air_drag = 1;                      // 1/s, of the velocity
+  float bending_share = 0.3f;              // of a link across an edge by one along an edge
+  float relaxation = 1.2f;                 // of a particle's mean correction by its links
+  int steps = 40;                          // a frame; Jacobi with 20 lets cloth sag by 2.5 %
+  int settling_frames = 10;                // of a 30th of a second, in which it falls before the first
   // Radii of hips, thighs at their upper ends, knees and ankles, by the length of a thigh: how near cloth may come. For
   // what is nearer in the rest pose no limb is thicker than that.
   std::array<float, 4> limb_radii = {0.3f, 0.3f, 0.2f, 0.2f};
@@ -58,7 +58,7 @@ class ClothSimulation {
             ocl::Buffer<float>& start, ocl::Buffer<float>& start_before);
 
   // After the next blocking read: true once where a GPU's work-groups do not wait for each other. Then the buffers are
-  // to be made anew, for a step at rest.
+  // to be made anew, for a first step.
   bool gave_up();
 
  private:

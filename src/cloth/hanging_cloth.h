@@ -1,5 +1,5 @@
 // How cloth that hangs from the waist follows the body. Its skinning weights come from the nearest leg, but it is not
-// fastened there: when a thigh moves forward, the back of a skirt in folds stays hanging. In stage I the outline of a
+// fastened there: when a thigh moves forward, the back of a skirt stays hanging. In stage I the outline of a
 // skirt must not turn the legs as if they were what is seen. In stage II E_smooth keeps the surface close to the
 // skinned one wherever the picture says nothing, so V^S must not carry the back along.
 #pragma once
@@ -16,14 +16,14 @@ struct HangingClothOptions {
   // all of a small L, c of L = 1. The rest goes to the hanging bone. 1 = the actor's own skinning (the paper). Loose
   // cloth lies on the legs; what is taut stands away from them (ClothSimulation), and moves once they touch it.
   float taut_leg_share = 0.1f, loose_leg_share = 0.4f;
-  // Where the actor's weights are guessed, L to this power stands for L in stage I: heat lets cloth near the hips follow
-  // the legs two to three times as far as it does.
+  // Where the actor's weights are guessed, L to this power stands for L in stage I: heat lets cloth near the hips
+  // follow the legs two to three times as far as it does.
   float guessed_power = 2;
-  // In stage II L to this power stands for L: cloth hangs where the legs do not push it (ClothSimulation), and only what
-  // lies all on them goes where they go.
+  // In stage II L to this power stands for L: cloth hangs where the legs do not push it (ClothSimulation), and only
+  // what lies all on them goes where they go.
   float carried_power = 4;
-  // Cloth with less than `taut` of it in folds (cloth/folds.h) is taut. With `loose` or more it is loose: only pushed by
-  // the legs, not pulled, and in stage II its weights on them sum to at most `loose_on_legs`.
+  // Cloth with less than `taut` of it in folds (cloth/folds.h) is taut. With `loose` or more it is loose: only pushed
+  // by the legs, not pulled, and in stage II its weights on them sum to at most `loose_on_legs`.
   float taut = 0.10f;
   float loose = 0.13f;
   float loose_on_legs = 0.55f;
@@ -44,7 +44,7 @@ std::vector<float> leg_weights(const Actor& actor);
 // Throws ConfigError.
 float opening(const Actor& actor, const HangingClothOptions& options);
 
-// [n] the same, of hanging cloth as far as they are trusted in stage I (guessed_power).
+// [n] leg_weights, of hanging cloth as far as stage I trusts them (guessed_power).
 std::vector<float> trusted_leg_weights(const Actor& actor, const HangingClothOptions& options);
 
 // As stage I has it: the hanging bone is the bone the legs hang from itself, since gravity is none of its unknowns.
@@ -58,7 +58,7 @@ class HangingCloth {
   // ConfigError.
   HangingCloth(const Actor& actor, const HangingClothOptions& options);
 
-  // Where legs carry it: the actor's weights with the hanging bone as bone n_bones.
+  // Where legs carry it: what is not carried (carried_power, loose_on_legs) is on the hanging bone, bone n_bones.
   const SkinWeights& weights() const { return weights_; }
 
   // Where no leg touches it.

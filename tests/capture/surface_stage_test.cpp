@@ -175,7 +175,7 @@ TEST(SurfaceStage, ASkirtSwingsByTheFramesTimes) {
     EXPECT_GT(usual, slow + 5);
     EXPECT_EQ(behind_after(-1), usual) << "where time does not rise it is a 30th of a second";
     EXPECT_EQ(behind_after(1e-6), behind_after(1 / 240.0)) << "time stamps of bunched frames hardly differ";
-    EXPECT_LT(behind_after(1), kAsideMm / 8) << "after a gap it begins at rest";
+    EXPECT_LT(behind_after(1), kAsideMm / 8) << "after a gap it begins anew";
   });
 }
 

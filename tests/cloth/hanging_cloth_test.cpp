@@ -122,8 +122,8 @@ TEST(HangingCloth, TautClothFollowsTheLegsLessInStageOne) {
   EXPECT_NEAR(on_legs(0.3), kept(0.6f), 1e-6f);
 }
 
-// A weight of 0.5 on the legs that was guessed is worth 0.25.
-TEST(HangingCloth, FollowsTheLegsLessWhereWeightsAreGuessed) {
+// A guessed weight of 0.5 on the legs is worth 0.25.
+TEST(HangingCloth, FollowsTheLegsLessInStageOneWhereWeightsAreGuessed) {
   Actor actor = actor_with({{{{kRoot, 0.5f}, {kOtherHip, 0.3f}, {kHip, 0.2f}, {0, 0}}},
                             {{{kRoot, 0.5f}, {kOtherHip, 0.5f}, {0, 0}, {0, 0}}}},
                            {1, 2});
@@ -134,7 +134,8 @@ TEST(HangingCloth, FollowsTheLegsLessWhereWeightsAreGuessed) {
   ASSERT_EQ(skirt.size(), 3u);
   EXPECT_NEAR(skirt.at(kRoot), 0.75f, 1e-6f);
   EXPECT_NEAR(skirt.at(kOtherHip), 0.15f, 1e-6f);
-  EXPECT_THROW(hanging_weights(actor, {.guessed_power = 0.5f}), ConfigError);
+  const HangingClothOptions as_it_is{.taut_leg_share = 1, .loose_leg_share = 1, .guessed_power = 1};
+  EXPECT_EQ(hanging_weights(actor, as_it_is).weights, actor.skin.weights);
 }
 
 // In stage II, whoever painted them: of 0.5 on the legs 0.125 is left by the third power, all of 1.
@@ -155,7 +156,9 @@ TEST(HangingCloth, IsCarriedByTheLegsOnlyWhereItLiesOnThem) {
     EXPECT_EQ(weights_of(skin, 1), weights_of(actor.skin, 1)) << "on the leg";
     EXPECT_EQ(weights_of(skin, 2), weights_of(actor.skin, 2)) << "trousers";
   }
-  EXPECT_THROW(HangingCloth(actor, {.carried_power = 0.5f}), ConfigError);
+  const HangingCloth loose(with_folds(actor), {.carried_power = 2, .taut = 0, .loose = 0.01f, .loose_on_legs = 0.6f});
+  EXPECT_NEAR(weights_of(loose.weights(), 0).at(kHanging), 0.25f, 1e-6f);
+  EXPECT_NEAR(weights_of(loose.weights(), 1).at(kHanging), 0.4f, 1e-6f) << "at most 0.6 is left, after the power";
 }
 
 TEST(HangingCloth, FiveInfluencesBecomeTheFourStrongest) {
@@ -249,6 +252,10 @@ TEST(HangingCloth, OptionsAreChecked) {
     EXPECT_THROW(HangingCloth(actor, {.loose_on_legs = share}), ConfigError) << share;
     EXPECT_THROW(HangingCloth(actor, {.taut_leg_share = share}), ConfigError) << share;
     EXPECT_THROW(HangingCloth(actor, {.loose_leg_share = share}), ConfigError) << share;
+  }
+  for (const float power : {0.5f, std::nanf(""), INFINITY}) {
+    EXPECT_THROW(HangingCloth(actor, {.guessed_power = power}), ConfigError) << power;
+    EXPECT_THROW(HangingCloth(actor, {.carried_power = power}), ConfigError) << power;
   }
   for (const float share : {-0.1f, 1.01f, std::nanf("")}) {
     EXPECT_THROW(HangingCloth(actor, {.gravity_share = share}), ConfigError) << share;

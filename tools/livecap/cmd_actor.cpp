@@ -57,7 +57,7 @@ std::string hanging_cloth_text(const Actor& actor) {
   for (int i = 0; i < actor.n_vertices(); ++i) n += hangs(actor, i);
   if (n == 0) return {};
   const float opening = HangingCloth(actor, {}).opening();
-  const std::string taken = opening == 0 ? "taken for taut: the legs carry it as their weights say"
+  const std::string taken = opening == 0 ? "taken for taut: it hangs from the hips in its shape, and legs push it"
                             : opening == 1
                                 ? "taken for loose, in folds: legs push it and do not pull it"
                                 : format("taken for %.0f %% loose: legs pull it that much less", 100 * opening);

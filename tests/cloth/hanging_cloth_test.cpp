@@ -46,8 +46,9 @@ Actor with_folds(Actor actor) {
 }
 
 // Where everything with as much as these folds is loose.
-SkinWeights loose_weights(const Actor& actor, float loose_on_legs) {
-  const HangingCloth hanging(actor, {.carried_power = 1, .taut = 0, .loose = 0.01f, .loose_on_legs = loose_on_legs});
+SkinWeights loose_weights(const Actor& actor, float loose_on_legs, float carried_power = 1) {
+  const HangingCloth hanging(
+      actor, {.carried_power = carried_power, .taut = 0, .loose = 0.01f, .loose_on_legs = loose_on_legs});
   EXPECT_EQ(hanging.opening(), 1);
   return hanging.weights();
 }
@@ -156,9 +157,9 @@ TEST(HangingCloth, IsCarriedByTheLegsOnlyWhereItLiesOnThem) {
     EXPECT_EQ(weights_of(skin, 1), weights_of(actor.skin, 1)) << "on the leg";
     EXPECT_EQ(weights_of(skin, 2), weights_of(actor.skin, 2)) << "trousers";
   }
-  const HangingCloth loose(with_folds(actor), {.carried_power = 2, .taut = 0, .loose = 0.01f, .loose_on_legs = 0.6f});
-  EXPECT_NEAR(weights_of(loose.weights(), 0).at(kHanging), 0.25f, 1e-6f);
-  EXPECT_NEAR(weights_of(loose.weights(), 1).at(kHanging), 0.4f, 1e-6f) << "at most 0.6 is left, after the power";
+  const SkinWeights loose = loose_weights(with_folds(actor), 0.6f, 2);
+  EXPECT_NEAR(weights_of(loose, 0).at(kHanging), 0.25f, 1e-6f);
+  EXPECT_NEAR(weights_of(loose, 1).at(kHanging), 0.4f, 1e-6f) << "at most 0.6 is left, after the power";
 }
 
 TEST(HangingCloth, FiveInfluencesBecomeTheFourStrongest) {

@@ -138,7 +138,8 @@ TEST(SurfaceStage, ASkirtStaysBehindWhoStepsAside) {
   });
 }
 
-// A lifted thigh takes a skinned skirt less far along where it lies in folds. Simulated, a taut one is not pulled either.
+// A lifted thigh takes a skinned skirt less far along where it lies in folds. Simulated, a taut one is not pulled
+// either.
 TEST(SurfaceStage, ASkirtInFoldsIsNotPulled) {
   test::on_every_device([](ocl::DeviceContext& device) {
     const Actor& actor = test::builtin_actor("skirt");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -17,9 +18,9 @@ constexpr double kShortestFrame = 1 / 240.0;
 constexpr double kLongestFrame = 0.1;
 constexpr double kUnknownFrame = 1 / 30.0;  // where time does not rise
 
-SurfaceOptions surface_options(const TrackerOptions& options, float opening) {
+SurfaceOptions surface_options(const TrackerOptions& options, float looseness) {
   SurfaceOptions surface = options.surface;
-  surface.hanging_rest_share = std::lerp(options.taut_rest_share, options.loose_rest_share, opening);
+  surface.hanging_rest_share = std::lerp(options.taut_rest_share, options.loose_rest_share, looseness);
   return surface;
 }
 
@@ -31,25 +32,23 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
       actor_(actor),
       camera_(camera),
       options_((options.validate(), options)),
+      looseness_(livecap::looseness(actor, options.hanging)),
       hanging_(actor, options.hanging),
       skinner_(device, actor, hanging_.weights(), actor.skeleton.n_bones() + 1),
       template_skinner_(device, actor),
       rasterizer_(rasterizer),
       visibility_(visibility),
       part_mask_(device, actor.mesh, body_parts_of_vertices(actor.skeleton, actor.skin), camera.width, camera.height),
-      solver_(device, actor, camera, surface_options(options, hanging_.opening())),
+      solver_(device, actor, camera, surface_options(options, looseness_)),
       snapper_(device, actor, solver_.domain(), options.snap) {
   for (ocl::Buffer<float>* buffer :
        {&displacement_rest_, &before_displacement_rest_, &zero_, &start_, &skinned_, &normals_, &vertices_, &before_}) {
     *buffer = ocl::Buffer<float>(device, size_t(3) * actor.n_vertices());
     buffer->fill(0);
   }
-  if (options.enable_surface && hanging_.opening() > 0)
-    folds_.emplace(device, actor, hanging_.hung_weights(), hanging_.opening());
-  if (options.enable_surface && options.simulate_cloth)
-    cloth_.emplace(device, actor, options.cloth, hanging_.opening());
+  if (options.enable_surface && options.simulate_cloth) cloth_.emplace(device, actor, options.cloth, looseness_);
   std::vector<float> share(actor.n_vertices());
-  const float hanging_share = std::lerp(options.taut_carried_share, options.loose_carried_share, hanging_.opening());
+  const float hanging_share = std::lerp(options.taut_carried_share, options.loose_carried_share, looseness_);
   for (int i = 0; i < actor.n_vertices(); ++i)
     share[i] = actor.rigidity[i] > options.max_carried_rigidity ? 0.0f
                : hangs(actor, i)                                ? hanging_share
@@ -139,16 +138,11 @@ void SurfaceStage::snap(const SurfaceInput& solved) {
                 vertices_);
 }
 
-// Puts the template and the last displacements where the pose is; folds open there, then hanging cloth swings.
-void SurfaceStage::place(const PosedSkeleton& posed, std::span<const float> dual_quats, double seconds,
-                         const Eigen::Vector3d& up) {
+// Puts the template and the last displacements where the pose is; hanging cloth swings there.
+void SurfaceStage::place(const PosedSkeleton& posed, double seconds, const Eigen::Vector3d& up) {
   skinner_.skin(zero_, skinned_);
   skinner_.skin(displacement_rest_, start_);
   if (n_history_ >= 2) skinner_.skin(before_displacement_rest_, before_);
-  if (folds_) {
-    skinner_.normals(skinned_, normals_);
-    folds_->open(dual_quats, normals_, skinned_, start_, before_);
-  }
   if (cloth_) cloth_->step(posed, seconds, up, skinned_, start_, before_);
 }
 
@@ -156,16 +150,15 @@ double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* p
                            const Light& light, const Eigen::Vector3d& up) {
   if (cloth_matcher_) cloth_matcher_->set_light(light);
   const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);
-  const std::vector<float> dual_quats = hanging_.dual_quats(posed, up);
-  skinner_.set_pose(dual_quats);
+  skinner_.set_pose(hanging_.dual_quats(posed, up));
   const double passed = time_s > last_time_s_ ? time_s - last_time_s_ : kUnknownFrame;
   last_time_s_ = time_s;
   if (cloth_ && passed > kLongestFrame) cloth_->reset();
   const double seconds = std::clamp(passed, kShortestFrame, kLongestFrame);
-  place(posed, dual_quats, seconds, up);
+  place(posed, seconds, up);
   if (!picture) {
     if (cloth_) device_.finish();  // gave_up() knows then
-    if (cloth_ && cloth_->gave_up()) place(posed, dual_quats, seconds, up);
+    if (cloth_ && cloth_->gave_up()) place(posed, seconds, up);
     vertices_.copy_from(skinned_);
     return 0;
   }
@@ -174,7 +167,7 @@ double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* p
     launch(*picture, person);
     surface = solver_.result();
     const bool cloth_gave_up = cloth_ && cloth_->gave_up();
-    if (cloth_gave_up) place(posed, dual_quats, seconds, up);
+    if (cloth_gave_up) place(posed, seconds, up);
     whole = !snapper_.gave_up() && surface && !cloth_gave_up;
   }
   if (surface->status != SurfaceStatus::kOk) vertices_.copy_from(start_);  // and not what a step made of it

@@ -3,13 +3,11 @@
 #pragma once
 
 #include <optional>
-#include <span>
 
 #include "actor/actor.h"
 #include "actor/skinner.h"
 #include "capture/tracker_options.h"
 #include "cloth/cloth_simulation.h"
-#include "cloth/folded_cloth.h"
 #include "cloth/hanging_cloth.h"
 #include "image/device_frame.h"
 #include "image/person_gate.h"
@@ -47,7 +45,7 @@ class SurfaceStage {
   void reset();
 
  private:
-  void place(const PosedSkeleton& posed, std::span<const float> dual_quats, double seconds, const Eigen::Vector3d& up);
+  void place(const PosedSkeleton& posed, double seconds, const Eigen::Vector3d& up);
   void launch(const DeviceFrame& picture, const PixelBox& person);
   void snap(const SurfaceInput& solved);
   SurfaceInput seen_from(const ocl::Buffer<float>& vertices, const DeviceFrame& picture);
@@ -56,8 +54,8 @@ class SurfaceStage {
   const Actor& actor_;
   Camera camera_;
   TrackerOptions options_;
+  float looseness_;  // of what hangs
   HangingCloth hanging_;
-  std::optional<FoldedCloth> folds_;      // where they open
   std::optional<ClothSimulation> cloth_;  // where it is simulated
   double last_time_s_ = 0;
   Skinner skinner_;           // of the template with hanging cloth

@@ -82,11 +82,11 @@ void ClothOptions::validate() const {
 }
 
 ClothSimulation::ClothSimulation(ocl::DeviceContext& device, const Actor& actor, const ClothOptions& options,
-                                 float opening)
+                                 float looseness)
     : device_(&device),
       options_(options),
-      fabric_{std::lerp(options.taut.stiffness, options.loose.stiffness, opening),
-              std::lerp(options.taut.damping, options.loose.damping, opening)} {
+      fabric_{std::lerp(options.taut.stiffness, options.loose.stiffness, looseness),
+              std::lerp(options.taut.damping, options.loose.damping, looseness)} {
   options.validate();
   const ClothGraph cloth = make_cloth_graph(actor, options.max_held_leg_weight);
   const Skeleton& skeleton = actor.skeleton;

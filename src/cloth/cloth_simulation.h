@@ -40,9 +40,9 @@ struct ClothOptions {
 
 class ClothSimulation {
  public:
-  // opening: of HangingCloth, 0 taut to 1 loose. Keeps no reference to the actor; the device must outlive it. Throws
-  // ConfigError.
-  ClothSimulation(ocl::DeviceContext& device, const Actor& actor, const ClothOptions& options, float opening);
+  // looseness: of its hanging cloth, 0 taut to 1 loose (cloth/hanging_cloth.h). Keeps no reference to the actor; the
+  // device must outlive it. Throws ConfigError.
+  ClothSimulation(ocl::DeviceContext& device, const Actor& actor, const ClothOptions& options, float looseness);
 
   // False for an actor without hanging cloth: step() does nothing then.
   bool has_cloth() const { return graph_.n > 0; }

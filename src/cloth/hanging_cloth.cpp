@@ -81,7 +81,7 @@ std::optional<Eigen::Vector3d> middle_of_the_hips(const Skeleton& skeleton) {
 
 SkinWeights hanging_weights(const Actor& actor, const HangingClothOptions& options) {
   options.validate();
-  const float c = std::lerp(options.taut_leg_share, options.loose_leg_share, opening(actor, options));
+  const float c = std::lerp(options.taut_leg_share, options.loose_leg_share, looseness(actor, options));
   const auto kept = [&](float legs) {
     const float trusted = trusted_legs(actor, legs, options);
     return c / (c + (1 - c) * trusted) * (trusted / legs);
@@ -105,7 +105,7 @@ std::vector<float> leg_weights(const Actor& actor) {
   return sums;
 }
 
-float opening(const Actor& actor, const HangingClothOptions& options) {
+float looseness(const Actor& actor, const HangingClothOptions& options) {
   options.validate();
   const float folds = float(share_in_folds(actor));
   return std::clamp((folds - options.taut) / (options.loose - options.taut), 0.0f, 1.0f);
@@ -119,7 +119,6 @@ void HangingClothOptions::validate() const {
   };
   require_share(taut_leg_share, "taut_leg_share");
   require_share(loose_leg_share, "loose_leg_share");
-  require_share(loose_on_legs, "loose_on_legs");
   if (!(taut >= 0.0f && taut < loose && std::isfinite(loose))) {
     throw ConfigError("hanging cloth: taut is " + std::to_string(taut) + " and loose " + std::to_string(loose) +
                       "; they must be at least 0, and taut the less");
@@ -138,13 +137,8 @@ void HangingClothOptions::validate() const {
 
 HangingCloth::HangingCloth(const Actor& actor, const HangingClothOptions& options) : options_(options) {
   options.validate();
-  opening_ = livecap::opening(actor, options);
-  const float most = 1 - opening_ * (1 - options.loose_on_legs);
-  const int hanging_bone = actor.skeleton.n_bones();
-  const auto kept = [&](float legs) { return std::min(std::pow(legs, options.carried_power), most) / legs; };
-  weights_ = give_to_hanging_bone(actor, kept, hanging_bone);
-  hung_weights_ = give_to_hanging_bone(
-      actor, [](float) { return 0.0f; }, hanging_bone);
+  const auto kept = [&](float legs) { return std::pow(legs, options.carried_power) / legs; };
+  weights_ = give_to_hanging_bone(actor, kept, actor.skeleton.n_bones());
   const std::optional<Eigen::Vector3d> pivot = middle_of_the_hips(actor.skeleton);
   if (!pivot) return;
   pivot_rest_ = *pivot;

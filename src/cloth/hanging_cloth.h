@@ -22,11 +22,9 @@ struct HangingClothOptions {
   // In stage II L to this power stands for L: cloth hangs where the legs do not push it (ClothSimulation), and only
   // what lies all on them goes where they go.
   float carried_power = 4;
-  // Cloth with less than `taut` of it in folds (cloth/folds.h) is taut. With `loose` or more it is loose: only pushed
-  // by the legs, not pulled, and in stage II its weights on them sum to at most `loose_on_legs`.
+  // Cloth with less than `taut` of it in folds (cloth/folds.h) is taut, with `loose` or more it is loose.
   float taut = 0.10f;
   float loose = 0.13f;
-  float loose_on_legs = 0.55f;
   // The hanging bone is the bone the legs hang from, turned this far towards what is straight down (0..1): pelvis tilt
   // is what a pose network sees worst.
   float gravity_share = 0.9f;
@@ -40,9 +38,8 @@ std::optional<Eigen::Vector3d> middle_of_the_hips(const Skeleton& skeleton);
 // [n] sum of each vertex's weights on the legs (below and including the hips).
 std::vector<float> leg_weights(const Actor& actor);
 
-// 0 taut to 1 loose, by how much of it lies in folds: how little the cloth is pulled by legs that move away from it.
-// Throws ConfigError.
-float opening(const Actor& actor, const HangingClothOptions& options);
+// 0 taut to 1 loose, by how much of the actor's hanging cloth lies in folds. Throws ConfigError.
+float looseness(const Actor& actor, const HangingClothOptions& options);
 
 // [n] leg_weights, of hanging cloth as far as stage I trusts them (guessed_power).
 std::vector<float> trusted_leg_weights(const Actor& actor, const HangingClothOptions& options);
@@ -58,13 +55,8 @@ class HangingCloth {
   // ConfigError.
   HangingCloth(const Actor& actor, const HangingClothOptions& options);
 
-  // Where legs carry it: what is not carried (carried_power, loose_on_legs) is on the hanging bone, bone n_bones.
+  // What legs do not carry (carried_power) is on the hanging bone, bone n_bones.
   const SkinWeights& weights() const { return weights_; }
-
-  // Where no leg touches it.
-  const SkinWeights& hung_weights() const { return hung_weights_; }
-
-  float opening() const { return opening_; }
 
   // camera_from_rest of every bone and of the hanging bone as dual quaternions, [8*(n_bones+1)]. up: unit, camera
   // frame.
@@ -72,8 +64,7 @@ class HangingCloth {
 
  private:
   HangingClothOptions options_;
-  SkinWeights weights_, hung_weights_;
-  float opening_ = 0;
+  SkinWeights weights_;
   int base_ = 0;                                          // the bone the legs hang from
   Eigen::Vector3d pivot_rest_ = Eigen::Vector3d::Zero();  // mm, between the hips
 };

@@ -32,8 +32,8 @@ std::vector<float> moved(std::vector<float> positions, const Vector3& by) {
 // The device's simulation with host vectors.
 class Simulation {
  public:
-  Simulation(ocl::DeviceContext& device, const Actor& actor, const ClothOptions& options, float opening = kTaut)
-      : cloth_(device, actor, options, opening),
+  Simulation(ocl::DeviceContext& device, const Actor& actor, const ClothOptions& options, float looseness = kTaut)
+      : cloth_(device, actor, options, looseness),
         skinned_(device, actor.mesh.positions),
         start_(device, actor.mesh.positions),
         before_(device, actor.mesh.positions) {}
@@ -68,10 +68,10 @@ class Simulation {
 // The same in double from the equations, particle by particle over the graph.
 class Reference {
  public:
-  Reference(const Actor& actor, const ClothOptions& options, float opening = kTaut)
+  Reference(const Actor& actor, const ClothOptions& options, float looseness = kTaut)
       : actor_(actor), options_(options), graph_(make_cloth_graph(actor, options.max_held_leg_weight)) {
     for (double* value : {&stiffness_, &damping_}) *value = 0;
-    for (const auto& [fabric, share] : {std::pair{options.taut, 1 - opening}, {options.loose, opening}}) {
+    for (const auto& [fabric, share] : {std::pair{options.taut, 1 - looseness}, {options.loose, looseness}}) {
       stiffness_ += share * fabric.stiffness;
       damping_ += share * fabric.damping;
     }
@@ -232,12 +232,12 @@ TEST(ClothSimulation, RestStaysAtRestWithoutGravity) {
 
 TEST(ClothSimulation, FollowsTheEquations) {
   const Actor actor = test::skirt_actor();
-  const auto check = [&](ocl::DeviceContext& device, float opening) {
+  const auto check = [&](ocl::DeviceContext& device, float looseness) {
     ClothOptions options;
     options.bending_share = 0.7f;
     options.settling_frames = 2;
-    Simulation cloth(device, actor, options, opening);
-    Reference reference(actor, options, opening);
+    Simulation cloth(device, actor, options, looseness);
+    Reference reference(actor, options, looseness);
     cloth.up = reference.up = Vector3(0.05, -1, -0.15).normalized();  // of a camera that looks down
     for (int frame = 0; frame < 3; ++frame) {
       // The body sways, turns its skirt a little out of shape and lifts a leg.
@@ -264,7 +264,7 @@ TEST(ClothSimulation, FollowsTheEquations) {
     }
   };
   test::on_every_device_and_body([&](ocl::DeviceContext& device) {
-    for (const float opening : {kTaut, 0.4f, kLoose}) check(device, opening);
+    for (const float looseness : {kTaut, 0.4f, kLoose}) check(device, looseness);
     if (device.is_cpu()) return;
     for (const uint32_t units : {1, 3}) {  // several particles a work-item; groups that wait for each other, or cannot
       ocl::DeviceInfo info = device.info();
@@ -284,11 +284,11 @@ TEST(ClothSimulation, SpringsGravityAndDragAreThoseOfTheOscillator) {
   options.limb_radii = {0, 0, 0, 0};
   options.steps = 200;
   options.settling_frames = 0;
-  const auto check = [&](ocl::DeviceContext& device, float opening) {
-    const auto between = [&](float taut, float loose) { return taut + double(opening) * (loose - taut); };
+  const auto check = [&](ocl::DeviceContext& device, float looseness) {
+    const auto between = [&](float taut, float loose) { return taut + double(looseness) * (loose - taut); };
     const double k = between(options.taut.stiffness, options.loose.stiffness),
                  c = between(options.taut.damping, options.loose.damping), g = options.gravity, air = options.air_drag;
-    Simulation cloth(device, actor, options, opening);
+    Simulation cloth(device, actor, options, looseness);
     double x = 0, v = 0, before = 0;
     for (const double goal : {0.0, 100.0, 100.0, 40.0, 40.0, 40.0}) {
       const double carried = (goal - before) / kFrame;
@@ -305,13 +305,13 @@ TEST(ClothSimulation, SpringsGravityAndDragAreThoseOfTheOscillator) {
       before = goal;
       const std::vector<float> out = cloth.step(posed(actor, 0), moved(actor.mesh.positions, {0, goal, 0}));
       constexpr int kFree = 2 * test::kAround;  // near y = 0, where a float is finest
-      EXPECT_NEAR(out[3 * kFree + 1] - actor.mesh.positions[3 * kFree + 1], x, test::kOscillatorMm) << opening;
+      EXPECT_NEAR(out[3 * kFree + 1] - actor.mesh.positions[3 * kFree + 1], x, test::kOscillatorMm) << looseness;
       EXPECT_NEAR(out[1] - actor.mesh.positions[1], goal, test::kMillimetreFloat) << "the seam is held";
     }
-    if (opening == kLoose) EXPECT_GT(x, 150);
+    if (looseness == kLoose) EXPECT_GT(x, 150);
   };
   test::on_every_device_and_body([&](ocl::DeviceContext& device) {
-    for (const float opening : {kTaut, 0.3f, kLoose}) check(device, opening);
+    for (const float looseness : {kTaut, 0.3f, kLoose}) check(device, looseness);
   });
 }
 

@@ -50,15 +50,13 @@ TEST(Folds, WhatIsOpenOrDoesNotHangHasNone) {
   EXPECT_EQ(share_in_folds(Actor{}), 0);
 }
 
-TEST(Folds, OpenFromTautToLoose) {
+TEST(Folds, MakeClothLoose) {
   const Actor skirt = test::folded_skirt(0.1, 6);
   const float share = float(share_in_folds(skirt));
-  const auto opening = [&](float taut, float loose) {
-    return HangingCloth(skirt, {.taut = taut, .loose = loose}).opening();
-  };
-  EXPECT_EQ(opening(1.1f * share, 1.2f * share), 0);
-  EXPECT_EQ(opening(0.5f * share, 0.9f * share), 1);
-  EXPECT_NEAR(opening(0.4f * share, 1.2f * share), 0.75, 1e-4);
+  const auto loose_by = [&](float taut, float loose) { return looseness(skirt, {.taut = taut, .loose = loose}); };
+  EXPECT_EQ(loose_by(1.1f * share, 1.2f * share), 0);
+  EXPECT_EQ(loose_by(0.5f * share, 0.9f * share), 1);
+  EXPECT_NEAR(loose_by(0.4f * share, 1.2f * share), 0.75, 1e-4);
 }
 
 // Its lining and its lid are shorter around than what is seen of it.

@@ -345,8 +345,6 @@ inline constexpr double kDotPx = 0.8;
 // Three frames of forty small steps of cloth in float against double, mm: positions of some 400 mm, velocities from
 // their differences over 0.8 ms.
 inline constexpr double kClothMm = 0.05;
-// The same of one sum of products, at 3 m from the camera.
-inline constexpr double kFoldedClothMm = 0.005;
 // An oscillator in 200 first-order steps a frame, in float, against the midpoint rule in 20000, of swings of 100 mm.
 inline constexpr double kOscillatorMm = 0.3;
 

@@ -56,11 +56,11 @@ std::string hanging_cloth_text(const Actor& actor) {
   int n = 0;
   for (int i = 0; i < actor.n_vertices(); ++i) n += hangs(actor, i);
   if (n == 0) return {};
-  const float opening = HangingCloth(actor, {}).opening();
-  const std::string taken = opening == 0 ? "taken for taut: it hangs from the hips in its shape, and legs push it"
-                            : opening == 1
-                                ? "taken for loose, in folds: legs push it and do not pull it"
-                                : format("taken for %.0f %% loose: legs pull it that much less", 100 * opening);
+  const float loose = looseness(actor, {});
+  const std::string taken = loose == 0 ? "taken for taut: it hangs from the hips in its shape, and legs push it"
+                            : loose == 1
+                                ? "taken for loose, in folds: it hangs from the hips, and legs push it"
+                                : format("taken for %.0f %% loose: so much less its shape holds it", 100 * loose);
   return format("\nhanging cloth: %d vertices, its girth is %.1f %% more than the shortest way around; %s\n", n,
                 100 * share_in_folds(actor), taken.c_str());
 }

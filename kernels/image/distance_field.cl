@@ -275,4 +275,16 @@ kernel void extend_distances(DistanceArg a, int n_groups, global float* restrict
   }
 }
 
+// Both of them [n] px, of a mask and of a part of it. Sixteen pixels per work-item.
+kernel void leave_open(int n, global const float* restrict sure, global float* restrict distance) {
+  const int first = (int)get_global_id(0) * LC_LANES;
+  if (first >= n) return;
+  if (first + LC_LANES <= n) {
+    const float16 most = vload16(0, distance + first), least = vload16(0, sure + first);
+    store16(select(min(least, 0.0f), most, most > 0.0f), distance + first);
+    return;
+  }
+  for (int i = first; i < n; ++i) distance[i] = distance[i] > 0.0f ? distance[i] : min(sure[i], 0.0f);
+}
+
 #endif

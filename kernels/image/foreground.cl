@@ -52,6 +52,16 @@ static inline int is_any(uchar16 value) {
   return (bits.x | bits.y) != 0;
 }
 
+// Adds how many of the first n are not zero.
+static inline void count_bytes(uchar16 values, int n, global int* count) {
+  if (!is_any(values)) return;
+  uchar lanes[LC_LANES];
+  vstore16(values, 0, lanes);
+  int sum = 0;
+  for (int k = 0; k < LC_LANES; ++k) sum += k < n && lanes[k];
+  if (sum) atomic_add(count, sum);
+}
+
 static inline float16 squared(float16 x) {
   return x * x;
 }
@@ -94,19 +104,22 @@ typedef struct {
   int has_network;
   float inverse_gain[3];
   float least_variance;
-  float shadow_darkest;
+  float shadow_darkest, doubt_darkest;
   float at_threshold;  // squared deviations to 8 bits
   float trust;
 } ForegroundArg;
 
 // layers: per Gaussian four planes [w*h], means of red, green, blue, variance. edge_variance: [w*h]. network: [w*h],
 // gate, core: cells. score: padded; 129 and more = person. contrast: padded; colour difference / 2. beyond: padded;
-// 255 = not the background, yet outside the gate; n_beyond counts these pixels. Without the network neither is written.
+// 255 = not the background, yet outside the gate. doubtful: [w*h]; 255 = person only if it is no shadow that keeps as
+// little as doubt_darkest of the light, and the network sees nobody there. counts: of the pixels of the last two.
+// Without the network neither is written.
 kernel void foreground_score(ForegroundArg a, global const uchar* restrict rgb, global const uchar* restrict network,
                              global const uchar* restrict gate, global const uchar* restrict core,
                              global const float* restrict layers, global const float* restrict edge_variance,
                              global uchar* restrict score, global uchar* restrict contrast,
-                             global uchar* restrict beyond, global int* restrict n_beyond) {
+                             global uchar* restrict beyond, global uchar* restrict doubtful,
+                             global int* restrict counts) {
   const int group = get_global_id(0), row = get_global_id(1);
   if (group >= a.n_groups || row >= a.n_rows) return;
   const int x = a.x0 + group * LC_LANES, y = a.y0 + row;
@@ -120,7 +133,7 @@ kernel void foreground_score(ForegroundArg a, global const uchar* restrict rgb, 
   const float16 g = a.inverse_gain[1] * convert_float16((uchar16)(c0.s147a, c0.sd, c1.s0369, c1.scf, c2.s258, c2.sbe));
   const float16 b = a.inverse_gain[2] * convert_float16((uchar16)(c0.s258b, c0.se, c1.s147a, c1.sd, c2.s0369, c2.scf));
   const float16 edge = load_floats(edge_variance + p, n);
-  float16 difference = 1e9f, plain = 1e9f, shadow = 1e9f;
+  float16 difference = 1e9f, plain = 1e9f, shadow = 1e9f, dark = 1e9f;
   for (int k = 0; k < a.n_layers; ++k) {
     global const float* layer = layers + 4 * k * plane + p;
     const float16 mr = load_floats(layer, n), mg = load_floats(layer + plane, n);
@@ -133,10 +146,10 @@ kernel void foreground_score(ForegroundArg a, global const uchar* restrict rgb, 
     // A shadow is the background darkened by one factor in all channels.
     const float16 factor = (r * mr + g * mg + b * mb + 1.0f) / (mr * mr + mg * mg + mb * mb + 1.0f);
     const float16 colour = squared(r - factor * mr) + squared(g - factor * mg) + squared(b - factor * mb);
-    const int16 no_shadow = (factor < a.shadow_darkest) | (factor > 1.0f);
-    const float16 shadowed = select(colour * inverse, (float16)1e9f, no_shadow);
-    const float16 least = LC_LESSER(plain, shadowed);
-    shadow = LC_LESSER(shadow, least);
+    const float16 shadowed = select(colour * inverse, (float16)1e9f, factor > 1.0f);
+    const float16 lit = select(shadowed, (float16)1e9f, factor < a.shadow_darkest);
+    shadow = LC_LESSER(shadow, LC_LESSER(unlike, lit));
+    dark = LC_LESSER(dark, select(shadowed, (float16)1e9f, factor < a.doubt_darkest));
   }
   const uchar16 without = quantized(shadow, a.at_threshold);
   const int at = (y + a.pad) * a.stride + a.pad + x;
@@ -157,13 +170,11 @@ kernel void foreground_score(ForegroundArg a, global const uchar* restrict rgb, 
   store_uchar16((s & may_be) | is, score + at);
   const uchar16 differs = select((uchar16)0, ~may_be, without >= (uchar)128);
   store_uchar16(differs, beyond + at);
-  if (is_any(differs)) {
-    uchar lanes[LC_LANES];
-    vstore16(differs, 0, lanes);
-    int count = 0;
-    for (int k = 0; k < LC_LANES; ++k) count += k < n && lanes[k];
-    if (count) atomic_add(n_beyond, count);
-  }
+  const uchar16 differs_lit = select((uchar16)0, may_be, (without >= (uchar)128) & (m < (uchar)128));
+  const uchar16 in_doubt = select((uchar16)0, differs_lit, quantized(dark, a.at_threshold) < (uchar)128);
+  store_bytes(in_doubt, doubtful + p, n);
+  count_bytes(differs, n, counts);
+  count_bytes(in_doubt, n, counts + 1);
 }
 
 // Copies the network's mask to where scores are.

@@ -39,6 +39,7 @@ Segmenter::Segmenter(ocl::DeviceContext& device, ocl::DeviceContext& gate_device
       height_(camera.height),
       foreground_(device, gate_device, background, camera.width, camera.height),
       distance_(device, camera.width, camera.height),
+      sure_distance_(device, size_t(camera.width) * camera.height),
       frames_(device, gate_device, camera.width, camera.height, frames_under_way),
       gated_(gated || !background.trained()) {
   foreground_.prepare_crop_masks(detect::BlazePose::kCropSize);
@@ -62,7 +63,9 @@ void Segmenter::warm_up() {
   segment(item);
   // A plate alone may have found nobody, or nothing else, and then there are no distances.
   item.frame->mask.write(mask.pixels);
-  distance_.compute(item.frame->mask, middle, middle.width() * middle.height(), item.frame->signed_distance);
+  for (ocl::Buffer<float>* distance : {&item.frame->signed_distance, &sure_distance_})
+    distance_.compute(item.frame->mask, middle, middle.width() * middle.height(), *distance);
+  distance_.leave_open(sure_distance_, item.frame->signed_distance);
   device_.finish();
   missed_frames_ = kNobodyYet;
 }
@@ -87,13 +90,18 @@ void Segmenter::segment(WorkItem& item) {
         foreground_.segment(item.gate, network_mask(item), crop_mask(item) != nullptr, *item.frame, item.mask);
     item.silhouette.width = item.mask.width;
     item.silhouette.height = item.mask.height;
-    item.silhouette.area_px = found.area_px;
-    item.silhouette.box = found.box;
+    item.silhouette.area_px = found.person.area_px;
+    item.silhouette.box = found.person.box;
     item.nobody = foreground_.has_background() && !item.gate.person.search.empty() &&
-                  found.area_px < kLeastForeground * area_of_keypoints(item.detections, width_, height_);
+                  found.person.area_px < kLeastForeground * area_of_keypoints(item.detections, width_, height_);
     if (item.nobody) item.silhouette.area_px = 0, item.silhouette.box = {};
-    if (item.silhouette.area_px > 0)
-      distance_.compute(item.frame->mask, found.box, found.area_px, item.frame->signed_distance);
+    if (item.silhouette.area_px > 0) {
+      distance_.compute(item.frame->mask, found.person.box, found.person.area_px, item.frame->signed_distance);
+      if (found.sure) {
+        distance_.compute(foreground_.sure_mask(), found.sure->box, found.sure->area_px, sure_distance_);
+        distance_.leave_open(sure_distance_, item.frame->signed_distance);
+      }
+    }
     device_.finish();
   }
   item.report.stage_ms[static_cast<int>(CaptureStage::kSegment)] += timer.elapsed_ms();

@@ -48,6 +48,7 @@ class Segmenter {
   int width_, height_;
   ForegroundSegmenter foreground_;
   DeviceDistanceField distance_;
+  ocl::Buffer<float> sure_distance_;  // [w*h] px
   FramePool frames_;
   const PersonMask no_mask_;
   bool gated_;

@@ -91,6 +91,8 @@ void BackgroundOptions::validate() const {
   if (!(initial_sigma > 0) || !(min_sigma > 0) || !(match_sigmas > 0) || !(edge_sigma >= 0))
     throw ConfigError("background: deviations must be positive");
   if (!(shadow_darkest > 0 && shadow_darkest <= 1)) throw ConfigError("background: shadow_darkest must be in (0, 1]");
+  if (!(doubt_darkest > 0 && doubt_darkest <= shadow_darkest))
+    throw ConfigError("background: doubt_darkest must be above 0 and at most shadow_darkest");
 }
 
 BackgroundModel::BackgroundModel(const BackgroundOptions& options) : options_(options) {

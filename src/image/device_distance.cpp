@@ -13,6 +13,7 @@ constexpr char kDistanceFile[] = "image/image.cl";
 constexpr int32_t kBand = 64;    // rows of a work-item
 constexpr int32_t kStrip = 512;  // columns of a work-item
 constexpr size_t kTile = 16;
+constexpr size_t kOpenGroup = 64;
 
 // Words that a work-item of row_distances needs at most, for planes of this stride: LC_ROW_SCRATCH.
 size_t row_scratch(int stride) {
@@ -48,6 +49,7 @@ DeviceDistanceField::DeviceDistanceField(ocl::DeviceContext& device, int width, 
   columns_ = ocl::Kernel(device, kDistanceFile, is_cpu_ ? "column_steps" : "column_squares");
   rows_ = ocl::Kernel(device, kDistanceFile, "row_distances");
   extend_ = ocl::Kernel(device, kDistanceFile, "extend_distances");
+  leave_open_ = ocl::Kernel(device, kDistanceFile, "leave_open");
 }
 
 void DeviceDistanceField::compute(const ocl::Buffer<uint8_t>& mask, const PixelBox& person, int area_px,
@@ -77,6 +79,14 @@ void DeviceDistanceField::compute(const ocl::Buffer<uint8_t>& mask, const PixelB
   }
   const int n_groups = (width_ + LC_LANES - 1) / LC_LANES;
   extend_.launch(ocl::Range{rounded(n_groups), static_cast<size_t>(height_), kTile, 1}, arg, n_groups, distance);
+}
+
+void DeviceDistanceField::leave_open(const ocl::Buffer<float>& sure, ocl::Buffer<float>& distance) {
+  const size_t n = size_t(width_) * height_;
+  if (sure.size() != n || distance.size() != n) throw LogicError("distance field: buffers of another size");
+  const size_t n_groups = (n + LC_LANES - 1) / LC_LANES;
+  leave_open_.launch((n_groups + kOpenGroup - 1) / kOpenGroup * kOpenGroup, kOpenGroup, static_cast<int32_t>(n), sure,
+                     distance);
 }
 
 }  // namespace livecap

@@ -17,6 +17,11 @@ class DeviceDistanceField {
   // see Silhouette::signed_distance. Enqueued, nothing blocks. Throws LogicError for other sizes.
   void compute(const ocl::Buffer<uint8_t>& mask, const PixelBox& person, int area_px, ocl::Buffer<float>& distance);
 
+  // The contour may be anywhere between those of two masks. distance, of the larger, stays what it is outside of that;
+  // inside of the smaller it becomes `sure`, the distance of that one, and between them zero. Enqueued. Throws
+  // LogicError for other sizes.
+  void leave_open(const ocl::Buffer<float>& sure, ocl::Buffer<float>& distance);
+
  private:
   int width_, height_;
   int stride_;
@@ -27,7 +32,7 @@ class DeviceDistanceField {
   // GPU:
   ocl::Buffer<uint32_t> bits_;
   ocl::Buffer<int32_t> far_to_inside_, far_to_outside_;
-  ocl::Kernel bits_kernel_, columns_, rows_, extend_;
+  ocl::Kernel bits_kernel_, columns_, rows_, extend_, leave_open_;
 };
 
 }  // namespace livecap

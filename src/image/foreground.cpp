@@ -45,7 +45,7 @@ std::vector<uint16_t> smoothing_weights(float sigma) {
 // ForegroundArg of the kernels.
 struct ForegroundSegmenter::KernelArg {
   int32_t width, height, x0, n_groups, y0, n_rows, stride, pad, coarse_width, n_layers, has_network;
-  float inverse_gain[3], least_variance, shadow_darkest, at_threshold, trust;
+  float inverse_gain[3], least_variance, shadow_darkest, doubt_darkest, at_threshold, trust;
 };
 
 void ForegroundOptions::validate() const {
@@ -97,7 +97,8 @@ ForegroundSegmenter::ForegroundSegmenter(ocl::DeviceContext& device, ocl::Device
   for (auto* plane : {&score_, &contrast_, &beyond_, &decided_}) *plane = ocl::Buffer<uint8_t>(device, zeros);
   smoothed_ = ocl::Buffer<uint16_t>(device, padded);
   smoothed_.fill(0);
-  n_beyond_ = ocl::Buffer<int32_t>(device, 1);
+  for (auto* plane : {&doubtful_, &sure_mask_}) *plane = ocl::Buffer<uint8_t>(device, size_t(width) * height);
+  counts_ = ocl::Buffer<int32_t>(device, 2);
   crop_steps_ = ocl::Buffer<int32_t>(gate_device, size_t(2) * (width + height));
   lay_mask_ = ocl::Kernel(gate_device, kForegroundFile, "lay_mask");
   coarse_means_ = ocl::Kernel(gate_device, kForegroundFile, "coarse_means");
@@ -206,15 +207,16 @@ void ForegroundSegmenter::decide(const ForegroundGate& gate, DeviceFrame& frame)
   const auto range = [&](int rows) {
     return ocl::Range{groups_of(arg.n_groups) * kGroup, static_cast<size_t>(rows), kGroup, 1};
   };
-  n_beyond_.fill(0);
+  counts_.fill(0);
   if (has_background_) {
     for (int c = 0; c < 3; ++c) arg.inverse_gain[c] = 1 / gate.change.gain[c];
     arg.least_variance = background_.least_variance(gate.change);
     arg.shadow_darkest = background_.options().shadow_darkest;
+    arg.doubt_darkest = background_.options().doubt_darkest;
     arg.at_threshold = 128 / (background_.options().match_sigmas * background_.options().match_sigmas);
     arg.trust = options_.trust;
     foreground_score_.launch(range(arg.n_rows), arg, frame.rgb, frame.network_mask, gate_, core_, layers_,
-                             edge_variance_, score_, contrast_, beyond_, n_beyond_);
+                             edge_variance_, score_, contrast_, beyond_, doubtful_, counts_);
   } else {
     network_score_.launch(range(arg.n_rows), arg, frame.network_mask, score_);
   }
@@ -223,6 +225,19 @@ void ForegroundSegmenter::decide(const ForegroundGate& gate, DeviceFrame& frame)
   decide_.launch(range(arg.n_rows), arg, reach_, weights_, smoothed_, decided_);
   trim_border_.launch(range(arg.n_rows), arg, has_background_ ? options_.edge_share : 0.0f, decided_, contrast_,
                       frame.mask);
+}
+
+// The mask without what is in doubt. Small pieces and holes are the mask's.
+MaskExtent ForegroundSegmenter::find_sure(const PixelBox& search_box, const ImageGray& mask) {
+  const size_t begin = size_t(width_) * search_box.y0, size = size_t(width_) * search_box.height();
+  doubtful_rows_.resize(size);
+  doubtful_.read(doubtful_rows_, begin);
+  sure_ = mask;
+  for (size_t i = 0; i < size; ++i)
+    if (doubtful_rows_[i]) sure_.pixels[begin + i] = 0;
+  const MaskExtent sure = clean_mask(search_box, options_.min_part, options_.max_hole, sure_);
+  sure_mask_.hand_over(sure_.pixels);
+  return sure;
 }
 
 ForegroundResult ForegroundSegmenter::segment(const ForegroundGate& gate, const PersonMask& network_mask,
@@ -238,12 +253,12 @@ ForegroundResult ForegroundSegmenter::segment(const ForegroundGate& gate, const 
   const PixelBox rows{0, search_box.y0, width_, search_box.y1};
   const size_t begin = size_t(width_) * rows.y0, size = size_t(width_) * rows.height();
   const std::span<uint8_t> decided(mask.pixels.data() + begin, size);
-  n_beyond_host_ = 0;
-  if (gate.has_network && has_background_) n_beyond_.read_later({&n_beyond_host_, 1});
+  counts_host_ = {};
+  if (gate.has_network && has_background_) counts_.read_later({&counts_host_.beyond, 2});
   frame.mask.read(decided, begin);
-  const bool few =
-      is_crop_mask ? few_beyond(gate.coarse_mask, options_.least_stranger, n_beyond_host_) : n_beyond_host_ == 0;
-  const int32_t n_beyond = few ? 0 : n_beyond_host_;
+  const bool few = is_crop_mask ? few_beyond(gate.coarse_mask, options_.least_stranger, counts_host_.beyond)
+                                : counts_host_.beyond == 0;
+  const int32_t n_beyond = few ? 0 : counts_host_.beyond;
   if (n_beyond > 0) {
     PersonMask laid;
     if (is_crop_mask) laid = {width_, height_, frame.network_mask.read_through(device_)};
@@ -255,8 +270,13 @@ ForegroundResult ForegroundSegmenter::segment(const ForegroundGate& gate, const 
       drop_strangers(search, beyond_rows_.data() + kPad, stride_, mask);
     }
   }
-  const ForegroundResult result = clean_mask(search_box, options_.min_part, options_.max_hole, mask);
+  ForegroundResult result;
+  result.person = clean_mask(search_box, options_.min_part, options_.max_hole, mask);
   frame.mask.hand_over(decided, begin);
+  if (counts_host_.doubtful > 0) {
+    const MaskExtent sure = find_sure(search_box, mask);
+    if (sure.area_px > 0 && sure.area_px < result.person.area_px) result.sure = sure;
+  }
   return result;
 }
 

@@ -4,6 +4,8 @@
 // made on the host.
 #pragma once
 
+#include <optional>
+
 #include "base/detections.h"
 #include "base/image_rgb.h"
 #include "image/background_model.h"
@@ -32,10 +34,15 @@ struct ForegroundOptions {
   void validate() const;  // throws ConfigError
 };
 
+struct MaskExtent {
+  int area_px = 0;
+  PixelBox box;  // around all of it; empty when there is nothing
+};
+
 // What was found in a picture.
 struct ForegroundResult {
-  int area_px = 0;
-  PixelBox box;  // around all of it; empty when there is nobody
+  MaskExtent person;               // the mask
+  std::optional<MaskExtent> sure;  // what of it is no dark shadow in any case; nothing where nothing is in doubt
 };
 
 // Where in a picture somebody may be, and how it differs from the empty one.
@@ -80,6 +87,9 @@ class ForegroundSegmenter {
   ForegroundResult segment(const ForegroundGate& gate, const PersonMask& network_mask, bool is_crop_mask,
                            DeviceFrame& frame, ImageGray& mask);
 
+  // [w*h] of the last picture in which something was in doubt: 255 = ForegroundResult::sure.
+  const ocl::Buffer<uint8_t>& sure_mask() const { return sure_mask_; }
+
  private:
   struct KernelArg;
   ocl::DeviceContext& device_;
@@ -92,6 +102,7 @@ class ForegroundSegmenter {
   void lay_on_device(const CropMask& crop_mask, DeviceFrame& frame);
   void find_person(const DeviceFrame& frame, ForegroundGate& gate);
   void decide(const ForegroundGate& gate, DeviceFrame& frame);
+  MaskExtent find_sure(const PixelBox& search_box, const ImageGray& mask);
 
   BackgroundModel background_;
   ForegroundOptions options_;
@@ -107,13 +118,18 @@ class ForegroundSegmenter {
   ocl::Buffer<uint8_t> score_, contrast_, beyond_, decided_;  // padded
   ocl::Buffer<uint16_t> smoothed_;                            // padded
   ocl::Buffer<uint16_t> weights_;                             // [reach+1]
-  ocl::Buffer<int32_t> n_beyond_;
-  int32_t n_beyond_host_ = 0;
+  ocl::Buffer<uint8_t> doubtful_, sure_mask_;                 // [w*h]
+  struct Counts {
+    int32_t beyond = 0, doubtful = 0;
+  };
+  ocl::Buffer<int32_t> counts_;
+  Counts counts_host_;
   ocl::Buffer<uint8_t> crop_mask_;
   ocl::Buffer<int32_t> crop_steps_;
   ocl::Kernel lay_mask_;
   ocl::Kernel coarse_means_, foreground_score_, network_score_, score_border_, smooth_rows_, decide_, trim_border_;
-  std::vector<uint8_t> beyond_rows_;
+  std::vector<uint8_t> beyond_rows_, doubtful_rows_;
+  ImageGray sure_;
 };
 
 }  // namespace livecap

@@ -45,12 +45,13 @@ std::vector<ocl::SelfTestResult> image_self_test(ocl::DeviceContext& device) {
   constexpr long kArea = (kTo - kFrom) * (kTo - kFrom);
   const ForegroundResult found = with_plate.segment(picture, network, frame, mask);
   results.push_back(counted("coarse_means, foreground_score, score_border, smooth_rows, decide, trim_border", kArea - 4,
-                            found.area_px));
+                            found.person.area_px));
   // The same mask as a crop of half the size, its pixels in the middle of 2 x 2.
   CropMask crop{
       {35, 35, std::vector<uint8_t>(size_t(35) * 35, 200)}, {0.5, 0, -0.25, 0, 0.5, -0.25}, {kFrom, kFrom, kTo, kTo}};
-  results.push_back(counted("lay_mask", kArea - 4, without_plate.segment(picture, crop, frame, mask).area_px));
-  results.push_back(counted("network_score", kArea - 4, without_plate.segment(picture, network, frame, mask).area_px));
+  results.push_back(counted("lay_mask", kArea - 4, without_plate.segment(picture, crop, frame, mask).person.area_px));
+  results.push_back(
+      counted("network_score", kArea - 4, without_plate.segment(picture, network, frame, mask).person.area_px));
 
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) mask.pixels[y * kWidth + x] = in_person(x, y) ? 255 : 0;
@@ -63,6 +64,19 @@ std::vector<ocl::SelfTestResult> image_self_test(ocl::DeviceContext& device) {
   results.push_back(counted("column_steps or column_squares, row_distances: inside", -9500, at(30, 30)));
   results.push_back(counted("row_distances: outside", 4500, at(kFrom - 3, kFrom - 4)));  // 3, 4, 5
   results.push_back(counted("extend_distances", std::lround(1000 * (std::hypot(29.0, 1.0) - 0.5)), at(69, 41)));
+
+  // The left half of the person is sure.
+  ocl::Buffer<float> sure(device, distance);
+  constexpr int kMiddle = (kFrom + kTo) / 2;
+  for (int y = kFrom; y < kTo; ++y) std::fill_n(&mask.pixels[y * kWidth + kMiddle], kTo - kMiddle, uint8_t{0});
+  frame.mask.write(mask.pixels);
+  field.compute(frame.mask, {kFrom, kFrom, kMiddle, kTo}, kArea / 2, sure);
+  field.leave_open(sure, frame.signed_distance);
+  const std::vector<float> open = frame.signed_distance.read_all();
+  const auto open_at = [&](int x) { return std::lround(1000 * open[30 * kWidth + x]); };
+  results.push_back(counted("leave_open: inside", -500, open_at(kMiddle - 1)));
+  results.push_back(counted("leave_open: between", 0, open_at(kMiddle + 1)));
+  results.push_back(counted("leave_open: outside", 500, open_at(kTo)));
   return results;
 }
 

@@ -82,6 +82,35 @@ TEST(Segmenter, NobodyIsWhereNothingDiffersFromThePlate) {
   });
 }
 
+// A person of the network beside a shadow that keeps 0.43 of the light.
+TEST(Segmenter, TheContourIsLeftOpenWhereAShadowIsDark) {
+  constexpr int kWidth = 160, kHeight = 120, kLeft = 40, kRight = 80, kShadow = 88, kTop = 20, kBottom = 100;
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const Camera camera = camera_from_fov(kWidth, kHeight, 60);
+    Segmenter segmenter(device, device, background(camera, Plate::kGrey), camera, true, 1);
+    WorkItem item;
+    item.image = {kWidth, kHeight, std::vector<uint8_t>(size_t(3) * kWidth * kHeight, 128)};
+    item.detections.person = true;
+    item.detections.mask = {kWidth, kHeight, std::vector<uint8_t>(size_t(kWidth) * kHeight, 0)};
+    for (int y = kTop; y < kBottom; ++y) {
+      const size_t row = size_t(y) * kWidth;
+      std::fill_n(&item.image.pixels[3 * (row + kLeft)], 3 * (kRight - kLeft), uint8_t{10});
+      std::fill_n(&item.image.pixels[3 * (row + kRight)], 3 * (kShadow - kRight), uint8_t{55});
+      std::fill_n(&item.detections.mask.probability[row + kLeft], kRight - kLeft, uint8_t{250});
+    }
+    segmenter.find_gate(item);
+    segmenter.segment(item);
+    const std::vector<float> distance = item.frame->signed_distance.read_all();
+    const auto at = [&](int x) { return distance[size_t(60) * kWidth + x]; };
+    EXPECT_EQ(at(kRight - 3), -2.5f);
+    EXPECT_EQ(at(kRight + 2), 0);
+    EXPECT_EQ(at(kShadow - 2), 0);
+    EXPECT_EQ(at(kShadow + 2), 2.5f);
+    EXPECT_EQ(at(kLeft + 2), -2.5f);
+    EXPECT_EQ(item.mask.pixels[size_t(60) * kWidth + kRight + 4], 255) << "it may be the person";
+  });
+}
+
 TEST(Segmenter, AnEngineIsWarmBeforeItsFirstFrame) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
   const Camera camera = camera_from_fov(160, 120, 60);

@@ -18,7 +18,7 @@ constexpr double kShareBeyond = 0.1;
 constexpr int kMinPiecePx = 16;
 
 struct ReferenceDistance {
-  std::vector<uint8_t> plain, shadow, contrast;
+  std::vector<uint8_t> plain, shadow, dark, contrast;
 };
 
 inline float squared(float x) {
@@ -35,7 +35,7 @@ inline ReferenceDistance reference_distance(const BackgroundModel& model, const 
   for (int y = box.y; y < box.y + box.height; ++y) {
     for (int x = box.x; x < box.x + box.width; ++x) {
       const size_t p = size_t(y) * frame.width + x;
-      float v[3], difference = 1e9f, plain = 1e9f, shadow = 1e9f;
+      float v[3], difference = 1e9f, plain = 1e9f, shadow = 1e9f, dark = 1e9f;
       for (int c = 0; c < 3; ++c) v[c] = static_cast<float>(frame.pixels[3 * p + c]) / change.gain[c];
       for (const BackgroundModel::Layer& layer : model.layers()) {
         const float variance = std::max(layer.variance[p], least_variance) + model.edge_variance()[p];
@@ -51,9 +51,11 @@ inline ReferenceDistance reference_distance(const BackgroundModel& model, const 
         plain = std::min(plain, squares / variance);
         shadow = std::min(shadow, plain);
         if (factor >= model.options().shadow_darkest && factor <= 1) shadow = std::min(shadow, colour / variance);
+        if (factor >= model.options().doubt_darkest && factor <= 1) dark = std::min(dark, colour / variance);
       }
       result.plain.push_back(byte(plain * at_threshold));
       result.shadow.push_back(byte(shadow * at_threshold));
+      result.dark.push_back(byte(dark * at_threshold));
       result.contrast.push_back(byte(std::sqrt(difference) * 0.5f));
     }
   }
@@ -171,12 +173,34 @@ inline void trim_border(cv::Mat& mask, const std::vector<uint8_t>& contrast, flo
   }
 }
 
-inline ImageGray reference_foreground(const BackgroundModel& background, const ForegroundOptions& options,
-                                      const ImageRgb& frame, const PersonMask& network_mask) {
+// The mask without what may be a dark shadow where the network sees nobody.
+inline cv::Mat without_doubt(const cv::Mat& network, const cv::Mat& gate, const cv::Rect& box,
+                             const std::vector<uint8_t>& difference, const std::vector<uint8_t>& dark,
+                             const cv::Mat& mask) {
+  cv::Mat sure = mask.clone();
+  std::vector<uint8_t> gate_row(mask.cols);
+  for (int y = 0; y < mask.rows; ++y) {
+    spread(gate, box, box.y + y, gate_row);
+    for (int x = 0; x < mask.cols; ++x) {
+      const size_t p = size_t(y) * mask.cols + x;
+      const bool differs = difference[p] >= kHalf && gate_row[x];
+      if (differs && dark[p] < kHalf && network.at<uint8_t>(y, x) < kHalf) sure.at<uint8_t>(y, x) = 0;
+    }
+  }
+  return sure;
+}
+
+struct ReferenceForeground {
+  ImageGray mask, sure;
+};
+
+inline ReferenceForeground reference_foreground(const BackgroundModel& background, const ForegroundOptions& options,
+                                                const ImageRgb& frame, const PersonMask& network_mask) {
   const cv::Size size(frame.width, frame.height);
-  ImageGray result{frame.width, frame.height, std::vector<uint8_t>(size_t(frame.width) * frame.height, 0)};
+  const ImageGray nobody{frame.width, frame.height, std::vector<uint8_t>(size_t(frame.width) * frame.height, 0)};
+  ReferenceForeground result{nobody, nobody};
   if (network_mask.empty() && !background.trained()) return result;
-  cv::Mat out(size, CV_8UC1, result.pixels.data());
+  cv::Mat out(size, CV_8UC1, result.mask.pixels.data()), sure_out(size, CV_8UC1, result.sure.pixels.data());
 
   // Where the person may be (gate) and certainly is (core), coarse.
   cv::Mat probability, gate, core;
@@ -226,6 +250,11 @@ inline ImageGray reference_foreground(const BackgroundModel& background, const F
     drop_strangers(probability(box), gate, box, seam, options.least_stranger, difference, mask);
   clean(mask, options.min_part, options.max_hole);
   mask.copyTo(out(box));
+  if (background.trained() && !probability.empty()) {
+    mask = without_doubt(probability(box), gate, box, difference, distance.dark, mask);
+    clean(mask, options.min_part, options.max_hole);
+  }
+  mask.copyTo(sure_out(box));
   return result;
 }
 

@@ -32,8 +32,13 @@ bool in_other(int x, int y) {
   return x >= 57 && x < 69 && y >= 30 && y < 46;
 }
 
-// A textured room; with a person (blue-green), a shadow and something else that moves.
-ImageRgb scene(bool person, float gain, unsigned seed) {
+bool beside_the_foot(int x, int y) {
+  return std::hypot((x - 112) / 12.0, (y - 190) / 8.0) < 1;
+}
+
+// A textured room; with a person (blue-green), a shadow and something else that moves. deep: what a second shadow,
+// beside the person's foot, leaves of the light.
+ImageRgb scene(bool person, float gain, unsigned seed, float deep = 1) {
   std::mt19937 random(seed);
   std::normal_distribution<float> noise(0, 2);
   ImageRgb image{kWidth, kHeight, {}};
@@ -42,6 +47,9 @@ ImageRgb scene(bool person, float gain, unsigned seed) {
       float value[3] = {120 + 30 * std::sin(0.1f * x), 110 + 20 * std::cos(0.07f * y), 90};
       if (person && in_shadow(x, y)) {
         for (float& v : value) v *= 0.75f;
+      }
+      if (person && beside_the_foot(x, y)) {
+        for (float& v : value) v *= deep;
       }
       if (person && in_other(x, y)) value[0] = 220;
       if (person && in_person(x, y)) value[0] = 40, value[1] = 90, value[2] = 130 + 20 * ((x / 8) % 2);
@@ -77,9 +85,9 @@ class ForegroundModel {
     DeviceFrame frame(device_, kWidth, kHeight);
     ImageGray mask;
     const ForegroundResult result = segmenter_->segment(image, network, frame, mask);
-    EXPECT_EQ(result.area_px, std::count(mask.pixels.begin(), mask.pixels.end(), 255));
-    EXPECT_EQ(result.area_px == 0, result.box.empty());
-    if (result.area_px > 0) EXPECT_EQ(frame.mask.read_all(), mask.pixels);
+    EXPECT_EQ(result.person.area_px, std::count(mask.pixels.begin(), mask.pixels.end(), 255));
+    EXPECT_EQ(result.person.area_px == 0, result.person.box.empty());
+    if (result.person.area_px > 0) EXPECT_EQ(frame.mask.read_all(), mask.pixels);
     EXPECT_EQ(frame.rgb.read_all(), image.pixels);
     return mask;
   }
@@ -116,6 +124,49 @@ TEST(Foreground, FindsThePersonDespiteShadowOthersAndGain) {
       }
     }
   }
+}
+
+// A shadow so dark that it may be none stays in the mask, and is in doubt where the network sees nobody. A lighter one
+// is not in the mask, and a darker one is not a shadow's.
+TEST(Foreground, ADarkShadowBesideTheFootIsInDoubt) {
+  BackgroundModel background;
+  background.train(scene(false, 1, 1));
+  ocl::DeviceContext device(ocl::select_device(test::device_selectors().front()));
+  ForegroundSegmenter segmenter(device, background, kWidth, kHeight);
+  DeviceFrame frame(device, kWidth, kHeight);
+  PersonMask seen{kWidth, kHeight, {}}, sees_all = seen;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      seen.probability.push_back(in_person(x, y) ? 200 : 20);
+      sees_all.probability.push_back(in_person(x, y) || beside_the_foot(x, y) ? 200 : 20);
+    }
+  }
+  // The shares of shadow and person that these pixels have.
+  const auto shares = [&](const std::vector<uint8_t>& pixels) {
+    int shadow = 0, shadow_in = 0, person = 0, person_in = 0;
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const bool in = pixels[size_t(y) * kWidth + x] != 0;
+        person += in_person(x, y), person_in += in_person(x, y) && in;
+        const bool shaded = beside_the_foot(x, y) && !in_person(x, y);
+        shadow += shaded, shadow_in += shaded && in;
+      }
+    }
+    return std::pair(double(shadow_in) / shadow, double(person_in) / person);
+  };
+  ImageGray mask;
+  const ForegroundResult dark = segmenter.segment(scene(true, 1, 2, 0.42f), seen, frame, mask);
+  EXPECT_GT(shares(mask.pixels).first, 0.8);
+  ASSERT_TRUE(dark.sure);
+  const auto [shadow, person] = shares(segmenter.sure_mask().read_all());
+  EXPECT_LT(shadow, 0.1);
+  EXPECT_GT(person, 0.97);
+  EXPECT_FALSE(segmenter.segment(scene(true, 1, 2, 0.42f), sees_all, frame, mask).sure);
+  EXPECT_FALSE(segmenter.segment(scene(true, 1, 2, 0.42f), PersonMask{}, frame, mask).sure) << "no network";
+  EXPECT_FALSE(segmenter.segment(scene(true, 1, 2, 0.7f), seen, frame, mask).sure);
+  EXPECT_LT(shares(mask.pixels).first, 0.1);
+  segmenter.segment(scene(true, 1, 2, 0.15f), seen, frame, mask);
+  EXPECT_GT(shares(mask.pixels).first, 0.8);
 }
 
 // Somebody else comes near: only what the network calls the person is left on that side, while a part of the person
@@ -225,16 +276,23 @@ TEST(Foreground, AgreesWithPlainCpp) {
               network.probability.insert(network.probability.end(), row, row + width);
             }
           }
-          const ImageRgb image = part(scene(true, 1.07f, 77));
+          const ImageRgb image = part(scene(true, 1.07f, 77, 0.4f));
           ForegroundSegmenter segmenter(device, background, width, height);
           DeviceFrame frame(device, width, height);
           ImageGray mask;
-          segmenter.segment(image, network, frame, mask);
-          const ImageGray reference = test::reference_foreground(background, {}, image, network);
-          int different = 0;
-          for (size_t p = 0; p < mask.pixels.size(); ++p) different += mask.pixels[p] != reference.pixels[p];
-          EXPECT_LE(different, test::kForegroundDifferentPx)
-              << width << "x" << height << ", " << plates << " plates, " << (gated ? "gated" : "not gated");
+          const ForegroundResult result = segmenter.segment(image, network, frame, mask);
+          const auto reference = test::reference_foreground(background, {}, image, network);
+          const std::vector<uint8_t> sure = result.sure ? segmenter.sure_mask().read_all() : mask.pixels;
+          int different = 0, sure_different = 0;
+          for (size_t p = 0; p < mask.pixels.size(); ++p) {
+            different += mask.pixels[p] != reference.mask.pixels[p];
+            sure_different += sure[p] != reference.sure.pixels[p];
+          }
+          SCOPED_TRACE(format("%dx%d, %d plates, %s", width, height, plates, gated ? "gated" : "not gated"));
+          EXPECT_LE(different, test::kForegroundDifferentPx);
+          EXPECT_LE(sure_different, test::kForegroundDifferentPx);
+          if (height > 200) EXPECT_EQ(result.sure.has_value(), plates > 0 && gated);
+          if (result.sure) EXPECT_EQ(result.sure->area_px, std::count(sure.begin(), sure.end(), 255));
           if (width > 90 && (plates > 0 || gated)) {
             EXPECT_GT(std::count(mask.pixels.begin(), mask.pixels.end(), 255), 1000);
           }
@@ -360,6 +418,8 @@ TEST(Foreground, SizesMustAgree) {
   BackgroundOptions background;
   background.shadow_darkest = 2;
   EXPECT_THROW(BackgroundModel{background}, ConfigError);
+  for (const float darkest : {0.0f, 0.6f, std::nanf("")})
+    EXPECT_THROW(BackgroundModel{BackgroundOptions{.doubt_darkest = darkest}}, ConfigError) << darkest;
   ForegroundOptions options;
   options.smooth_px = 11;
   EXPECT_THROW(ForegroundModel{options}.segment(scene(true, 1, 1), {}), ConfigError);

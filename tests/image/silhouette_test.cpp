@@ -94,6 +94,34 @@ TEST(Silhouette, TheDeviceComputesTheSame) {
   });
 }
 
+// Between a mask and a part of it the contour may be anywhere.
+TEST(Silhouette, AContourMayBeLeftOpen) {
+  test::on_every_device_and_body([](ocl::DeviceContext& device) {
+    for (const auto& [width, height] : {std::pair{31, 17}, {64, 63}}) {
+      ImageGray mask{width, height, std::vector<uint8_t>(size_t(width) * height, 0)}, part = mask;
+      for (int y = 3; y < height - 2; ++y) {
+        for (int x = 4; x < width - 3; ++x) {
+          mask.pixels[size_t(y) * width + x] = 255;
+          part.pixels[size_t(y) * width + x] = x < 2 * width / 3 ? 255 : 0;
+        }
+      }
+      const Silhouette all = make_silhouette(mask), sure = make_silhouette(part);
+      DeviceDistanceField field(device, width, height);
+      ocl::Buffer<float> distance(device, all.signed_distance);
+      field.leave_open(ocl::Buffer<float>(device, sure.signed_distance), distance);
+      const std::vector<float> found = distance.read_all();
+      int n_open = 0;
+      for (size_t p = 0; p < found.size(); ++p) {
+        const float of_all = all.signed_distance[p], of_part = sure.signed_distance[p];
+        EXPECT_EQ(found[p], of_all > 0 ? of_all : of_part < 0 ? of_part : 0) << p % width << "," << p / width;
+        n_open += found[p] == 0;
+      }
+      EXPECT_EQ(n_open, all.area_px - sure.area_px);
+      EXPECT_THROW(field.leave_open(ocl::Buffer<float>(device, 5), distance), LogicError);
+    }
+  });
+}
+
 TEST(Silhouette, FarFromThePersonDistancesAreAnUpperBoundThatRises) {
   constexpr int kSize = 180, kFrom = 80, kTo = 99;  // a square person
   ImageGray mask{kSize, kSize, std::vector<uint8_t>(kSize * kSize, 0)};

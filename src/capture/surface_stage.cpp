@@ -48,7 +48,7 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
   }
   if (options.enable_surface && options.simulate_cloth) cloth_.emplace(device, actor, options.cloth, looseness_);
   std::vector<float> share(actor.n_vertices());
-  const float hanging_share = std::lerp(options.taut_carried_share, options.loose_carried_share, looseness_);
+  const float hanging_share = std::lerp(options.carried_share, options.loose_carried_share, looseness_);
   for (int i = 0; i < actor.n_vertices(); ++i)
     share[i] = actor.rigidity[i] > options.max_carried_rigidity ? 0.0f
                : hangs(actor, i)                                ? hanging_share

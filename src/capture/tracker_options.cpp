@@ -88,7 +88,6 @@ void TrackerOptions::validate() const {
   actor_light.validate();
   not_negative("max_carried_rigidity", max_carried_rigidity);
   share("carried_share", carried_share);
-  share("taut_carried_share", taut_carried_share);
   share("loose_carried_share", loose_carried_share);
   share("taut_rest_share", taut_rest_share);
   share("loose_rest_share", loose_rest_share);

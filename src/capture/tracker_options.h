@@ -148,10 +148,8 @@ struct TrackerOptions {
   // (the paper: nothing); that helped one of three sequences with ground truth and left the others as they were.
   float max_carried_rigidity = 3;
   float carried_share = 0.9f;
-  // What hangs keeps all of it, as in the paper, where it is taut, and less where it is in folds, which open and close
-  // (HangingClothOptions::taut, loose).
-  float taut_carried_share = 1;
-  float loose_carried_share = 0.8f;
+  // The same of what hangs in folds, which open and close (HangingClothOptions::taut, loose).
+  float loose_carried_share = 0.6f;
   // SurfaceOptions::hanging_rest_share, likewise: woven cloth hardly stretches, but folds that open took S further off
   // with 0.8 (docs/experiments.md).
   float taut_rest_share = 0.8f;

@@ -278,6 +278,23 @@ TEST(SurfaceStage, TautAndLooseGarmentsKeepTheirLengthsEachInItsWay) {
   });
 }
 
+// In the second frame, of what was found in the first.
+TEST(SurfaceStage, TautAndLooseGarmentsKeepTheirDisplacementsEachInItsWay) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const auto found = [&](bool loose, float share, float loose_share) {
+      TrackerOptions options = stage_options(false, loose);
+      options.carried_share = share;
+      options.loose_carried_share = loose_share;
+      Scene scene(device, options);
+      scene.found_from(kAsideMm / 4);
+      return scene.found_from(kAsideMm / 4);
+    };
+    EXPECT_NE(found(false, 0.1f, 0.5f), found(false, 0.9f, 0.5f));
+    EXPECT_EQ(found(false, 0.5f, 0.1f), found(false, 0.5f, 0.9f));
+    EXPECT_NE(found(true, 0.5f, 0.1f), found(true, 0.5f, 0.9f));
+  });
+}
+
 // There a CPU's work-groups of GPU kernels do not wait for each other: what the picture would tell too late.
 TEST(SurfaceStage, WithoutPictureClothIsWholeWhereGroupsDoNotWait) {
   const auto places = [](int units) {

@@ -102,7 +102,6 @@ std::vector<Field> fields() {
       count(LC_FIELD(starts.max_exchanged_frames)),
       length(LC_FIELD(max_carried_rigidity)),
       share(LC_FIELD(carried_share)),
-      share(LC_FIELD(taut_carried_share)),
       share(LC_FIELD(loose_carried_share)),
       share(LC_FIELD(taut_rest_share)),
       share(LC_FIELD(loose_rest_share)),

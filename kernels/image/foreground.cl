@@ -113,7 +113,7 @@ typedef struct {
 // gate, core: cells. score: padded; 129 and more = person. contrast: padded; colour difference / 2. beyond: padded;
 // 255 = not the background, yet outside the gate. doubtful: [w*h]; 255 = person only if it is no shadow that keeps as
 // little as doubt_darkest of the light, and the network sees nobody there. counts: of the pixels of the last two.
-// Without the network neither is written.
+// Without the network none of these is written.
 kernel void foreground_score(ForegroundArg a, global const uchar* restrict rgb, global const uchar* restrict network,
                              global const uchar* restrict gate, global const uchar* restrict core,
                              global const float* restrict layers, global const float* restrict edge_variance,
@@ -147,8 +147,8 @@ kernel void foreground_score(ForegroundArg a, global const uchar* restrict rgb, 
     const float16 factor = (r * mr + g * mg + b * mb + 1.0f) / (mr * mr + mg * mg + mb * mb + 1.0f);
     const float16 colour = squared(r - factor * mr) + squared(g - factor * mg) + squared(b - factor * mb);
     const float16 shadowed = select(colour * inverse, (float16)1e9f, factor > 1.0f);
-    const float16 lit = select(shadowed, (float16)1e9f, factor < a.shadow_darkest);
-    shadow = LC_LESSER(shadow, LC_LESSER(unlike, lit));
+    const float16 light = select(shadowed, (float16)1e9f, factor < a.shadow_darkest);
+    shadow = LC_LESSER(shadow, LC_LESSER(unlike, light));
     dark = LC_LESSER(dark, select(shadowed, (float16)1e9f, factor < a.doubt_darkest));
   }
   const uchar16 without = quantized(shadow, a.at_threshold);
@@ -170,8 +170,8 @@ kernel void foreground_score(ForegroundArg a, global const uchar* restrict rgb, 
   store_uchar16((s & may_be) | is, score + at);
   const uchar16 differs = select((uchar16)0, ~may_be, without >= (uchar)128);
   store_uchar16(differs, beyond + at);
-  const uchar16 differs_lit = select((uchar16)0, may_be, (without >= (uchar)128) & (m < (uchar)128));
-  const uchar16 in_doubt = select((uchar16)0, differs_lit, quantized(dark, a.at_threshold) < (uchar)128);
+  const uchar16 unexplained = select((uchar16)0, may_be, (without >= (uchar)128) & (m < (uchar)128));
+  const uchar16 in_doubt = select((uchar16)0, unexplained, quantized(dark, a.at_threshold) < (uchar)128);
   store_bytes(in_doubt, doubtful + p, n);
   count_bytes(differs, n, counts);
   count_bytes(in_doubt, n, counts + 1);

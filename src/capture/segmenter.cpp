@@ -90,15 +90,15 @@ void Segmenter::segment(WorkItem& item) {
         foreground_.segment(item.gate, network_mask(item), crop_mask(item) != nullptr, *item.frame, item.mask);
     item.silhouette.width = item.mask.width;
     item.silhouette.height = item.mask.height;
-    item.silhouette.area_px = found.person.area_px;
-    item.silhouette.box = found.person.box;
+    item.silhouette.area_px = found.area_px;
+    item.silhouette.box = found.box;
     item.nobody = foreground_.has_background() && !item.gate.person.search.empty() &&
-                  found.person.area_px < kLeastForeground * area_of_keypoints(item.detections, width_, height_);
+                  found.area_px < kLeastForeground * area_of_keypoints(item.detections, width_, height_);
     if (item.nobody) item.silhouette.area_px = 0, item.silhouette.box = {};
     if (item.silhouette.area_px > 0) {
-      distance_.compute(item.frame->mask, found.person.box, found.person.area_px, item.frame->signed_distance);
-      if (found.sure) {
-        distance_.compute(foreground_.sure_mask(), found.sure->box, found.sure->area_px, sure_distance_);
+      distance_.compute(item.frame->mask, found.box, found.area_px, item.frame->signed_distance);
+      if (const auto sure = foreground_.find_sure(item.mask)) {
+        distance_.compute(foreground_.sure_mask(), sure->box, sure->area_px, sure_distance_);
         distance_.leave_open(sure_distance_, item.frame->signed_distance);
       }
     }

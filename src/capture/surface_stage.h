@@ -54,7 +54,7 @@ class SurfaceStage {
   const Actor& actor_;
   Camera camera_;
   TrackerOptions options_;
-  float looseness_;  // of what hangs
+  const float looseness_;  // of what hangs
   HangingCloth hanging_;
   std::optional<ClothSimulation> cloth_;  // where it is simulated
   double last_time_s_ = 0;

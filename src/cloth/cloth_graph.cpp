@@ -120,8 +120,8 @@ void add_follower(const Actor& actor, int i, const NearestParticles& nearest, Cl
   }
 }
 
-}  // namespace
-
+// [n_vertices] 1 for hanging cloth (cloth/hanging_cloth.h) whose normals in the rest pose point away from the line
+// through the middle of the hips and not downwards: what is seen from outside. None for a skeleton without hips.
 std::vector<char> outer_cloth(const Actor& actor) {
   std::vector<char> outer(actor.n_vertices(), 0);
   const std::optional<Eigen::Vector3d> middle = middle_of_the_hips(actor.skeleton);
@@ -135,6 +135,8 @@ std::vector<char> outer_cloth(const Actor& actor) {
   }
   return outer;
 }
+
+}  // namespace
 
 ClothGraph make_cloth_graph(const Actor& actor, float max_held_leg_weight) {
   ClothGraph graph;

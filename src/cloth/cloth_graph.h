@@ -10,10 +10,6 @@
 
 namespace livecap {
 
-// [n_vertices] 1 for hanging cloth (cloth/hanging_cloth.h) whose normals in the rest pose point away from the line
-// through the middle of the hips and not downwards: what is seen from outside. None for a skeleton without hips.
-std::vector<char> outer_cloth(const Actor& actor);
-
 struct ClothGraph {
   std::vector<int32_t> vertices;  // [n_particles] of the template
   std::vector<char> held;         // [n_particles] fastened to the skinned surface

@@ -1,5 +1,5 @@
-// How much of a garment lies in folds. Legs push hanging cloth where they go, but they only pull the far side along
-// where the cloth is taut: a skirt in folds opens, and its back stays hanging.
+// How much of a garment lies in folds: cloth in folds is soft and lies on the legs, what stands wide without any is
+// stiff (HangingClothOptions::taut, loose).
 #pragma once
 
 #include "actor/actor.h"

@@ -137,7 +137,7 @@ void HangingClothOptions::validate() const {
 
 HangingCloth::HangingCloth(const Actor& actor, const HangingClothOptions& options) : options_(options) {
   options.validate();
-  const auto kept = [&](float legs) { return std::pow(legs, options.carried_power) / legs; };
+  const auto kept = [&](float legs) { return std::min(1.0f, std::pow(legs, options.carried_power) / legs); };
   weights_ = give_to_hanging_bone(actor, kept, actor.skeleton.n_bones());
   const std::optional<Eigen::Vector3d> pivot = middle_of_the_hips(actor.skeleton);
   if (!pivot) return;

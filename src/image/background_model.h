@@ -17,7 +17,7 @@ struct BackgroundOptions {
   float match_sigmas = 5;        // a pixel within this many deviations of a Gaussian belongs to it
   float edge_sigma = 0.12f;      // added deviation per 8-bit step of local contrast: edges move by fractions of a pixel
   float shadow_darkest = 0.55f;  // a shadow keeps at least this share of the brightness
-  float doubt_darkest = 0.3f;    // what keeps less, but this, may be one: where the network sees nobody it is in doubt
+  float doubt_darkest = 0.3f;    // with less, down to this share, it is in doubt where the network sees nobody
 
   void validate() const;  // throws ConfigError
 };

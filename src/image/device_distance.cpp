@@ -1,5 +1,6 @@
 #include "image/device_distance.h"
 
+#include "base/round_up.h"
 #include "base/text.h"
 #include "image/layout.h"
 #include "image/picture_size.h"
@@ -13,7 +14,7 @@ constexpr char kDistanceFile[] = "image/image.cl";
 constexpr int32_t kBand = 64;    // rows of a work-item
 constexpr int32_t kStrip = 512;  // columns of a work-item
 constexpr size_t kTile = 16;
-constexpr size_t kOpenGroup = 64;
+constexpr size_t kOpenGroup = 64;  // work-items of leave_open
 
 // Words that a work-item of row_distances needs at most, for planes of this stride: LC_ROW_SCRATCH.
 size_t row_scratch(int stride) {
@@ -85,8 +86,7 @@ void DeviceDistanceField::leave_open(const ocl::Buffer<float>& sure, ocl::Buffer
   const size_t n = size_t(width_) * height_;
   if (sure.size() != n || distance.size() != n) throw LogicError("distance field: buffers of another size");
   const size_t n_groups = (n + LC_LANES - 1) / LC_LANES;
-  leave_open_.launch((n_groups + kOpenGroup - 1) / kOpenGroup * kOpenGroup, kOpenGroup, static_cast<int32_t>(n), sure,
-                     distance);
+  leave_open_.launch(round_up(n_groups, kOpenGroup), kOpenGroup, static_cast<int32_t>(n), sure, distance);
 }
 
 }  // namespace livecap

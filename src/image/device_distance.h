@@ -1,5 +1,5 @@
-// The signed distance field of image/silhouette.h on the device: kernels/image/distance_field.cl. The same numbers as
-// make_silhouette().
+// The signed distance field of image/silhouette.h on the device: kernels/image/distance_field.cl. compute() gives the
+// same numbers as make_silhouette().
 #pragma once
 
 #include "image/person_gate.h"

@@ -12,11 +12,13 @@ namespace livecap {
 struct DeviceFrame {
   int width = 0;
   int height = 0;
-  ocl::Buffer<float> signed_distance;  // [width*height] px, see image/silhouette.h
-  ocl::Buffer<uint8_t> rgb;            // [3*width*height] undistorted
-  ocl::Buffer<uint8_t> network_mask;   // [width*height] the network's probabilities, for the segmentation
-  ocl::Buffer<uint8_t> mask;           // [width*height] 255 = person
-  bool has_picture = false;            // rgb was written, as soon as the network had a look at the picture
+  // [width*height] px, see image/silhouette.h; zero all over what may be a dark shadow or the person, which is neither
+  // matched nor drawn to (DeviceDistanceField::leave_open).
+  ocl::Buffer<float> signed_distance;
+  ocl::Buffer<uint8_t> rgb;           // [3*width*height] undistorted
+  ocl::Buffer<uint8_t> network_mask;  // [width*height] the network's probabilities, for the segmentation
+  ocl::Buffer<uint8_t> mask;          // [width*height] 255 = person
+  bool has_picture = false;           // rgb was written, as soon as the network had a look at the picture
 
   DeviceFrame(ocl::DeviceContext& device, int width, int height) : DeviceFrame(device, device, width, height) {}
   // picture_device: the same with a queue of its own, through which picture and network's mask come.

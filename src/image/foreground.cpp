@@ -98,6 +98,8 @@ ForegroundSegmenter::ForegroundSegmenter(ocl::DeviceContext& device, ocl::Device
   smoothed_ = ocl::Buffer<uint16_t>(device, padded);
   smoothed_.fill(0);
   for (auto* plane : {&doubtful_, &sure_mask_}) *plane = ocl::Buffer<uint8_t>(device, size_t(width) * height);
+  sure_.pixels.reserve(size_t(width) * height);
+  doubtful_rows_.reserve(size_t(width) * height);
   counts_ = ocl::Buffer<int32_t>(device, 2);
   crop_steps_ = ocl::Buffer<int32_t>(gate_device, size_t(2) * (width + height));
   lay_mask_ = ocl::Kernel(gate_device, kForegroundFile, "lay_mask");
@@ -227,25 +229,14 @@ void ForegroundSegmenter::decide(const ForegroundGate& gate, DeviceFrame& frame)
                       frame.mask);
 }
 
-// The mask without what is in doubt. Small pieces and holes are the mask's.
-MaskExtent ForegroundSegmenter::find_sure(const PixelBox& search_box, const ImageGray& mask) {
-  const size_t begin = size_t(width_) * search_box.y0, size = size_t(width_) * search_box.height();
-  doubtful_rows_.resize(size);
-  doubtful_.read(doubtful_rows_, begin);
-  sure_ = mask;
-  for (size_t i = 0; i < size; ++i)
-    if (doubtful_rows_[i]) sure_.pixels[begin + i] = 0;
-  const MaskExtent sure = clean_mask(search_box, options_.min_part, options_.max_hole, sure_);
-  sure_mask_.hand_over(sure_.pixels);
-  return sure;
-}
-
 ForegroundResult ForegroundSegmenter::segment(const ForegroundGate& gate, const PersonMask& network_mask,
                                               bool is_crop_mask, DeviceFrame& frame, ImageGray& mask) {
   mask.width = width_;
   mask.height = height_;
   mask.pixels.assign(size_t(width_) * height_, 0);
   const PixelBox& search_box = gate.person.search;
+  counts_host_ = {};
+  searched_ = search_box;
   if (search_box.empty()) return {};
   frame.mask.fill(0);
   decide(gate, frame);
@@ -253,12 +244,11 @@ ForegroundResult ForegroundSegmenter::segment(const ForegroundGate& gate, const 
   const PixelBox rows{0, search_box.y0, width_, search_box.y1};
   const size_t begin = size_t(width_) * rows.y0, size = size_t(width_) * rows.height();
   const std::span<uint8_t> decided(mask.pixels.data() + begin, size);
-  counts_host_ = {};
-  if (gate.has_network && has_background_) counts_.read_later({&counts_host_.beyond, 2});
+  if (gate.has_network && has_background_) counts_.read_later(counts_host_);
   frame.mask.read(decided, begin);
-  const bool few = is_crop_mask ? few_beyond(gate.coarse_mask, options_.least_stranger, counts_host_.beyond)
-                                : counts_host_.beyond == 0;
-  const int32_t n_beyond = few ? 0 : counts_host_.beyond;
+  const bool few =
+      is_crop_mask ? few_beyond(gate.coarse_mask, options_.least_stranger, counts_host_[0]) : counts_host_[0] == 0;
+  const int32_t n_beyond = few ? 0 : counts_host_[0];
   if (n_beyond > 0) {
     PersonMask laid;
     if (is_crop_mask) laid = {width_, height_, frame.network_mask.read_through(device_)};
@@ -270,14 +260,29 @@ ForegroundResult ForegroundSegmenter::segment(const ForegroundGate& gate, const 
       drop_strangers(search, beyond_rows_.data() + kPad, stride_, mask);
     }
   }
-  ForegroundResult result;
-  result.person = clean_mask(search_box, options_.min_part, options_.max_hole, mask);
+  const ForegroundResult result = clean_mask(search_box, options_.min_part, options_.max_hole, mask);
   frame.mask.hand_over(decided, begin);
-  if (counts_host_.doubtful > 0) {
-    const MaskExtent sure = find_sure(search_box, mask);
-    if (sure.area_px > 0 && sure.area_px < result.person.area_px) result.sure = sure;
-  }
   return result;
+}
+
+std::optional<ForegroundResult> ForegroundSegmenter::find_sure(const ImageGray& mask) {
+  if (counts_host_[1] == 0) return std::nullopt;
+  const size_t begin = size_t(width_) * searched_.y0;
+  doubtful_rows_.resize(size_t(width_) * searched_.height());
+  doubtful_.read(doubtful_rows_, begin);
+  sure_ = mask;
+  int area_px = 0;
+  for (int y = searched_.y0; y < searched_.y1; ++y) {
+    const size_t row = size_t(width_) * y;
+    for (size_t p = row + searched_.x0; p < row + searched_.x1; ++p) {
+      area_px += mask.pixels[p] != 0;
+      if (doubtful_rows_[p - begin]) sure_.pixels[p] = 0;
+    }
+  }
+  const ForegroundResult sure = clean_mask(searched_, options_.min_part, options_.max_hole, sure_);
+  if (sure.area_px == 0 || sure.area_px == area_px) return std::nullopt;
+  sure_mask_.hand_over(sure_.pixels);
+  return sure;
 }
 
 }  // namespace livecap

@@ -4,6 +4,7 @@
 // made on the host.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "base/detections.h"
@@ -34,15 +35,10 @@ struct ForegroundOptions {
   void validate() const;  // throws ConfigError
 };
 
-struct MaskExtent {
-  int area_px = 0;
-  PixelBox box;  // around all of it; empty when there is nothing
-};
-
 // What was found in a picture.
 struct ForegroundResult {
-  MaskExtent person;               // the mask
-  std::optional<MaskExtent> sure;  // what of it is no dark shadow in any case; nothing where nothing is in doubt
+  int area_px = 0;
+  PixelBox box;  // around all of it; empty when there is nobody
 };
 
 // Where in a picture somebody may be, and how it differs from the empty one.
@@ -87,7 +83,11 @@ class ForegroundSegmenter {
   ForegroundResult segment(const ForegroundGate& gate, const PersonMask& network_mask, bool is_crop_mask,
                            DeviceFrame& frame, ImageGray& mask);
 
-  // [w*h] of the last picture in which something was in doubt: 255 = ForegroundResult::sure.
+  // Of `mask`, which the last segment() gave, what is no dark shadow in any case (BackgroundOptions::doubt_darkest).
+  // Nothing where nothing is in doubt, or all of it. As in the mask, small pieces are dropped and small holes closed.
+  // Blocking.
+  std::optional<ForegroundResult> find_sure(const ImageGray& mask);
+  // [w*h] 255 = what find_sure() found, if it did.
   const ocl::Buffer<uint8_t>& sure_mask() const { return sure_mask_; }
 
  private:
@@ -102,7 +102,6 @@ class ForegroundSegmenter {
   void lay_on_device(const CropMask& crop_mask, DeviceFrame& frame);
   void find_person(const DeviceFrame& frame, ForegroundGate& gate);
   void decide(const ForegroundGate& gate, DeviceFrame& frame);
-  MaskExtent find_sure(const PixelBox& search_box, const ImageGray& mask);
 
   BackgroundModel background_;
   ForegroundOptions options_;
@@ -119,11 +118,9 @@ class ForegroundSegmenter {
   ocl::Buffer<uint16_t> smoothed_;                            // padded
   ocl::Buffer<uint16_t> weights_;                             // [reach+1]
   ocl::Buffer<uint8_t> doubtful_, sure_mask_;                 // [w*h]
-  struct Counts {
-    int32_t beyond = 0, doubtful = 0;
-  };
-  ocl::Buffer<int32_t> counts_;
-  Counts counts_host_;
+  ocl::Buffer<int32_t> counts_;                               // of pixels beyond the gate and in doubt
+  std::array<int32_t, 2> counts_host_{};
+  PixelBox searched_;  // by the last segment()
   ocl::Buffer<uint8_t> crop_mask_;
   ocl::Buffer<int32_t> crop_steps_;
   ocl::Kernel lay_mask_;

@@ -75,14 +75,14 @@ void drop_strangers(const StrangerSearch& search, const uint8_t* beyond, int str
   pieces.paint(person, stranger, 0);
 }
 
-MaskExtent clean_mask(const PixelBox& box, float min_part, float max_hole, ImageGray& mask) {
+ForegroundResult clean_mask(const PixelBox& box, float min_part, float max_hole, ImageGray& mask) {
   cv::Mat person = part(mask.pixels, mask.width, mask.height, box);
   const Pieces parts(person, 255, true);
   int largest = 0;
   for (const Piece& piece : parts.all()) largest = std::max(largest, piece.area);
   const int smallest = std::max(kMinPiecePx, static_cast<int>(min_part * static_cast<float>(largest)));
   std::vector<bool> drop;
-  MaskExtent result;
+  ForegroundResult result;
   PixelBox around{box.width(), box.height(), 0, 0};
   for (const Piece& piece : parts.all()) {
     drop.push_back(piece.area < smallest);

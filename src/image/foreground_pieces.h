@@ -29,6 +29,6 @@ void drop_strangers(const StrangerSearch& search, const uint8_t* beyond, int str
 
 // Within the box: drops pieces smaller than min_part of the largest, then closes holes smaller than max_hole of what is
 // left.
-MaskExtent clean_mask(const PixelBox& box, float min_part, float max_hole, ImageGray& mask);
+ForegroundResult clean_mask(const PixelBox& box, float min_part, float max_hole, ImageGray& mask);
 
 }  // namespace livecap

@@ -60,7 +60,7 @@ std::string hanging_cloth_text(const Actor& actor) {
   const std::string taken = loose == 0 ? "taken for taut: it hangs from the hips in its shape, and legs push it"
                             : loose == 1
                                 ? "taken for loose, in folds: it hangs from the hips, and legs push it"
-                                : format("taken for %.0f %% loose: so much less its shape holds it", 100 * loose);
+                                : format("taken for %.0f %% loose: its shape holds it that much less", 100 * loose);
   return format("\nhanging cloth: %d vertices, its girth is %.1f %% more than the shortest way around; %s\n", n,
                 100 * share_in_folds(actor), taken.c_str());
 }

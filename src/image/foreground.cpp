@@ -271,16 +271,18 @@ std::optional<ForegroundResult> ForegroundSegmenter::find_sure(const ImageGray& 
   doubtful_rows_.resize(size_t(width_) * searched_.height());
   doubtful_.read(doubtful_rows_, begin);
   sure_ = mask;
-  int area_px = 0;
+  bool in_doubt = false;
   for (int y = searched_.y0; y < searched_.y1; ++y) {
     const size_t row = size_t(width_) * y;
     for (size_t p = row + searched_.x0; p < row + searched_.x1; ++p) {
-      area_px += mask.pixels[p] != 0;
-      if (doubtful_rows_[p - begin]) sure_.pixels[p] = 0;
+      if (!doubtful_rows_[p - begin] || !mask.pixels[p]) continue;
+      sure_.pixels[p] = 0;
+      in_doubt = true;
     }
   }
+  if (!in_doubt) return std::nullopt;
   const ForegroundResult sure = clean_mask(searched_, options_.min_part, options_.max_hole, sure_);
-  if (sure.area_px == 0 || sure.area_px == area_px) return std::nullopt;
+  if (sure.area_px == 0) return std::nullopt;
   sure_mask_.hand_over(sure_.pixels);
   return sure;
 }

@@ -28,6 +28,7 @@ constexpr double kMmPerM = 1000;
 // Of a camera from level, rad: edges all in the middle of the picture do not tell how far it looks down.
 constexpr double kLevelDeviation = 0.2;
 
+// Level, as what the actor stands on in its rest pose: vertices near a sole's rim lie some mm above that.
 std::vector<Eigen::Vector3d> sole(const Actor& actor, int bone) {
   std::vector<Eigen::Vector3d> foot, low;
   double lowest = std::numeric_limits<double>::infinity();
@@ -41,6 +42,7 @@ std::vector<Eigen::Vector3d> sole(const Actor& actor, int bone) {
   }
   std::copy_if(foot.begin(), foot.end(), std::back_inserter(low),
                [&](const Eigen::Vector3d& p) { return p.y() <= lowest + kSoleMm; });
+  for (Eigen::Vector3d& p : low) p.y() = lowest;
   return low;
 }
 

@@ -30,7 +30,8 @@ struct SolePoint {
   Eigen::Vector3d rest_mm = Eigen::Vector3d::Zero();  // in the template's rest frame
 };
 
-// Six spread over each sole, left foot first; none of a foot that the skeleton does not have.
+// Six spread over each sole, at the height of its lowest vertex in the rest pose, left foot first; none of a foot that
+// the skeleton does not have.
 std::vector<SolePoint> sole_points(const Actor& actor);
 
 // How sure each of the points is to rest on the floor, 0..1: those by which their foot is lowest, the nearer the floor

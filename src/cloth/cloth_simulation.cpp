@@ -62,13 +62,13 @@ void ClothOptions::validate() const {
   const auto rate = [&](float value, const char* field) {
     require(value >= 0 && std::isfinite(value), field, value, "at least 0");
   };
-  require(steps >= 1, "steps", steps, "at least 1");
   require(max_held_leg_weight >= 0 && max_held_leg_weight < 1, "max_held_leg_weight", max_held_leg_weight,
           "at least 0 and below 1");
-  const double small = kLongestStep / steps;
   for (const Fabric& fabric : {taut, loose}) {
+    require(fabric.steps >= 1, "steps", fabric.steps, "at least 1");
     rate(fabric.stiffness, "stiffness");
     rate(fabric.damping, "damping");
+    const double small = kLongestStep / fabric.steps;
     require(fabric.stiffness * small * small < 4, "stiffness", fabric.stiffness,
             "less, or there must be more steps");  // semi-implicit Euler
   }
@@ -86,7 +86,8 @@ ClothSimulation::ClothSimulation(ocl::DeviceContext& device, const Actor& actor,
     : device_(&device),
       options_(options),
       fabric_{std::lerp(options.taut.stiffness, options.loose.stiffness, looseness),
-              std::lerp(options.taut.damping, options.loose.damping, looseness)} {
+              std::lerp(options.taut.damping, options.loose.damping, looseness),
+              int(std::lround(std::lerp(float(options.taut.steps), float(options.loose.steps), looseness)))} {
   options.validate();
   const ClothGraph cloth = make_cloth_graph(actor, options.max_held_leg_weight);
   const Skeleton& skeleton = actor.skeleton;
@@ -193,7 +194,7 @@ std::vector<float> ClothSimulation::limbs_at(const PosedSkeleton& posed) const {
 }
 
 ClothStep ClothSimulation::step_of(double seconds, const Eigen::Vector3d& up) const {
-  const double small = seconds / options_.steps;
+  const double small = seconds / fabric_.steps;
   const Vector3 falls = -options_.gravity * small * up;
   return {float(small),
           float(1 / small),
@@ -221,11 +222,11 @@ void ClothSimulation::step(const PosedSkeleton& posed, double seconds, const Eig
   for (int left = first_ ? options_.settling_frames : 0; left >= 0; --left) {
     const int n_moved = left > 0 ? 0 : n_moved_;  // meanwhile the surface stays where it is
     const ClothStep step = step_of(left > 0 ? kSettlingFrame : seconds, up);
-    simulate_.launch(groups_.n() * group_, group_, first_ ? 1 : 0, options_.steps, graph_.n_rows, graph_.stride,
-                     n_moved, groups_.arrived(), step, slice_offsets_, neighbors_, pulls_, lengths_, vertices_,
-                     is_free_, limbs_, reach_, moved_, particles_, weights_, before_, target_, x_, v_, ahead_, skinned,
-                     start, start_before, groups_.state());
-    groups_.launched(options_.steps + 1);
+    simulate_.launch(groups_.n() * group_, group_, first_ ? 1 : 0, fabric_.steps, graph_.n_rows, graph_.stride, n_moved,
+                     groups_.arrived(), step, slice_offsets_, neighbors_, pulls_, lengths_, vertices_, is_free_, limbs_,
+                     reach_, moved_, particles_, weights_, before_, target_, x_, v_, ahead_, skinned, start,
+                     start_before, groups_.state());
+    groups_.launched(fabric_.steps + 1);
     first_ = false;
   }
   if (groups_.n() > 1) groups_.read_later();

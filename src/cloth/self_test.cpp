@@ -44,7 +44,7 @@ std::vector<ocl::SelfTestResult> cloth_self_test(ocl::DeviceContext& device) {
   const std::vector<float>& rest = actor.mesh.positions;
   const PosedSkeleton posed = forward_kinematics(actor.skeleton, rest_pose(actor.skeleton));
   ClothOptions options;
-  options.steps = 1;
+  options.taut.steps = 1;
   options.relaxation = 1e-9f;
   options.limb_radii = {0, 0, 0, 0};
   options.gravity = 0;

@@ -262,11 +262,12 @@ ForegroundResult ForegroundSegmenter::segment(const ForegroundGate& gate, const 
   }
   const ForegroundResult result = clean_mask(search_box, options_.min_part, options_.max_hole, mask);
   frame.mask.hand_over(decided, begin);
+  found_px_ = result.area_px;
   return result;
 }
 
 std::optional<ForegroundResult> ForegroundSegmenter::find_sure(const ImageGray& mask) {
-  if (counts_host_[1] == 0) return std::nullopt;
+  if (counts_host_[1] == 0 || counts_host_[1] < options_.max_hole * found_px_) return std::nullopt;
   const size_t begin = size_t(width_) * searched_.y0;
   doubtful_rows_.resize(size_t(width_) * searched_.height());
   doubtful_.read(doubtful_rows_, begin);

@@ -84,8 +84,8 @@ class ForegroundSegmenter {
                            DeviceFrame& frame, ImageGray& mask);
 
   // Of `mask`, which the last segment() gave, what is no dark shadow in any case (BackgroundOptions::doubt_darkest).
-  // Nothing where nothing is in doubt, or all of it. As in the mask, small pieces are dropped and small holes closed.
-  // Blocking.
+  // Nothing where hardly anything is in doubt, less than a hole that would be closed, or all of it. As in the mask,
+  // small pieces are dropped and small holes closed. Blocking.
   std::optional<ForegroundResult> find_sure(const ImageGray& mask);
   // [w*h] 255 = what find_sure() found, if it did.
   const ocl::Buffer<uint8_t>& sure_mask() const { return sure_mask_; }
@@ -121,6 +121,7 @@ class ForegroundSegmenter {
   ocl::Buffer<int32_t> counts_;                               // of pixels beyond the gate and in doubt
   std::array<int32_t, 2> counts_host_{};
   PixelBox searched_;  // by the last segment()
+  int found_px_ = 0;   // likewise, the mask's area
   ocl::Buffer<uint8_t> crop_mask_;
   ocl::Buffer<int32_t> crop_steps_;
   ocl::Kernel lay_mask_;

@@ -18,12 +18,6 @@ constexpr double kShortestFrame = 1 / 240.0;
 constexpr double kLongestFrame = 0.1;
 constexpr double kUnknownFrame = 1 / 30.0;  // where time does not rise
 
-SurfaceOptions surface_options(const TrackerOptions& options, float looseness) {
-  SurfaceOptions surface = options.surface;
-  surface.hanging_rest_share = std::lerp(options.taut_rest_share, options.loose_rest_share, looseness);
-  return surface;
-}
-
 }  // namespace
 
 SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
@@ -39,7 +33,7 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
       rasterizer_(rasterizer),
       visibility_(visibility),
       part_mask_(device, actor.mesh, body_parts_of_vertices(actor.skeleton, actor.skin), camera.width, camera.height),
-      solver_(device, actor, camera, surface_options(options, looseness_)),
+      solver_(device, actor, camera, options.surface),
       snapper_(device, actor, solver_.domain(), options.snap) {
   for (ocl::Buffer<float>* buffer :
        {&displacement_rest_, &before_displacement_rest_, &zero_, &start_, &skinned_, &normals_, &vertices_, &before_}) {

@@ -89,8 +89,6 @@ void TrackerOptions::validate() const {
   not_negative("max_carried_rigidity", max_carried_rigidity);
   share("carried_share", carried_share);
   share("loose_carried_share", loose_carried_share);
-  share("taut_rest_share", taut_rest_share);
-  share("loose_rest_share", loose_rest_share);
   share("behind_share", behind_share);
   require_levels("cloth_match_levels", cloth_match_levels);
   if (cloth_match_levels.size() > surface.gaussian_kernels.size())

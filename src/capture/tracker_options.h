@@ -150,10 +150,6 @@ struct TrackerOptions {
   float carried_share = 0.9f;
   // The same of what hangs in folds, which open and close (HangingClothOptions::taut, loose).
   float loose_carried_share = 0.6f;
-  // SurfaceOptions::hanging_rest_share, likewise: woven cloth hardly stretches, but folds that open took S further off
-  // with 0.8 (docs/experiments.md).
-  float taut_rest_share = 0.8f;
-  float loose_rest_share = 0.5f;
   // In stage II what hangs of an actor with a texture is matched with the picture at these resolutions (half of it per
   // level): at the first from where it begins, for the first steps, at each further one from where the step before
   // left it, for one; at most as many as there are steps. What lies on the body is where the pose has it.

@@ -52,9 +52,8 @@ struct SurfaceOptions {
   // Skinning stretches clothes on the body as the body does, and there E_edge with rest lengths works against E_smooth.
   // Half is a compromise between sequences, not a property of cloth.
   float edge_rest_share = 0.5f;
-  // The same of edges both of whose ends hang, which skinning squeezes. In a capture it is what TrackerOptions say
-  // (taut_rest_share, loose_rest_share).
-  float hanging_rest_share = 0.5f;
+  // The same of edges both of whose ends hang: woven cloth hardly stretches.
+  float hanging_rest_share = 0.8f;
   // sigma_c: photometric residuals longer than this (Euclidean, RGB in [0,1]) are zero. The paper gives no value. At
   // the true vertices of lit pictures a third of the residuals of striped cloth exceeded 0.2, and without them the
   // gradient no longer pointed to the truth.

@@ -262,22 +262,6 @@ TEST(SurfaceStage, WhatHangsBehindMovesAsThatBeforeIt) {
   });
 }
 
-// Between what skinning makes of an edge and its length at rest.
-TEST(SurfaceStage, TautAndLooseGarmentsKeepTheirLengthsEachInItsWay) {
-  test::on_every_device([](ocl::DeviceContext& device) {
-    const auto found = [&](bool loose, float taut_share, float loose_share) {
-      TrackerOptions options = stage_options(false, loose);
-      options.taut_rest_share = taut_share;
-      options.loose_rest_share = loose_share;
-      return Scene(device, options).found_from(kAsideMm / 4);
-    };
-    EXPECT_NE(found(false, 0, 0.5f), found(false, 1, 0.5f));
-    EXPECT_EQ(found(false, 0.5f, 0), found(false, 0.5f, 1));
-    EXPECT_EQ(found(true, 0, 0.5f), found(true, 1, 0.5f));
-    EXPECT_NE(found(true, 0.5f, 0), found(true, 0.5f, 1));
-  });
-}
-
 // In the second frame, of what was found in the first.
 TEST(SurfaceStage, TautAndLooseGarmentsKeepTheirDisplacementsEachInItsWay) {
   test::on_every_device([](ocl::DeviceContext& device) {

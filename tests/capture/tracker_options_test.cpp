@@ -103,8 +103,6 @@ std::vector<Field> fields() {
       length(LC_FIELD(max_carried_rigidity)),
       share(LC_FIELD(carried_share)),
       share(LC_FIELD(loose_carried_share)),
-      share(LC_FIELD(taut_rest_share)),
-      share(LC_FIELD(loose_rest_share)),
       share(LC_FIELD(behind_share)),
       length(LC_FIELD(lost_error_fraction)),
       count(LC_FIELD(max_doubtful_frames)),

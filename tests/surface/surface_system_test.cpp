@@ -58,7 +58,6 @@ Scene busy_scene(const Mesh& mesh = test::icosphere(3, 300, {40, -30, 2000})) {
 
 SurfaceOptions smooth_options() {
   SurfaceOptions o;
-  o.hanging_rest_share = 0.8f;
   o.color_threshold = 2.0f;  // no residual sits at the threshold, where float and double may disagree
   return o;
 }

@@ -44,9 +44,9 @@ struct FloorOptions {
   double least = 2;      // resting feet before the floor is known, upright to the body until more places are
   double early = 60;     // until so many have rested, every frame is asked for its feet (twice as many frames at most),
   int every = 5;         // then one in so many
-  double tilt_deviation = 0.03;  // rad, of the floor against what a body stands upright on
+  double tilt_deviation = 0.07;  // rad, of the floor against what a body stands upright on
   // mm, of a resting foot's height: its depth is off by several times as much, for many frames alike.
-  double height_deviation_mm = 45;
+  double height_deviation_mm = 90;
   double outlier_mm = 30;  // a foot so far from the floor has half a say (Cauchy)
   // After more than so many frames on end in which no resting foot is within three times that: another floor.
   int max_contradicted_frames = 30;

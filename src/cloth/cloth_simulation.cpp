@@ -52,6 +52,18 @@ std::vector<Limb> limbs_of(const PosedSkeleton& posed, const std::array<std::arr
   return limbs;
 }
 
+ClothOptions::Fabric blend(const ClothOptions& options, float looseness) {
+  const ClothOptions::Fabric &taut = options.taut, &loose = options.loose;
+  return {std::lerp(taut.stiffness, loose.stiffness, looseness), std::lerp(taut.damping, loose.damping, looseness),
+          int(std::lround(std::lerp(float(taut.steps), float(loose.steps), looseness)))};
+}
+
+// Semi-implicit Euler.
+bool is_stable(const ClothOptions::Fabric& fabric) {
+  const double small = kLongestStep / fabric.steps;
+  return fabric.stiffness * small * small < 4;
+}
+
 }  // namespace
 
 void ClothOptions::validate() const {
@@ -68,9 +80,7 @@ void ClothOptions::validate() const {
     require(fabric.steps >= 1, "steps", fabric.steps, "at least 1");
     rate(fabric.stiffness, "stiffness");
     rate(fabric.damping, "damping");
-    const double small = kLongestStep / fabric.steps;
-    require(fabric.stiffness * small * small < 4, "stiffness", fabric.stiffness,
-            "less, or there must be more steps");  // semi-implicit Euler
+    require(is_stable(fabric), "stiffness", fabric.stiffness, "less, or there must be more steps");
   }
   rate(gravity, "gravity");
   rate(air_drag, "air_drag");
@@ -83,12 +93,8 @@ void ClothOptions::validate() const {
 
 ClothSimulation::ClothSimulation(ocl::DeviceContext& device, const Actor& actor, const ClothOptions& options,
                                  float looseness)
-    : device_(&device),
-      options_(options),
-      fabric_{std::lerp(options.taut.stiffness, options.loose.stiffness, looseness),
-              std::lerp(options.taut.damping, options.loose.damping, looseness),
-              int(std::lround(std::lerp(float(options.taut.steps), float(options.loose.steps), looseness)))} {
-  options.validate();
+    : device_(&device), options_(options), fabric_((options.validate(), blend(options, looseness))) {
+  if (!is_stable(fabric_)) throw ConfigError("cloth: between taut and loose it is too stiff for its steps");
   const ClothGraph cloth = make_cloth_graph(actor, options.max_held_leg_weight);
   const Skeleton& skeleton = actor.skeleton;
   const char* sides[] = {"left_", "right_"};

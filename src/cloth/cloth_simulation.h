@@ -23,7 +23,7 @@ struct ClothOptions {
   struct Fabric {
     float stiffness;  // 1/s^2, acceleration by a mm from the skinned place
     float damping;    // 1/s, of the velocity relative to the skinned place
-    int steps;        // a frame; with 20, by Jacobi, cloth sags by 2.5 %, with 40 by 1.1
+    int steps;        // a frame; without springs cloth sags by 2.5 % in 20 steps, by Jacobi, by 1.1 % in 40
   };
   Fabric taut = {200, 8, 40}, loose = {0, 4, 80};  // what is part of both lies between them
   float gravity = 9810;                            // mm/s^2

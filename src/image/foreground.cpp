@@ -56,6 +56,8 @@ void ForegroundOptions::validate() const {
   if (!(seam >= 0 && seam <= 1) || !(stranger_reach >= 0 && stranger_reach <= 1) ||
       !(least_stranger >= 0 && least_stranger <= 1))
     throw ConfigError("foreground: seam, stranger_reach and least_stranger must be in 0..1");
+  if (!(min_part >= 0 && min_part <= 1) || !(max_hole >= 0 && max_hole <= 1))
+    throw ConfigError("foreground: min_part and max_hole must be in 0..1");
   if (!(smooth_px >= 0 && smooth_px <= kMaxSmoothPx)) throw ConfigError("foreground: smooth_px must be in 0..10");
 }
 
@@ -237,6 +239,7 @@ ForegroundResult ForegroundSegmenter::segment(const ForegroundGate& gate, const 
   const PixelBox& search_box = gate.person.search;
   counts_host_ = {};
   searched_ = search_box;
+  found_px_ = 0;
   if (search_box.empty()) return {};
   frame.mask.fill(0);
   decide(gate, frame);
@@ -267,7 +270,7 @@ ForegroundResult ForegroundSegmenter::segment(const ForegroundGate& gate, const 
 }
 
 std::optional<ForegroundResult> ForegroundSegmenter::find_sure(const ImageGray& mask) {
-  if (counts_host_[1] == 0 || counts_host_[1] < options_.max_hole * found_px_) return std::nullopt;
+  if (float(counts_host_[1]) <= options_.max_hole * float(found_px_)) return std::nullopt;
   const size_t begin = size_t(width_) * searched_.y0;
   doubtful_rows_.resize(size_t(width_) * searched_.height());
   doubtful_.read(doubtful_rows_, begin);

@@ -30,7 +30,7 @@ struct ForegroundOptions {
   float edge_share = 0.45f;      // border pixels with less than this share of the contrast beside them are background
   float smooth_px = 1.0f;        // standard deviation of the smoothing before the decision
   float min_part = 0.02f;        // pieces below this share of the largest one are dropped
-  float max_hole = 0.0015f;      // holes below this share of the person's area are closed
+  float max_hole = 0.0015f;      // holes below this share of the person's area are closed, and doubt ignored
 
   void validate() const;  // throws ConfigError
 };
@@ -84,8 +84,8 @@ class ForegroundSegmenter {
                            DeviceFrame& frame, ImageGray& mask);
 
   // Of `mask`, which the last segment() gave, what is no dark shadow in any case (BackgroundOptions::doubt_darkest).
-  // Nothing where hardly anything is in doubt, less than a hole that would be closed, or all of it. As in the mask,
-  // small pieces are dropped and small holes closed. Blocking.
+  // Nothing where less of the picture is in doubt than a hole that would be closed, or all of the mask is. As in the
+  // mask, small pieces are dropped and small holes closed. Blocking.
   std::optional<ForegroundResult> find_sure(const ImageGray& mask);
   // [w*h] 255 = what find_sure() found, if it did.
   const ocl::Buffer<uint8_t>& sure_mask() const { return sure_mask_; }

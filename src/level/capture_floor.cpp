@@ -13,7 +13,8 @@ namespace {
 
 constexpr int kLowestSamples = 60;  // rows that tell which vertex is the lowest
 
-// As the tracker learns it, but of the poses as they are, in all frames, and with every ankle believed.
+// As the tracker learns it, but of the poses as they are, in all frames, with every ankle believed, and without the
+// edges of a room, which a capture does not hold.
 std::optional<Floor> learned_floor(const CaptureFolder& capture) {
   FloorFinder finder(capture.actor, {}, std::nullopt);
   Detections seen;

@@ -28,7 +28,8 @@ constexpr double kMmPerM = 1000;
 // Of a camera from level, rad: edges all in the middle of the picture do not tell how far it looks down.
 constexpr double kLevelDeviation = 0.5;
 
-// Level, as what the actor stands on in its rest pose: vertices near a sole's rim lie some mm above that.
+// Level, as what the actor stands on in its rest pose: vertices near a sole's rim lie some mm above that, and of a foot
+// on tiptoe the rounded tip is taken for that much too low.
 std::vector<Eigen::Vector3d> sole(const Actor& actor, int bone) {
   std::vector<Eigen::Vector3d> foot, low;
   double lowest = std::numeric_limits<double>::infinity();

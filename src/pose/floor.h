@@ -41,11 +41,13 @@ std::vector<double> standing(std::span<const SolePoint> soles, const Skeleton& s
 
 struct FloorOptions {
   double memory = 1000;  // after so many resting feet one's say has fallen to 1/e
-  double least = 2;      // resting feet before the floor is known, upright to the body until more places are
-  double early = 60;     // until so many have rested, every frame is asked for its feet (twice as many frames at most),
-  int every = 5;         // then one in so many
+  // Resting feet before the floor is known; until more places are it is upright to the room's edges and the body.
+  double least = 2;
+  double early = 60;  // until so many have rested, every frame is asked for its feet (twice as many frames at most),
+  int every = 5;      // then one in so many
   double tilt_deviation = 0.07;  // rad, of the floor against what a body stands upright on
-  // mm, of a resting foot's height: its depth is off by several times as much, for many frames alike.
+  // mm, of a resting foot's height, for how firmly what is upright holds the tilt against feet: their depths are off
+  // for many frames alike, which counts as if one was off by more.
   double height_deviation_mm = 90;
   double outlier_mm = 30;  // a foot so far from the floor has half a say (Cauchy)
   // After more than so many frames on end in which no resting foot is within three times that: another floor.

@@ -173,7 +173,7 @@ inline void trim_border(cv::Mat& mask, const std::vector<uint8_t>& contrast, flo
   }
 }
 
-// The mask without what may be a dark shadow where the network sees nobody.
+// `mask` without what may be a dark shadow where the network sees nobody.
 inline cv::Mat without_doubt(const cv::Mat& network, const cv::Mat& gate, const cv::Rect& box,
                              const std::vector<uint8_t>& difference, const std::vector<uint8_t>& dark,
                              const cv::Mat& mask) {
@@ -251,8 +251,12 @@ inline ReferenceForeground reference_foreground(const BackgroundModel& backgroun
   clean(mask, options.min_part, options.max_hole);
   mask.copyTo(out(box));
   if (background.trained() && !probability.empty()) {
-    mask = without_doubt(probability(box), gate, box, difference, distance.dark, mask);
-    clean(mask, options.min_part, options.max_hole);
+    const cv::Mat all(box.size(), CV_8UC1, cv::Scalar(255));
+    const cv::Mat in_doubt = ~without_doubt(probability(box), gate, box, difference, distance.dark, all);
+    if (cv::countNonZero(in_doubt) > double(options.max_hole) * cv::countNonZero(mask)) {
+      mask.setTo(0, in_doubt);
+      clean(mask, options.min_part, options.max_hole);
+    }
   }
   mask.copyTo(sure_out(box));
   return result;

@@ -172,6 +172,11 @@ TEST(Foreground, ADarkShadowBesideTheFootIsInDoubt) {
     EXPECT_GT(shares(mask.pixels).first, 0.8);
     EXPECT_FALSE(is_in_doubt(0.42f, PersonMask{kWidth, kHeight, std::vector<uint8_t>(kWidth * kHeight, 3)}))
         << "nobody";
+    ForegroundOptions lenient;
+    lenient.max_hole = 0.5f;  // of the person; the shadow is smaller
+    ForegroundSegmenter doubts_little(device, background, kWidth, kHeight, lenient);
+    doubts_little.segment(scene(true, 1, 2, 0.42f), seen, frame, mask);
+    EXPECT_FALSE(doubts_little.find_sure(mask).has_value()) << "less than a hole that is closed";
     // What was in doubt elsewhere in another picture is forgotten.
     PersonMask upper = seen;
     std::fill(upper.probability.begin() + kWidth * kHeight / 2, upper.probability.end(), uint8_t{0});

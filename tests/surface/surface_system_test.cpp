@@ -58,7 +58,8 @@ Scene busy_scene(const Mesh& mesh = test::icosphere(3, 300, {40, -30, 2000})) {
 
 SurfaceOptions smooth_options() {
   SurfaceOptions o;
-  o.color_threshold = 2.0f;  // no residual sits at the threshold, where float and double may disagree
+  o.hanging_rest_share = 0.7f;  // not edge_rest_share
+  o.color_threshold = 2.0f;     // no residual sits at the threshold, where float and double may disagree
   return o;
 }
 

@@ -26,7 +26,7 @@ constexpr float kTrusted = 0.5f;    // confidence of an ankle
 constexpr double kUprightY = -0.5;  // above that in the camera frame nobody stands before a level camera
 constexpr double kMmPerM = 1000;
 // Of a camera from level, rad: edges all in the middle of the picture do not tell how far it looks down.
-constexpr double kLevelDeviation = 0.5;
+constexpr double kLevelDeviation = 0.4;
 
 // Level, as what the actor stands on in its rest pose: vertices near a sole's rim lie some mm above that, and of a foot
 // on tiptoe the rounded tip is taken for that much too low.

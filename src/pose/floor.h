@@ -45,7 +45,7 @@ struct FloorOptions {
   double least = 2;
   double early = 60;  // until so many have rested, every frame is asked for its feet (twice as many frames at most),
   int every = 5;      // then one in so many
-  double tilt_deviation = 0.07;  // rad, of the floor against what a body stands upright on
+  double tilt_deviation = 0.06;  // rad, of the floor against what a body stands upright on
   // mm, of a resting foot's height, for how firmly what is upright holds the tilt against feet: their depths are off
   // for many frames alike, which counts as if one was off by more.
   double height_deviation_mm = 90;

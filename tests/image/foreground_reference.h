@@ -173,21 +173,20 @@ inline void trim_border(cv::Mat& mask, const std::vector<uint8_t>& contrast, flo
   }
 }
 
-// `mask` without what may be a dark shadow where the network sees nobody.
-inline cv::Mat without_doubt(const cv::Mat& network, const cv::Mat& gate, const cv::Rect& box,
-                             const std::vector<uint8_t>& difference, const std::vector<uint8_t>& dark,
-                             const cv::Mat& mask) {
-  cv::Mat sure = mask.clone();
-  std::vector<uint8_t> gate_row(mask.cols);
-  for (int y = 0; y < mask.rows; ++y) {
+// 255 where the network sees nobody and what differs may be a dark shadow.
+inline cv::Mat doubt(const cv::Mat& network, const cv::Mat& gate, const cv::Rect& box,
+                     const std::vector<uint8_t>& difference, const std::vector<uint8_t>& dark) {
+  cv::Mat in_doubt = cv::Mat::zeros(box.size(), CV_8UC1);
+  std::vector<uint8_t> gate_row(box.width);
+  for (int y = 0; y < box.height; ++y) {
     spread(gate, box, box.y + y, gate_row);
-    for (int x = 0; x < mask.cols; ++x) {
-      const size_t p = size_t(y) * mask.cols + x;
+    for (int x = 0; x < box.width; ++x) {
+      const size_t p = size_t(y) * box.width + x;
       const bool differs = difference[p] >= kHalf && gate_row[x];
-      if (differs && dark[p] < kHalf && network.at<uint8_t>(y, x) < kHalf) sure.at<uint8_t>(y, x) = 0;
+      if (differs && dark[p] < kHalf && network.at<uint8_t>(y, x) < kHalf) in_doubt.at<uint8_t>(y, x) = 255;
     }
   }
-  return sure;
+  return in_doubt;
 }
 
 struct ReferenceForeground {
@@ -251,8 +250,7 @@ inline ReferenceForeground reference_foreground(const BackgroundModel& backgroun
   clean(mask, options.min_part, options.max_hole);
   mask.copyTo(out(box));
   if (background.trained() && !probability.empty()) {
-    const cv::Mat all(box.size(), CV_8UC1, cv::Scalar(255));
-    const cv::Mat in_doubt = ~without_doubt(probability(box), gate, box, difference, distance.dark, all);
+    const cv::Mat in_doubt = doubt(probability(box), gate, box, difference, distance.dark);
     if (cv::countNonZero(in_doubt) > double(options.max_hole) * cv::countNonZero(mask)) {
       mask.setTo(0, in_doubt);
       clean(mask, options.min_part, options.max_hole);

@@ -3,6 +3,7 @@
 #include "match/blur.cl"
 #include "match/camera_picture.cl"
 #include "match/light.cl"
+#include "match/match_anew.cl"
 #include "match/match_behind.cl"
 #include "match/normalise.cl"
 #include "match/patch_match.cl"

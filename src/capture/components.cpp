@@ -28,8 +28,8 @@ const std::vector<std::string>& component_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> list;
     for (const Term& term : term_table()) list.emplace_back(term.name);
-    for (const char* name : {"face", "warping", "part_mask", "snapping", "cloth", "cloth_behind", "confidence",
-                             kMaskGating.data(), kFixedLag.data(), kUpright.data(), "pose_solver"})
+    for (const char* name : {"face", "warping", "part_mask", "snapping", "cloth", "cloth_behind", "cloth_anew",
+                             "confidence", kMaskGating.data(), kFixedLag.data(), kUpright.data(), "pose_solver"})
       list.emplace_back(name);
     return list;
   }();
@@ -64,6 +64,8 @@ void switch_off(const std::string& name, TrackerOptions& options) {
     options.simulate_cloth = false;
   } else if (name == "cloth_behind") {
     options.behind_share = 0;
+  } else if (name == "cloth_anew") {
+    options.anew_share = 0;
   } else if (name == "confidence") {
     options.ignore_confidence = true;
   } else if (name == "pose_solver") {

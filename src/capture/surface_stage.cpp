@@ -42,11 +42,11 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
   }
   if (options.enable_surface && options.simulate_cloth) cloth_.emplace(device, actor, options.cloth, looseness_);
   std::vector<float> share(actor.n_vertices());
-  const float hanging_share = std::lerp(options.carried_share, options.loose_carried_share, looseness_);
+  const float hanging_share = std::lerp(options.taut_carried_share, options.loose_carried_share, looseness_);
   for (int i = 0; i < actor.n_vertices(); ++i)
     share[i] = actor.rigidity[i] > options.max_carried_rigidity ? 0.0f
                : hangs(actor, i)                                ? hanging_share
-                                                                : options.carried_share;
+                                                                : options.worn_carried_share;
   carried_share_ = ocl::Buffer<float>(device, share);
   if (!options.enable_surface || options.surface.w_match <= 0 || options.cloth_match_levels.empty()) return;
   std::vector<float> hanging(actor.n_vertices());
@@ -59,6 +59,8 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
   } else if (options.behind_share > 0) {
     cloth_behind_.emplace(device, camera, options.behind_share);
   }
+  if (cloth_matcher_ && options.anew_share > 0 && options.warp_displacements)
+    cloth_anew_.emplace(device, actor.n_vertices(), options.anew_share);
 }
 
 void SurfaceStage::reset() {
@@ -91,13 +93,21 @@ SurfaceInput SurfaceStage::seen_from(const ocl::Buffer<float>& vertices, const D
 }
 
 // From the skinned template with the displacement on it to the vertices. What hangs is matched with the picture at each
-// level in turn: at the first from the start, for the first steps, at each further one from where the steps before left
-// it, for one step.
+// level in turn: at the first from the start, and from the template alone, for the first steps, at each further one
+// from where the steps before left it, for one step.
 void SurfaceStage::launch(const DeviceFrame& picture, const PixelBox& person) {
   const std::vector<int>& levels = options_.cloth_match_levels;
   const std::span<const int> steps = options_.surface.gaussian_kernels;
   if (cloth_matcher_) cloth_matcher_->set_picture(picture, person, *std::min_element(levels.begin(), levels.end()));
   const size_t n_looks = cloth_matcher_ ? levels.size() : 1;
+  const bool anew = cloth_anew_ && n_history_ > 0;  // else nothing was carried on
+  if (anew) {
+    skinner_.normals(skinned_, normals_);
+    rasterizer_.render(skinned_, camera_);
+    visibility_.find_visible(skinned_, normals_, rasterizer_);
+    cloth_matcher_->match(rasterizer_, skinned_, normals_, visibility_.visible(), hangs_, levels[0]);
+    cloth_anew_->keep(cloth_matcher_->matches());
+  }
   for (size_t look = 0, done = 0; look < n_looks; ++look) {
     const bool last = look + 1 == n_looks;
     const ocl::Buffer<float>& from = look == 0 ? start_ : vertices_;
@@ -106,6 +116,7 @@ void SurfaceStage::launch(const DeviceFrame& picture, const PixelBox& person) {
     if (look == 0 && options_.part_mask) part_mask_.update(rasterizer_);
     if (cloth_matcher_) {
       cloth_matcher_->match(rasterizer_, from, normals_, visibility_.visible(), hangs_, levels[look]);
+      if (look == 0 && anew) cloth_anew_->choose(cloth_matcher_->matches());
       if (cloth_behind_)
         cloth_behind_->match(rasterizer_, start_, hangs_, visibility_.visible(), cloth_matcher_->matches());
       input.matches = &cloth_matcher_->matches();

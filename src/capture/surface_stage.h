@@ -12,6 +12,7 @@
 #include "image/device_frame.h"
 #include "image/person_gate.h"
 #include "livecap/camera.h"
+#include "match/cloth_anew.h"
 #include "match/cloth_behind.h"
 #include "match/texture_matcher.h"
 #include "raster/depth.h"
@@ -67,6 +68,7 @@ class SurfaceStage {
   Snapper snapper_;
   std::optional<TextureMatcher> cloth_matcher_;  // where something hangs that has a texture
   std::optional<ClothBehind> cloth_behind_;      // likewise, with a share of more than 0
+  std::optional<ClothAnew> cloth_anew_;          // likewise, where displacements are carried on
 
   ocl::Buffer<float> displacement_rest_;         // d-hat, rest frame; zero before the first surface
   ocl::Buffer<float> before_displacement_rest_;  // the same of the frame before

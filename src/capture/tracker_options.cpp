@@ -87,9 +87,11 @@ void TrackerOptions::validate() const {
   starts.validate();
   actor_light.validate();
   not_negative("max_carried_rigidity", max_carried_rigidity);
-  share("carried_share", carried_share);
+  share("worn_carried_share", worn_carried_share);
+  share("taut_carried_share", taut_carried_share);
   share("loose_carried_share", loose_carried_share);
   share("behind_share", behind_share);
+  share("anew_share", anew_share);
   require_levels("cloth_match_levels", cloth_match_levels);
   if (cloth_match_levels.size() > surface.gaussian_kernels.size())
     throw ConfigError(format("tracker option cloth_match_levels has %zu levels; surface.gaussian_kernels has %zu",

@@ -144,11 +144,13 @@ struct TrackerOptions {
   bool snapping = true;
   bool warp_displacements = true;  // carry the non-rigid displacement to the next frame
   // Only cloth, material of at most this rigidity, keeps its displacement: what skin, hair and shoes seem to be
-  // displaced by is an error of the pose, and carried on it would hold the pose there. A tenth is forgotten per frame
-  // (the paper: nothing); that helped one of three sequences with ground truth and left the others as they were.
+  // displaced by is an error of the pose, and carried on it would stay when the pose is right again.
   float max_carried_rigidity = 3;
-  float carried_share = 0.9f;
-  // The same of what hangs in folds, which open and close (HangingClothOptions::taut, loose).
+  // Of cloth that lies on the body so much is kept per frame: in good part it is the pose's error as well.
+  float worn_carried_share = 0.5f;
+  // The same of what hangs and is taut, and of what hangs in folds, which open and close (HangingClothOptions::taut,
+  // loose).
+  float taut_carried_share = 0.9f;
   float loose_carried_share = 0.6f;
   // In stage II what hangs of an actor with a texture is matched with the picture at these resolutions (half of it per
   // level): at the first from where it begins, for the first steps, at each further one from where the step before
@@ -157,6 +159,9 @@ struct TrackerOptions {
   // Where cloth is matched, what the camera does not see of it is drawn to where it would be, had it moved as what it
   // sees of it there: so much of a match's weight, 0 = not.
   float behind_share = 0.005f;
+  // Cloth is also matched from where its simulation alone has it; such matches count, where they are better, when their
+  // weights sum to this share of those from where last frame's displacement has it. 0: they never count.
+  float anew_share = 0.9f;
 
   // A pose whose mean keypoint error exceeds this fraction of the person's height in the picture is not believed: the
   // frame is solved again from the detections alone, and lost when that does not help.

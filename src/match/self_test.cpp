@@ -6,6 +6,7 @@
 #include "actor/labels.h"
 #include "base/text.h"
 #include "match/actor_sight.h"
+#include "match/cloth_anew.h"
 #include "match/cloth_behind.h"
 #include "match/skin_shading.h"
 #include "match/texture_matcher.h"
@@ -154,6 +155,36 @@ ocl::SelfTestResult behind_result(ocl::DeviceContext& device, const Actor& actor
                       match[LC_MATCH_CORRELATION], none[LC_MATCH_WEIGHT_PX])};
 }
 
+// Every third match is better anew, every fifth is missing otherwise and every seventh anew; together those anew weigh
+// a little less than the others.
+ocl::SelfTestResult anew_result(ocl::DeviceContext& device) {
+  constexpr int kMatches = 1000;
+  std::vector<float> before(size_t(LC_MATCH) * kMatches, 0.0f), anew = before, expected;
+  double weight = 0, weight_anew = 0;
+  for (int i = 0; i < kMatches; ++i) {
+    float* b = &before[size_t(LC_MATCH) * i];
+    float* a = &anew[size_t(LC_MATCH) * i];
+    b[0] = float(i), a[0] = -float(i);
+    b[LC_MATCH_CORRELATION] = 0.8f, a[LC_MATCH_CORRELATION] = i % 3 == 0 ? 0.9f : 0.7f;
+    b[LC_MATCH_WEIGHT_PX] = i % 5 == 0 ? 0.0f : 2.0f, a[LC_MATCH_WEIGHT_PX] = i % 7 == 0 ? 0.0f : 1.5f;
+    weight += b[LC_MATCH_WEIGHT_PX], weight_anew += a[LC_MATCH_WEIGHT_PX];
+  }
+  expected = before;
+  for (int i = 0; i < kMatches; ++i)
+    if ((i % 3 == 0 || i % 5 == 0) && i % 7 != 0)
+      std::copy_n(&anew[size_t(LC_MATCH) * i], LC_MATCH, &expected[size_t(LC_MATCH) * i]);
+  const double share = weight_anew / weight;
+  const auto chosen = [&](double least_share) {
+    ocl::Buffer<float> matches(device, before);
+    ClothAnew choice(device, kMatches, float(least_share));
+    choice.keep(ocl::Buffer<float>(device, anew));
+    choice.choose(matches);
+    return matches.read_all();
+  };
+  const bool ok = chosen(0.99 * share) == expected && chosen(1.01 * share) == before;
+  return {"match/match_anew.cl match_anew", ok, ok ? "" : "other matches were chosen"};
+}
+
 // All in one launch, where the device does so: the square hangs on one bone that has not moved.
 std::vector<ocl::SelfTestResult> sight_results(ocl::DeviceContext& device, Actor actor, const Camera& camera,
                                                const DeviceFrame& frame, const PixelBox& box,
@@ -250,6 +281,7 @@ std::vector<ocl::SelfTestResult> match_self_test(ocl::DeviceContext& device) {
     if (program == kClothMatchProgram)
       results.push_back(behind_result(device, actor, camera, raster, normals, matcher, share));
   }
+  results.push_back(anew_result(device));
   results.push_back(skin_result(device, actor, camera, raster, positions, normals, visible));
   for (ocl::SelfTestResult& result : sight_results(device, actor, camera, frame, silhouette.box, share))
     results.push_back(std::move(result));

@@ -24,6 +24,7 @@ namespace {
 constexpr double kFrame = 1 / 30.0;
 constexpr float kAsideMm = 60;
 constexpr float kPoseBesideMm = 20;
+constexpr float kAstrayMm = 100;
 constexpr float kDistanceMm = 3200;  // of test::standing_pose; the front of the skirt is nearer
 
 // loose: as if all of the skirt lay in folds.
@@ -226,6 +227,7 @@ TEST(SurfaceStage, WhatHangsIsMatchedAtEachLevel) {
   test::on_every_device([](ocl::DeviceContext& device) {
     const auto away_mm = [&](std::vector<int> levels) {
       TrackerOptions options = stage_options(false, false);
+      options.anew_share = 0;
       options.cloth_match_levels = std::move(levels);
       return beside_mm(device, options, false).abs().mean();
     };
@@ -263,19 +265,58 @@ TEST(SurfaceStage, WhatHangsBehindMovesAsThatBeforeIt) {
 }
 
 // In the second frame, of what was found in the first.
-TEST(SurfaceStage, TautAndLooseGarmentsKeepTheirDisplacementsEachInItsWay) {
+TEST(SurfaceStage, WornTautAndLooseClothesKeepTheirDisplacementsEachInItsWay) {
   test::on_every_device([](ocl::DeviceContext& device) {
-    const auto found = [&](bool loose, float share, float loose_share) {
+    const auto found = [&](bool loose, float worn, float taut_share, float loose_share) {
       TrackerOptions options = stage_options(false, loose);
-      options.carried_share = share;
+      options.worn_carried_share = worn;
+      options.taut_carried_share = taut_share;
       options.loose_carried_share = loose_share;
       Scene scene(device, options);
       scene.found_from(kAsideMm / 4);
       return scene.found_from(kAsideMm / 4);
     };
-    EXPECT_NE(found(false, 0.1f, 0.5f), found(false, 0.9f, 0.5f));
-    EXPECT_EQ(found(false, 0.5f, 0.1f), found(false, 0.5f, 0.9f));
-    EXPECT_NE(found(true, 0.5f, 0.1f), found(true, 0.5f, 0.9f));
+    EXPECT_NE(found(false, 0.5f, 0.1f, 0.5f), found(false, 0.5f, 0.9f, 0.5f));
+    EXPECT_EQ(found(false, 0.5f, 0.5f, 0.1f), found(false, 0.5f, 0.5f, 0.9f));
+    EXPECT_NE(found(true, 0.5f, 0.5f, 0.1f), found(true, 0.5f, 0.5f, 0.9f));
+
+    // What lies on the body: the less is kept, the nearer it is to where the pose alone has it.
+    const Actor& actor = test::builtin_actor("skirt");
+    const std::vector<float> posed = Scene(device, false).at(kAsideMm / 4, 0);
+    const auto away_mm = [&](float worn) {
+      const std::vector<float> got = found(false, worn, 0.5f, 0.5f);
+      double sum = 0;
+      int n = 0;
+      for (int i = 0; i < actor.n_vertices(); ++i) {
+        if (hangs(actor, i) || actor.rigidity[i] > TrackerOptions{}.max_carried_rigidity) continue;
+        for (int a = 0; a < 3; ++a) sum += std::abs(got[3 * i + a] - posed[3 * i + a]);
+        ++n;
+      }
+      return sum / n;
+    };
+    EXPECT_LT(away_mm(0.1f), 0.9 * away_mm(0.9f));
+  });
+}
+
+// A start far beside leaves cloth at other stripes, and what it carries on holds it there, unless it is matched from
+// its simulation as well.
+TEST(SurfaceStage, ClothThatWentAstrayComesBack) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const Actor& actor = test::builtin_actor("skirt");
+    const auto astray_mm = [&](float anew_share) {
+      TrackerOptions options = stage_options(false, false);
+      options.anew_share = anew_share;
+      const std::vector<float> truth = Scene(device, options).found_from(0);
+      Scene scene(device, options);
+      for (float beside : {kAstrayMm, 0.0f, 0.0f}) scene.found_from(beside);
+      const std::vector<float> found = scene.found_from(0);
+      double sum = 0;
+      int n = 0;
+      for (int i = 0; i < actor.n_vertices(); ++i)
+        if (hangs(actor, i) && truth[3 * i + 2] < kDistanceMm) sum += std::abs(found[3 * i] - truth[3 * i]), ++n;
+      return sum / n;
+    };
+    EXPECT_LT(astray_mm(0.9f), 0.75 * astray_mm(0));
   });
 }
 

@@ -101,9 +101,11 @@ std::vector<Field> fields() {
       length(LC_FIELD(starts.mirrored_misfit)),
       count(LC_FIELD(starts.max_exchanged_frames)),
       length(LC_FIELD(max_carried_rigidity)),
-      share(LC_FIELD(carried_share)),
+      share(LC_FIELD(worn_carried_share)),
+      share(LC_FIELD(taut_carried_share)),
       share(LC_FIELD(loose_carried_share)),
       share(LC_FIELD(behind_share)),
+      share(LC_FIELD(anew_share)),
       length(LC_FIELD(lost_error_fraction)),
       count(LC_FIELD(max_doubtful_frames)),
       count(LC_FIELD(max_missed_frames)),
@@ -148,7 +150,7 @@ TEST(TrackerOptions, WhoTakesThemChecksThem) {
     DepthRasterizer rasterizer(device, actor.mesh, camera.width, camera.height);
     SurfaceVisibility visibility(device, actor.mesh, {});
     TrackerOptions options;
-    options.carried_share = 2;
+    options.taut_carried_share = 2;
     EXPECT_THROW(Tracker(device, actor, camera, options), ConfigError);
     EXPECT_THROW(PoseStage(device, actor, camera, options, rasterizer, visibility), ConfigError);
     EXPECT_THROW(SurfaceStage(device, actor, camera, options, rasterizer, visibility), ConfigError);

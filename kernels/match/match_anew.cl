@@ -3,8 +3,9 @@
 // picture about as well, although no earlier frame has fitted it, each match counts that is the better one.
 #include "match/layout.h"
 
-// anew, matches [LC_MATCH*n], as match_patches left them. The weights of those anew must sum to `share` of the others'.
-// sums: one for each work-item. In one work-group, of a power of two.
+// anew, matches [LC_MATCH*n], as match_patches left them; a vertex may be seen from one start and hidden from the
+// other. The weights of those anew must sum to at least `share` of the others'. sums: one for each work-item. In one
+// work-group, of a power of two.
 kernel void match_anew(int n, float share, global const float* restrict anew, global float* restrict matches,
                        local float2* sums) {
   const int me = get_local_id(0), size = get_local_size(0);

@@ -11,16 +11,17 @@ static inline Vec2 pixel_of(global const float* restrict points, int i, Pinhole 
 }
 
 // hangs [n] 1 or 0; visible [n]; ids [width*height], triangles [3*n_triangles], projected [4*n]: of the rasteriser, of
-// where the vertices are now; start [3*n] mm, camera frame: where they began. matches [LC_MATCH*n]: of visible vertices
-// as match_patches left them; those of others are set, with `share` for correlation, where the triangle at their pixel
-// hangs and is seen (at a rim it may be one of their own). For match_system alone: their SEEN_PX stays 0.
-// Over the vertices.
+// where the vertices are now; start [3*n] mm, camera frame: where they began. matches [LC_MATCH*n]: as match_patches
+// and match_anew left them; those of vertices that are neither visible nor matched are set, with `share` for
+// correlation, where the triangle at their pixel hangs and is seen (at a rim it may be one of their own). For
+// match_system alone: their SEEN_PX stays 0. Over the vertices.
 kernel void match_behind(int n, int width, int height, float share, Pinhole cam, global const float* restrict hangs,
                          global const int* restrict visible, global const int* restrict ids,
                          global const int* restrict triangles, global const float* restrict projected,
                          global const float* restrict start, global float* restrict matches) {
   const int i = get_global_id(0);
   if (i >= n || visible[i] || !(hangs[i] > 0.0f) || !(projected[4 * i + 2] > 0.0f)) return;
+  if (matches[LC_MATCH * i + LC_MATCH_WEIGHT_PX] > 0.0f) return;  // seen from another start
   if (!(start[3 * i + 2] > LC_MIN_DEPTH_MM)) return;
   const int x = (int)rint(projected[4 * i]), y = (int)rint(projected[4 * i + 1]);
   if (x < 0 || y < 0 || x >= width || y >= height) return;

@@ -146,8 +146,9 @@ struct TrackerOptions {
   // Only cloth, material of at most this rigidity, keeps its displacement: what skin, hair and shoes seem to be
   // displaced by is an error of the pose, and carried on it would stay when the pose is right again.
   float max_carried_rigidity = 3;
-  // Of cloth that lies on the body so much is kept per frame: in good part it is the pose's error as well.
-  float worn_carried_share = 0.5f;
+  // Of cloth that lies on the body so much is kept per frame: in part it is the pose's error as well, in part what the
+  // actor's shape lacks.
+  float worn_carried_share = 0.7f;
   // The same of what hangs and is taut, and of what hangs in folds, which open and close (HangingClothOptions::taut,
   // loose).
   float taut_carried_share = 0.9f;

@@ -15,7 +15,7 @@ class ClothAnew {
   // matches [LC_MATCH*n_vertices] of a TextureMatcher, found from the simulation alone: kept for choose().
   void keep(const ocl::Buffer<float>& matches);
   // matches: found from where the last displacement has the cloth; those that were kept take their places where they
-  // are better. Enqueued, as keep(). Throws LogicError for a buffer of another size.
+  // are better. Both are enqueued, and throw LogicError for a buffer of another size.
   void choose(ocl::Buffer<float>& matches);
 
  private:

@@ -157,31 +157,35 @@ ocl::SelfTestResult behind_result(ocl::DeviceContext& device, const Actor& actor
 
 // Every third match is better anew, every fifth is missing otherwise and every seventh anew; together those anew weigh
 // a little less than the others.
-ocl::SelfTestResult anew_result(ocl::DeviceContext& device) {
-  constexpr int kMatches = 1000;
-  std::vector<float> before(size_t(LC_MATCH) * kMatches, 0.0f), anew = before, expected;
+bool chooses_anew(ocl::DeviceContext& device, int n_matches) {
+  std::vector<float> before(size_t(LC_MATCH) * n_matches, 0.0f), anew = before, expected;
   double weight = 0, weight_anew = 0;
-  for (int i = 0; i < kMatches; ++i) {
+  for (int i = 0; i < n_matches; ++i) {
     float* b = &before[size_t(LC_MATCH) * i];
     float* a = &anew[size_t(LC_MATCH) * i];
     b[0] = float(i), a[0] = -float(i);
+    b[LC_MATCH_SEEN_PX] = 3, a[LC_MATCH_SEEN_PX] = 4;
     b[LC_MATCH_CORRELATION] = 0.8f, a[LC_MATCH_CORRELATION] = i % 3 == 0 ? 0.9f : 0.7f;
     b[LC_MATCH_WEIGHT_PX] = i % 5 == 0 ? 0.0f : 2.0f, a[LC_MATCH_WEIGHT_PX] = i % 7 == 0 ? 0.0f : 1.5f;
     weight += b[LC_MATCH_WEIGHT_PX], weight_anew += a[LC_MATCH_WEIGHT_PX];
   }
   expected = before;
-  for (int i = 0; i < kMatches; ++i)
+  for (int i = 0; i < n_matches; ++i)
     if ((i % 3 == 0 || i % 5 == 0) && i % 7 != 0)
       std::copy_n(&anew[size_t(LC_MATCH) * i], LC_MATCH, &expected[size_t(LC_MATCH) * i]);
   const double share = weight_anew / weight;
   const auto chosen = [&](double least_share) {
     ocl::Buffer<float> matches(device, before);
-    ClothAnew choice(device, kMatches, float(least_share));
+    ClothAnew choice(device, n_matches, float(least_share));
     choice.keep(ocl::Buffer<float>(device, anew));
     choice.choose(matches);
     return matches.read_all();
   };
-  const bool ok = chosen(0.99 * share) == expected && chosen(1.01 * share) == before;
+  return chosen(0.99 * share) == expected && chosen(1.01 * share) == before;
+}
+
+ocl::SelfTestResult anew_result(ocl::DeviceContext& device) {
+  const bool ok = chooses_anew(device, 1000) && chooses_anew(device, 5);
   return {"match/match_anew.cl match_anew", ok, ok ? "" : "other matches were chosen"};
 }
 

@@ -317,6 +317,16 @@ TEST(SurfaceStage, ClothThatWentAstrayComesBack) {
       return sum / n;
     };
     EXPECT_LT(astray_mm(0.9f), 0.75 * astray_mm(0));
+
+    // Who is first seen carries nothing on.
+    TrackerOptions once = stage_options(true, false), twice = once;
+    once.anew_share = 0;
+    Scene one(device, once), two(device, twice);
+    for (int k = 0; k < 2; ++k) {
+      EXPECT_EQ(one.found_from(kPoseBesideMm), two.found_from(kPoseBesideMm));
+      EXPECT_NE(one.found_from(0), two.found_from(0));
+      one.reset(), two.reset();
+    }
   });
 }
 

@@ -124,7 +124,7 @@ ocl::SelfTestResult light_result(const std::string& name, const DeviceFrame& fra
 }
 
 // The vertex in the middle is not seen and began 10 mm to the right of its place, the others 6 mm to the left of
-// theirs: it goes as far as they went. Where they do not hang it has no match.
+// theirs: it goes as far as they went. Where they do not hang it has no match, and one that it has is kept.
 ocl::SelfTestResult behind_result(ocl::DeviceContext& device, const Actor& actor, const Camera& camera,
                                   const DepthRasterizer& raster, const ocl::Buffer<float>& normals,
                                   TextureMatcher& matcher, const ocl::Buffer<float>& hangs) {
@@ -144,11 +144,19 @@ ocl::SelfTestResult behind_result(ocl::DeviceContext& device, const Actor& actor
     const std::vector<float> all = matcher.matches().read_all();
     return std::vector<float>(&all[LC_MATCH * size_t(middle)], &all[LC_MATCH * size_t(middle) + LC_MATCH]);
   };
+  const auto keeps_a_match = [&] {
+    std::vector<float> all = matcher.matches().read_all();
+    all[LC_MATCH * size_t(middle) + LC_MATCH_WEIGHT_PX] = 1;
+    matcher.matches().write(all);
+    behind.match(raster, began, hangs, visible, matcher.matches());
+    return matcher.matches().read_all() == all;
+  };
   const float* place = &start[3 * size_t(middle)];
   const std::vector<float> match = found(hangs), none = found(ocl::Buffer<float>(device, alone));
   const double du = match[0] - (camera.fx * (place[0] - kOthersBeganMm) / kDepth + camera.cx + kMovedX);
   const double dv = match[1] - (camera.fy * place[1] / kDepth + camera.cy + kMovedY);
-  const bool ok = std::hypot(du, dv) <= 0.3 && match[LC_MATCH_CORRELATION] == kShare && none[LC_MATCH_WEIGHT_PX] == 0;
+  const bool ok = std::hypot(du, dv) <= 0.3 && match[LC_MATCH_CORRELATION] == kShare && none[LC_MATCH_WEIGHT_PX] == 0 &&
+                  keeps_a_match();
   return {"match/match_behind.cl match_behind", ok,
           ok ? ""
              : format("(%g, %g) px off, counts %g, and %g where nothing else hangs", du, dv,

@@ -19,6 +19,7 @@ typedef struct {
   float seconds, inverse_seconds;
   float per_second;                 // 1 / seconds of a whole frame
   float spring;                     // 1/s: the pull to the skinned place, times seconds
+  float spring_reach;               // mm: from farther away it pulls as from there
   float damped;                     // share of the velocity relative to the skinned place that is lost
   float air;                        // share of the velocity that air leaves
   float falls_x, falls_y, falls_z;  // mm/s: gravity, times seconds

@@ -83,7 +83,10 @@ static inline void ahead_row(int row, int stride, ClothStep step, float t, globa
   const Vec3 goal = add3(was, scale3(moves, t)), at = load3(x, row, stride), old = load3(v, row, stride);
   const Vec3 carried = scale3(moves, step.per_second);
   Vec3 velocity = add3(old, scale3(sub3(carried, old), step.damped));
-  velocity = add3(scale3(velocity, step.air), scale3(sub3(goal, at), step.spring));
+  const Vec3 stretched = sub3(goal, at);
+  const REAL reached = step.spring_reach / (norm3(stretched) + LC_CLOTH_TINY);
+  const REAL spring = step.spring * (reached < 1.0f ? reached : 1.0f);
+  velocity = add3(scale3(velocity, step.air), scale3(stretched, spring));
   velocity = add3(velocity, vec3(step.falls_x, step.falls_y, step.falls_z));
   Vec3 next = add3(at, scale3(velocity, step.seconds));
   const REAL free = LOAD(is_free, row);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "capture/pose_shares.h"
+#include "cloth/cloth_graph.h"
 
 namespace livecap {
 namespace {
@@ -17,6 +18,13 @@ constexpr double kShortestFrame = 1 / 240.0;
 // After a longer gap cloth begins anew: nothing is known of how the body moved.
 constexpr double kLongestFrame = 0.1;
 constexpr double kUnknownFrame = 1 / 30.0;  // where time does not rise
+
+// Where cloth is simulated, linings move as the cloth that they lie on.
+SkinWeights skinning(const Actor& actor, const TrackerOptions& options, const HangingCloth& hanging, float looseness) {
+  if (!options.enable_surface || !options.simulate_cloth) return hanging.weights();
+  const float held = options.cloth.fabric(looseness).max_held_leg_weight;
+  return with_followers(actor, make_cloth_graph(actor, held), hanging.weights(), looseness);
+}
 
 }  // namespace
 
@@ -28,7 +36,7 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
       options_((options.validate(), options)),
       looseness_(livecap::looseness(actor, options.hanging)),
       hanging_(actor, options.hanging),
-      skinner_(device, actor, hanging_.weights(), actor.skeleton.n_bones() + 1),
+      skinner_(device, actor, skinning(actor, options, hanging_, looseness_), actor.skeleton.n_bones() + 1),
       template_skinner_(device, actor),
       rasterizer_(rasterizer),
       visibility_(visibility),

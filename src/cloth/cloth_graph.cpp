@@ -18,6 +18,7 @@ namespace {
 using Edge = std::pair<int, int>;
 
 constexpr int kFollowed = 4;
+constexpr int kSweeps = 400;         // Gauss-Seidel; a lid of twenty rings is right within a hundredth then
 constexpr float kDownwards = -0.6f;  // the vertical part of a normal; linings and lids lie below it
 
 Eigen::Vector3f vertex(const std::vector<float>& positions, int i) {
@@ -120,6 +121,24 @@ void add_follower(const Actor& actor, int i, const NearestParticles& nearest, Cl
   }
 }
 
+std::vector<float> shares_of_followers(const Actor& actor, const ClothGraph& graph) {
+  std::vector<float> shares(actor.n_vertices(), 0.0f);
+  for (const std::vector<int32_t>* cloth : {&graph.vertices, &graph.followers})
+    for (const int i : *cloth) shares[i] = 1;
+  const OneRing ring = one_ring(actor.n_vertices(), actor.mesh.triangles);
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (const int i : graph.followers) {
+      const int begin = ring.offsets[i], n = ring.offsets[i + 1] - begin;
+      float sum = 0;
+      for (int k = begin; k < begin + n; ++k) sum += shares[ring.neighbors[k]];
+      if (n > 0) shares[i] = sum / float(n);
+    }
+  }
+  std::vector<float> of_followers;
+  for (const int i : graph.followers) of_followers.push_back(shares[i]);
+  return of_followers;
+}
+
 // [n_vertices] 1 for hanging cloth (cloth/hanging_cloth.h) whose normals in the rest pose point away from the line
 // through the middle of the hips and not downwards: what is seen from outside. None for a skeleton without hips.
 std::vector<char> outer_cloth(const Actor& actor) {
@@ -170,7 +189,36 @@ ClothGraph make_cloth_graph(const Actor& actor, float max_held_leg_weight) {
   const NearestParticles nearest(actor, graph);
   for (int i = 0; i < actor.n_vertices(); ++i)
     if (hangs(actor, i) && particle[i] < 0) add_follower(actor, i, nearest, graph);
+  graph.follower_shares = shares_of_followers(actor, graph);
   return graph;
+}
+
+SkinWeights with_followers(const Actor& actor, const ClothGraph& graph, const SkinWeights& carried, float looseness) {
+  SkinWeights weights = carried;
+  for (size_t f = 0; f < graph.followers.size(); ++f) {
+    std::map<int, float> of_bones;
+    const auto add = [&](const SkinWeights& from, int i, float times) {
+      for (int k = kMaxInfluences * i; k < kMaxInfluences * (i + 1); ++k)
+        of_bones[from.bones[k]] += times * from.weights[k];
+    };
+    const float share = graph.follower_shares[f];
+    for (size_t k = kFollowed * f; k < kFollowed * (f + 1); ++k)
+      add(carried, graph.vertices[graph.followed[k]], (1 - looseness) * share * graph.followed_weights[k]);
+    add(actor.skin, graph.followers[f], (1 - looseness) * (1 - share));
+    add(carried, graph.followers[f], looseness);
+    std::vector<std::pair<float, int>> heaviest;
+    for (const auto& [bone, weight] : of_bones) heaviest.emplace_back(weight, bone);
+    std::stable_sort(heaviest.begin(), heaviest.end(), [](auto& a, auto& b) { return a.first > b.first; });
+    heaviest.resize(kMaxInfluences);
+    float sum = 0;
+    for (const auto& [weight, bone] : heaviest) sum += weight;
+    for (int k = 0; k < kMaxInfluences; ++k) {
+      const int to = kMaxInfluences * graph.followers[f] + k;
+      weights.weights[to] = heaviest[k].first / sum;
+      weights.bones[to] = heaviest[k].second;
+    }
+  }
+  return weights;
 }
 
 }  // namespace livecap

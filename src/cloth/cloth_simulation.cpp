@@ -18,7 +18,7 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
-static_assert(sizeof(ClothStep) == 36, "as the kernel has it");
+static_assert(sizeof(ClothStep) == 40, "as the kernel has it");
 
 constexpr const char *kProgram = "cloth/cloth.cl", *kKernel = "simulate_cloth";
 constexpr double kSettlingFrame = 1 / 30.0;  // s
@@ -52,12 +52,6 @@ std::vector<Limb> limbs_of(const PosedSkeleton& posed, const std::array<std::arr
   return limbs;
 }
 
-ClothOptions::Fabric blend(const ClothOptions& options, float looseness) {
-  const ClothOptions::Fabric &taut = options.taut, &loose = options.loose;
-  return {std::lerp(taut.stiffness, loose.stiffness, looseness), std::lerp(taut.damping, loose.damping, looseness),
-          int(std::lround(std::lerp(float(taut.steps), float(loose.steps), looseness)))};
-}
-
 // Semi-implicit Euler.
 bool is_stable(const ClothOptions::Fabric& fabric) {
   const double small = kLongestStep / fabric.steps;
@@ -74,15 +68,16 @@ void ClothOptions::validate() const {
   const auto rate = [&](float value, const char* field) {
     require(value >= 0 && std::isfinite(value), field, value, "at least 0");
   };
-  require(max_held_leg_weight >= 0 && max_held_leg_weight < 1, "max_held_leg_weight", max_held_leg_weight,
-          "at least 0 and below 1");
   for (const Fabric& fabric : {taut, loose}) {
     require(fabric.steps >= 1, "steps", fabric.steps, "at least 1");
     rate(fabric.stiffness, "stiffness");
     rate(fabric.damping, "damping");
+    require(fabric.max_held_leg_weight >= 0 && fabric.max_held_leg_weight < 1, "max_held_leg_weight",
+            fabric.max_held_leg_weight, "at least 0 and below 1");
     require(is_stable(fabric), "stiffness", fabric.stiffness, "less, or there must be more steps");
   }
   rate(gravity, "gravity");
+  require(spring_reach > 0 && std::isfinite(spring_reach), "spring_reach", spring_reach, "above 0 and finite");
   rate(air_drag, "air_drag");
   rate(bending_share, "bending_share");
   require(relaxation > 0 && relaxation < 2, "relaxation", relaxation, "above 0 and below 2");
@@ -91,11 +86,17 @@ void ClothOptions::validate() const {
     require(radius >= 0 && radius < 1, "a limb's radius", radius, "at least 0 and below 1");
 }
 
+ClothOptions::Fabric ClothOptions::fabric(float looseness) const {
+  return {std::lerp(taut.stiffness, loose.stiffness, looseness), std::lerp(taut.damping, loose.damping, looseness),
+          int(std::lround(std::lerp(float(taut.steps), float(loose.steps), looseness))),
+          std::lerp(taut.max_held_leg_weight, loose.max_held_leg_weight, looseness)};
+}
+
 ClothSimulation::ClothSimulation(ocl::DeviceContext& device, const Actor& actor, const ClothOptions& options,
                                  float looseness)
-    : device_(&device), options_(options), fabric_((options.validate(), blend(options, looseness))) {
+    : device_(&device), options_(options), fabric_((options.validate(), options.fabric(looseness))) {
   if (!is_stable(fabric_)) throw ConfigError("cloth: between taut and loose it is too stiff for its steps");
-  const ClothGraph cloth = make_cloth_graph(actor, options.max_held_leg_weight);
+  const ClothGraph cloth = make_cloth_graph(actor, fabric_.max_held_leg_weight);
   const Skeleton& skeleton = actor.skeleton;
   const char* sides[] = {"left_", "right_"};
   for (int k = 0; k < 2; ++k)
@@ -111,7 +112,7 @@ ClothSimulation::ClothSimulation(ocl::DeviceContext& device, const Actor& actor,
     return;
   }
   graph_ = make_sell_graph(cloth.links);
-  set_up_links(device, actor, cloth);
+  set_up_links(device, actor, cloth, looseness);
   set_up_limbs(device, actor, cloth);
   for (ocl::Buffer<float>* planes : {&before_, &target_, &x_, &v_, &ahead_}) {
     *planes = ocl::Buffer<float>(device, size_t(planes == &ahead_ ? 6 : 3) * graph_.stride);
@@ -123,7 +124,8 @@ ClothSimulation::ClothSimulation(ocl::DeviceContext& device, const Actor& actor,
   simulate_ = {device, kProgram, kKernel};
 }
 
-void ClothSimulation::set_up_links(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth) {
+void ClothSimulation::set_up_links(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth,
+                                   float looseness) {
   const int n = cloth.n_particles();
   const auto share = [&](int at) { return cloth.across[at] ? options_.bending_share : 1.0f; };
   std::vector<double> shares(n, 0);
@@ -161,7 +163,8 @@ void ClothSimulation::set_up_links(ocl::DeviceContext& device, const Actor& acto
   }
   moved.insert(moved.end(), cloth.followers.begin(), cloth.followers.end());
   for (const int p : cloth.followed) particles.push_back(graph_.row[p]);
-  weights.insert(weights.end(), cloth.followed_weights.begin(), cloth.followed_weights.end());
+  for (size_t k = 0; k < cloth.followed_weights.size(); ++k)
+    weights.push_back(std::lerp(cloth.follower_shares[k / 4], 1.0f, looseness) * cloth.followed_weights[k]);
   n_moved_ = int(moved.size());
   vertices_ = {device, vertices};
   is_free_ = {device, is_free};
@@ -206,6 +209,7 @@ ClothStep ClothSimulation::step_of(double seconds, const Eigen::Vector3d& up) co
           float(1 / small),
           float(1 / seconds),
           float(fabric_.stiffness * small),
+          options_.spring_reach,
           float(1 - std::exp(-fabric_.damping * small)),
           float(std::exp(-options_.air_drag * small)),
           float(falls.x()),

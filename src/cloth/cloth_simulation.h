@@ -19,23 +19,29 @@
 namespace livecap {
 
 struct ClothOptions {
-  float max_held_leg_weight = 0.15f;  // vertices with less weight on the legs are fastened to the skinned surface
   struct Fabric {
     float stiffness;  // 1/s^2, acceleration by a mm from the skinned place
     float damping;    // 1/s, of the velocity relative to the skinned place
     int steps;        // a frame; without springs cloth sags by 2.5 % in 20 steps, by Jacobi, by 1.1 % in 40
+    // Vertices with less weight on the legs are fastened to the skinned surface. Taut cloth that is so far down lifts
+    // off a body that squats.
+    float max_held_leg_weight;
   };
-  Fabric taut = {200, 8, 40}, loose = {0, 4, 80};  // what is part of both lies between them
-  float gravity = 9810;                            // mm/s^2
-  float air_drag = 1;                              // 1/s, of the velocity
-  float bending_share = 0.3f;                      // of a link across an edge by one along an edge
-  float relaxation = 1.2f;                         // of a particle's mean correction by its links
-  int settling_frames = 10;                        // of a 30th of a second, in which it falls before the first
+  Fabric taut = {200, 8, 40, 0.06f}, loose = {0, 4, 80, 0.15f};
+  // mm. A spring pulls no harder than stretched by so much: where a thigh lies between cloth and its skinned place, it
+  // would pull it around the thigh.
+  float spring_reach = 15;
+  float gravity = 9810;        // mm/s^2
+  float air_drag = 1;          // 1/s, of the velocity
+  float bending_share = 0.3f;  // of a link across an edge by one along an edge
+  float relaxation = 1.2f;     // of a particle's mean correction by its links
+  int settling_frames = 10;    // of a 30th of a second, in which it falls before the first
   // Radii of hips, thighs at their upper ends, knees and ankles, by the length of a thigh: how near cloth may come. For
   // what is nearer in the rest pose no limb is thicker than that.
   std::array<float, 4> limb_radii = {0.3f, 0.3f, 0.2f, 0.2f};
 
-  void validate() const;  // throws ConfigError
+  Fabric fabric(float looseness) const;  // what is part of both lies between them
+  void validate() const;                 // throws ConfigError
 };
 
 class ClothSimulation {
@@ -64,7 +70,7 @@ class ClothSimulation {
  private:
   ClothStep step_of(double seconds, const Eigen::Vector3d& up) const;  // seconds: of a frame
   std::vector<float> limbs_at(const PosedSkeleton& posed) const;
-  void set_up_links(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth);
+  void set_up_links(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth, float looseness);
   void set_up_limbs(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth);
 
   ocl::DeviceContext* device_;

@@ -9,6 +9,7 @@
 #include "cloth/hanging_cloth.h"
 #include "cloth/scene.h"
 #include "support/builtin_actor.h"
+#include "support/tolerances.h"
 
 namespace livecap {
 namespace {
@@ -93,6 +94,43 @@ TEST(ClothGraph, ALidFollows) {
   const ClothGraph graph = make_cloth_graph(actor, kHeld);
   EXPECT_EQ(graph.n_particles(), n);
   EXPECT_EQ(int(graph.followers.size()), test::kAround);
+}
+
+// Three rings of a lid between the hem and a fourth of skin.
+TEST(ClothGraph, ALidGoesWithTheClothAtItsRimAndWithTheLegsAtTheOther) {
+  Actor actor = test::skirt_actor();
+  const int n = actor.n_vertices(), hem = n - test::kAround;
+  for (int ring = 1; ring <= 4; ++ring) {
+    for (int k = 0; k < test::kAround; ++k) {
+      const float* p = actor.mesh.positions.data() + 3 * (hem + k);
+      const float shrink = 1 - 30 * float(ring) / std::hypot(p[0], p[2]);
+      actor.mesh.positions.insert(actor.mesh.positions.end(), {p[0] * shrink, p[1] - 2 * float(ring), p[2] * shrink});
+      actor.skin.bones.insert(actor.skin.bones.end(), {1, 0, 0, 0});
+      actor.skin.weights.insert(actor.skin.weights.end(), {1, 0, 0, 0});
+      actor.rigidity.push_back(ring < 4 ? 1.0f : 200.0f);
+      const int before = ring == 1 ? hem : n + (ring - 2) * test::kAround, now = n + (ring - 1) * test::kAround;
+      const int a = before + k, b = before + (k + 1) % test::kAround, c = now + k, d = now + (k + 1) % test::kAround;
+      actor.mesh.triangles.insert(actor.mesh.triangles.end(), {a, c, b, b, c, d});
+    }
+  }
+  const ClothGraph graph = make_cloth_graph(actor, kHeld);
+  ASSERT_EQ(int(graph.followers.size()), 3 * test::kAround);
+  SkinWeights carried = actor.skin;  // cloth by bone 2, lids by bone 3
+  for (int i = 0; i < actor.n_vertices(); ++i) carried.bones[4 * i] = i < n ? 2 : 3;
+  for (int i = 0; i < n; ++i)
+    for (int k = 0; k < 4; ++k) carried.weights[4 * i + k] = k == 0 ? 1.0f : 0.0f;
+  const SkinWeights weights = with_followers(actor, graph, carried, 0.25f);
+  for (size_t f = 0; f < graph.followers.size(); ++f) {
+    const int follower = graph.followers[f], ring = (follower - n) / test::kAround + 1;
+    const double share = 1 - ring / 4.0;  // a grid: what is harmonic is linear
+    EXPECT_NEAR(graph.follower_shares[f], share, test::kMeanWeight) << ring;
+    double by_bone[4] = {};
+    for (int k = 4 * follower; k < 4 * follower + 4; ++k) by_bone[weights.bones[k]] += weights.weights[k];
+    EXPECT_NEAR(by_bone[2], 0.75 * share, test::kMeanWeight) << "the cloth's";
+    EXPECT_NEAR(by_bone[1], 0.75 * (1 - share), test::kMeanWeight) << "the actor's own";
+    EXPECT_NEAR(by_bone[3], 0.25, test::kMeanWeight) << "what it is carried by itself";
+  }
+  for (int i = 0; i < 4 * n; ++i) EXPECT_EQ(weights.weights[i], carried.weights[i]) << "cloth keeps its own";
 }
 
 TEST(ClothGraph, WhatHangsFromNothingIsNoParticle) {

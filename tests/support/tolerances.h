@@ -231,6 +231,10 @@ inline constexpr double kOtherMeshMm = 3;
 inline constexpr double kSameSurfaceMm = 0.01;
 // Weights are divided by their sum in double.
 inline constexpr double kWeightSum = 1e-12;
+// A variance from 1600 samples of neighbouring differences, which are alike in part.
+inline constexpr double kSampledVariance = 0.25;
+// Skinning weights that are means of a few floats, divided by their sum.
+inline constexpr double kMeanWeight = 1e-5;
 // Heat on a capsule with edges of 13 mm: piecewise linear over a profile that falls to 1/e in 25 mm, and influences
 // below 1 % cut.
 inline constexpr double kHeatProfile = 0.06;

@@ -33,13 +33,14 @@ static inline void store_planes(Vec3 value, global float* restrict planes, int s
 // rest_shares: how far an edge's length is drawn from the skinned template's to the rest pose's.
 // edges: sqrt(w_edge c_ij) times the unit edge, 3 per entry, 16 of each axis together. inverse: 6 planes.
 // z, p: 3 planes (p: surface/direction.h), preconditioned rhs; step: 3 planes, zero. products: rhs . z per row.
-// depth_weights: of each row, 0 where E_depth does not hold. energies: planes smooth, edge, velocity, acceleration,
-// depth.
-kernel void regularizer_system(int n_rows, int stride, float w_smooth, float w_edge, float w_velocity,
+// has_previous: 1, or 0 where there is no frame before. depth_weights: of each row, 0 where E_depth does not hold;
+// velocity_weights: of each row. energies: planes smooth, edge, velocity, acceleration, depth.
+kernel void regularizer_system(int n_rows, int stride, float w_smooth, float w_edge, float has_previous,
                                float w_acceleration, float damping, global const int* restrict slice_offsets,
                                global const int* restrict neighbors, global const float* restrict edge_weights,
                                global const float* restrict rest_lengths, global const float* restrict rest_shares,
-                               global const float* restrict depth_weights, global const float* restrict v,
+                               global const float* restrict depth_weights,
+                               global const float* restrict velocity_weights, global const float* restrict v,
                                global const float* restrict skinned, global const float* restrict previous,
                                global const float* restrict before, global float* restrict blocks,
                                global float* restrict rhs, global float* restrict edges, global float* restrict inverse,
@@ -62,6 +63,7 @@ kernel void regularizer_system(int n_rows, int stride, float w_smooth, float w_e
   // These rows have a multiple of the identity as Jacobian, so one entry of it tells all.
   VelocityRow velocity = velocity_row(v_i, previous_i);
   AccelerationRow acceleration = acceleration_row(v_i, previous_i, load_planes(before, stride, row));
+  const REAL w_velocity = has_previous * LOAD(velocity_weights, row);
   Vec3 r_velocity = vec3(velocity.r[0], velocity.r[1], velocity.r[2]);
   Vec3 r_acceleration = vec3(acceleration.r[0], acceleration.r[1], acceleration.r[2]);
   s.rhs = sub3(s.rhs, scale3(r_velocity, w_velocity * velocity.J[0][0]));

@@ -1,4 +1,4 @@
-// E_velocity = w_velocity sum_i || V_i - V_i^{t-1} ||^2      (paper, "Temporal Smoothness")
+// E_velocity = sum_i w_i || V_i - V_i^{t-1} ||^2      (paper, "Temporal Smoothness"; one w_velocity for all there)
 // r in mm. Unknown: V_i.
 #include "shared/vec.h"
 

@@ -49,6 +49,7 @@ void switch_off(const std::string& name, TrackerOptions& options) {
   if (set_weight(options.pose.weights, name, 0)) return;
   if (float* weight = surface_weight(options.surface, name)) {
     *weight = 0;
+    if (name == "velocity") options.surface.w_worn_velocity = 0;
     return;
   }
   if (name == "face") {

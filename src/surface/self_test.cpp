@@ -202,12 +202,13 @@ class Bench {
       return i && j ? std::sqrt(20000.0) : skinned + (99.0 - skinned) / share(i, j);
     }));
     const ocl::Buffer<float> depth_weights(device_, graph_.planes(Floats(3, 8.0f), 1));
+    const ocl::Buffer<float> velocity_weights(device_, graph_.planes(Floats(3, 0.25f), 1));
     ocl::Buffer<float> blocks = zero(6), rhs = zero(3), inverse = zero(6), z = zero(3), p = zero(7), step = zero(3);
     ocl::Buffer<float> products = zero(1), energies = zero(5), edges(device_, 3 * size_t(graph_.n_entries));
     kernel(kSurfaceSlicesProgram, "regularizer_system")
-        .launch(lane_items_, lane_local(), rows_, stride_, 10.0f, 30.0f, 0.25f, 0.0f, 0.5f, offsets, neighbors, weights,
-                lengths, shares, depth_weights, planes(vertices_), planes(skinned), planes(previous), planes(previous),
-                blocks, rhs, edges, inverse, z, p, step, products, energies);
+        .launch(lane_items_, lane_local(), rows_, stride_, 10.0f, 30.0f, 1.0f, 0.0f, 0.5f, offsets, neighbors, weights,
+                lengths, shares, depth_weights, velocity_weights, planes(vertices_), planes(skinned), planes(previous),
+                planes(previous), blocks, rhs, edges, inverse, z, p, step, products, energies);
     Floats found = at(rhs, 0, 3);
     for (const float x : at(blocks, 0, 6)) found.push_back(x);
     // Energies at vertex 0: half of 2 edges * 20 * 1, half of 2 * 60 * 1, 0.25 * 12, none, 8 * 1.

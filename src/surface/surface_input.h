@@ -42,7 +42,9 @@ struct SurfaceOptions {
   float w_edge = 30.0f;
   // Of what does not hang (actor.h:hangs). Nearly a constraint: from 5 on, captures hardly differ.
   float w_depth = 30.0f;
-  float w_velocity = 0.25f;
+  float w_velocity = 0.25f;  // of what hangs
+  // Of what does not: skin and worn cloth keep the displacement that they need, while the outline trembles.
+  float w_worn_velocity = 10.0f;
   // The paper: 0.1. Cloth that follows the legs trembles as they do.
   float w_acceleration = 1.0f;
   std::vector<int> gaussian_kernels = {15, 9, 3};  // odd, 1..15; one Gauss-Newton step each

@@ -52,6 +52,7 @@ void SurfaceOptions::validate() const {
   require_weight(w_edge, "w_edge");
   require_weight(w_depth, "w_depth");
   require_weight(w_velocity, "w_velocity");
+  require_weight(w_worn_velocity, "w_worn_velocity");
   require_weight(w_acceleration, "w_acceleration");
   require_weight(constant_rigidity, "constant_rigidity");
   require_weight(color_threshold, "color_threshold");
@@ -89,9 +90,13 @@ SurfaceSystem::SurfaceSystem(ocl::DeviceContext& device, const Actor& actor, con
   rest_shares_ = {device, domain_->graph.per_entry([&](int i, int j) {
                     return hangs(actor, i) && hangs(actor, j) ? options.hanging_rest_share : options.edge_rest_share;
                   })};
-  std::vector<float> depth_weights(actor.n_vertices());
-  for (int i = 0; i < actor.n_vertices(); ++i) depth_weights[i] = hangs(actor, i) ? 0.0f : options.w_depth;
-  depth_weights_ = {device, domain_->graph.planes(depth_weights, 1)};
+  const auto per_vertex = [&](float hanging, float other) {
+    std::vector<float> weights(actor.n_vertices());
+    for (int i = 0; i < actor.n_vertices(); ++i) weights[i] = hangs(actor, i) ? hanging : other;
+    return ocl::Buffer<float>(device, domain_->graph.planes(weights, 1));
+  };
+  depth_weights_ = per_vertex(0, options.w_depth);
+  velocity_weights_ = per_vertex(options.w_velocity, options.w_worn_velocity);
   colors_ = {device, domain_->graph.planes(actor.colors, 3)};
   no_parts_ = ocl::Buffer<uint8_t>(device, 1);
   v_ = planes(3);
@@ -171,8 +176,8 @@ void SurfaceSystem::begin(const SurfaceInput& input) {
                domain_->graph.n_rows, domain_->graph.stride, domain_->order, input.start, input.skinned,
                input.previous ? *input.previous : input.start, n_arrays == 4 ? *input.before_previous : input.start, v_,
                skinned_, previous_, before_);
-  w_velocity_ = input.previous ? options_.w_velocity : 0.0f;
-  w_acceleration_ = input.previous && input.before_previous ? options_.w_acceleration : 0.0f;
+  has_previous_ = input.previous != nullptr;
+  has_before_previous_ = has_previous_ && input.before_previous;
   if (!input.matches) data_energies_[2].fill(0.0f);
   if (!input.continues) first_ = true;
 }
@@ -194,12 +199,13 @@ void SurfaceSystem::linearize(const SurfaceInput& input, int gaussian_kernel) {
                   *input.matches, v_, blocks_, residual_, data_energies_[2]);
   }
   // Without an earlier frame the term is off; its positions must still be finite.
-  const ocl::Buffer<float>& previous = w_velocity_ > 0 || w_acceleration_ > 0 ? previous_ : v_;
-  const ocl::Buffer<float>& before = w_acceleration_ > 0 ? before_ : v_;
+  const ocl::Buffer<float>& previous = has_previous_ ? previous_ : v_;
+  const ocl::Buffer<float>& before = has_before_previous_ ? before_ : v_;
   regularizer_.launch(domain_->lane_items, domain_->lane_local, n_rows, stride, options_.w_smooth, options_.w_edge,
-                      w_velocity_, w_acceleration_, options_.damping, domain_->slice_offsets, domain_->neighbors,
-                      edge_weights_, rest_lengths_, rest_shares_, depth_weights_, v_, skinned_, previous, before,
-                      blocks_, residual_, edges_, inverse_, preconditioned_, direction_, step_, products_,
+                      has_previous_ ? 1.0f : 0.0f, has_before_previous_ ? options_.w_acceleration : 0.0f,
+                      options_.damping, domain_->slice_offsets, domain_->neighbors, edge_weights_, rest_lengths_,
+                      rest_shares_, depth_weights_, velocity_weights_, v_, skinned_, previous, before, blocks_,
+                      residual_, edges_, inverse_, preconditioned_, direction_, step_, products_,
                       regularizer_energies_);
   if (!device_->is_cpu()) return;
   start_scalars_.launch(sum_items_, sum_items_, n_rows, first_ ? 1 : 0, products_, scalars_);

@@ -60,13 +60,12 @@ class SurfaceSystem {
   SurfaceOptions options_;
   std::shared_ptr<const SurfaceDomain> domain_;
   bool first_ = true;  // the next linearize() is the first of its frame
-  float w_velocity_ = 0;
-  float w_acceleration_ = 0;
+  bool has_previous_ = false, has_before_previous_ = false;
   size_t row_local_, sum_items_;
 
   // Constants.
   ocl::Buffer<float> edge_weights_, rest_lengths_, rest_shares_;  // [n_entries]
-  ocl::Buffer<float> depth_weights_;                              // 1 plane
+  ocl::Buffer<float> depth_weights_, velocity_weights_;           // 1 plane
   ocl::Buffer<float> colors_;                                     // 3 planes
   ocl::Buffer<uint8_t> no_parts_;
   // State, planes of graph_.stride floats.

@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "capture/capture_run.h"
+#include "capture/tracker_options.h"
 #include "eval/evaluate.h"
 #include "livecap/camera.h"
 #include "nn/models.h"
@@ -62,6 +65,14 @@ TEST(Components, EachOneMakesADifference) {
   options.without.clear();
   options.rigidity = 2;
   EXPECT_FALSE(captured() == everything);
+}
+
+TEST(Components, VelocityGoesForWhatHangsAndForWhatDoesNot) {
+  TrackerOptions options;
+  EXPECT_GT(std::min(options.surface.w_velocity, options.surface.w_worn_velocity), 0);
+  switch_off("velocity", options);
+  EXPECT_EQ(options.surface.w_velocity, 0);
+  EXPECT_EQ(options.surface.w_worn_velocity, 0);
 }
 
 TEST(Components, AFloorThatIsGivenCountsBeforeOneIsLearned) {

@@ -136,13 +136,14 @@ inline ReferenceSystem reference_system(const Scene& s, const SurfaceOptions& o,
       out.energies.depth += o.w_depth * r * r;
     }
     if (temporal) {
-      const double wv = std::sqrt(double(o.w_velocity)), wa = std::sqrt(double(o.w_acceleration));
+      const double w_velocity = hangs(s.actor, i) ? o.w_velocity : o.w_worn_velocity;
+      const double wv = std::sqrt(w_velocity), wa = std::sqrt(double(o.w_acceleration));
       const Eigen::Vector3d t1 = point(s.previous, i), t2 = point(s.before, i);
       for (int a = 0; a < 3; ++a) {
         J.emplace_back(row(wv * (p[a] - t1[a])), 3 * i + a, wv);
         J.emplace_back(row(wa * (p[a] - 2 * t1[a] + t2[a])), 3 * i + a, wa);
       }
-      out.energies.velocity += o.w_velocity * (p - t1).squaredNorm();
+      out.energies.velocity += w_velocity * (p - t1).squaredNorm();
       out.energies.acceleration += o.w_acceleration * (p - 2 * t1 + t2).squaredNorm();
     }
   }

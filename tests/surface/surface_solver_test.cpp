@@ -227,7 +227,7 @@ TEST(SurfaceSolver, WhatDoesNotHangKeepsItsDepth) {
       const Eigen::Vector3d start = point(s.start), sight = start.normalized(), drawn = point(s.previous) - start;
       const double along = sight.dot(drawn);
       // Of two springs between both ends.
-      const double kept = i == 0 ? 1 : o.w_velocity / (o.w_velocity + o.w_depth);
+      const double kept = i == 0 ? 1 : o.w_worn_velocity / (o.w_worn_velocity + o.w_depth);
       const Eigen::Vector3d wanted = start + drawn + (kept - 1) * along * sight;
       EXPECT_LT((point(v) - wanted).norm(), test::kSurfaceSystem * 10 * 30) << i;
     }

@@ -119,6 +119,7 @@ TEST(SurfaceSystem, EachTermAloneEqualsTheAssembledJacobian) {
       o.w_depth = term == 6 ? all.w_depth : 0;
       o.w_match = term == 7 ? all.w_match : 0;
       o.w_velocity = term == 4 ? all.w_velocity : 0;
+      o.w_worn_velocity = term == 4 ? all.w_worn_velocity : 0;
       o.w_acceleration = term == 5 ? all.w_acceleration : 0;
       SurfaceSystem system(device, s.actor, s.camera, o);
       const test::ReferenceSystem expected = test::reference_system(s, o, doubles(s.start), 9);

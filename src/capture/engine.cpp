@@ -26,13 +26,10 @@ namespace {
 
 // Frames between the beginning of the network and the end of the solvers: one in the network, in either half of the
 // segmentation, in the pose solver and in the surface solver, one handed over to each but the first, and those that
-// wait for later poses, as many as there are passes.
-constexpr int kLagPasses = 2;
+// wait for later poses.
+constexpr int kLagFrames = 2;
 constexpr int kStagesAtOnce = 5;
-constexpr int kFramesUnderWay = 2 * kStagesAtOnce - 1 + kLagPasses;
-// Weight of either neighbour in a pose that the surface is fitted to. Of noise that differs from frame to frame two
-// passes with 0.3 leave hardly more acceleration than with any other share.
-constexpr double kLagShare = 0.3;
+constexpr int kFramesUnderWay = 2 * kStagesAtOnce - 1 + kLagFrames;
 
 bool is_on(const MethodOptions& options, std::string_view component) {
   return std::count(options.without.begin(), options.without.end(), component) == 0;
@@ -48,7 +45,7 @@ class Solver {
       : camera_(camera),
         upright_due_(is_on(options, kUpright) && !camera.floor),
         tracker_(device, surface_device, actor, camera, tracker_options(options)),
-        poses_(actor.skeleton, is_on(options, kFixedLag) ? kLagShare : 0, kLagPasses) {
+        poses_(actor.skeleton, is_on(options, kFixedLag) ? kLagFrames : 0, steady_weights({})) {
     warm_up_tracker(tracker_, actor, camera);
     if (upright_due_ && background.trained()) look_for_upright(background.picture(), {});
   }
@@ -180,7 +177,7 @@ CaptureEngine::CaptureEngine(const MethodOptions& options, const DetectionOption
                       kFramesUnderWay);
   p.segmenter->warm_up();
   network_ready.get();
-  p.frames_waiting = is_on(options, kFixedLag) ? kLagPasses : 0;
+  p.frames_waiting = is_on(options, kFixedLag) ? kLagFrames : 0;
   p.buffers_before = ocl::BufferMemory::made;
 }
 

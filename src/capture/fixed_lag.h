@@ -1,54 +1,45 @@
-// A filter over what was captured, [s, 1 - 2s, s] once or several times over: each frame waits for as many successors.
-// What trembles from frame to frame is network noise and matches that come and go; people do not move at half the frame
-// rate. Twice with s = 0.3 is [9 24 34 24 9] / 100.
+// A filter over what was captured that waits for a few later frames: what leaves it is a weighted mean of a frame and
+// its neighbours. The weights are those of capture/lag_weights.h.
 #pragma once
 
+#include <deque>
 #include <optional>
-#include <vector>
 
+#include "capture/lag_weights.h"
 #include "capture/work_item.h"
 #include "geometry/skeleton.h"
 
 namespace livecap {
 
-// Joint angles and root translation: s previous + (1 - 2s) current + s next; the root's rotation by rotation vectors
-// from the current one.
-Pose smooth_pose(const Pose& previous, const Pose& current, const Pose& next, double neighbor_share);
+// The mean of the poses of a run: joint angles and root translations themselves, the root's rotations as the way from
+// that of frame `at` by those in between, in rotation vectors. weights: [run.size()], sum 1.
+Pose weighted_pose(const LagRun& run, size_t at, const Eigen::VectorXd& weights);
 
 class FixedLag {
  public:
-  // skeleton: of all poses, outlives this. neighbor_share: s, in [0, 0.5]; passes: at least 1. Throws ConfigError.
-  FixedLag(const Skeleton& skeleton, double neighbor_share, int passes);
+  // skeleton: of all poses, outlives this. lag: later frames that each waits for, fewer
+  // than kMostOfRun; none passes everything as it is. Throws ConfigError.
+  FixedLag(const Skeleton& skeleton, int lag, LagWeights weights);
 
-  // Takes a frame and gives the one that has waited for long enough (with a share of 0 the frame itself): in every pass
-  // pose and vertices of a tracked frame are smoothed with those of both its neighbours. They stay as they were where a
-  // neighbour was not tracked, belongs to another track, was dropped, is much further away in time than the other,
-  // which would move it along, or moved faster than people do.
+  // Takes a frame and gives the one that has waited for long enough. Pose and vertices of tracked frames are means over
+  // their run, as these came: frames without one that was not tracked, belongs to another track or was dropped in
+  // between, nor a step in which something moves faster than people do.
   std::optional<WorkItem> push(WorkItem item);
   // The next of those that still wait, if any.
   std::optional<WorkItem> flush();
 
  private:
-  class Pass {
-   public:
-    Pass(const Skeleton& skeleton, double neighbor_share) : skeleton_(&skeleton), neighbor_share_(neighbor_share) {}
-    std::optional<WorkItem> push(WorkItem item);
-    std::optional<WorkItem> flush();
+  bool goes_on(const WorkItem& item, const LagFrame& frame) const;
+  void end_run();
+  void smooth(WorkItem& item, size_t at) const;  // at: where in the run
+  std::optional<WorkItem> take_first();
 
-   private:
-    struct Neighbor {
-      TrackResult result;
-      double pts_ms;
-    };
-    void smooth(const WorkItem* next);
-
-    const Skeleton* skeleton_;
-    double neighbor_share_;
-    std::optional<WorkItem> waiting_;
-    std::optional<Neighbor> previous_;  // as it came, when it is a neighbour of the waiting one
-  };
-
-  std::vector<Pass> passes_;  // none with a share of 0
+  const Skeleton* skeleton_;
+  size_t lag_;
+  LagWeights weights_;
+  std::deque<WorkItem> waiting_;
+  LagRun run_;         // as they came, the latest last
+  size_t n_open_ = 0;  // the last of those waiting belong to the run and are as they came
 };
 
 }  // namespace livecap

@@ -47,7 +47,7 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
     stopped_early = progress && !progress(report, reader.n_frames());
     return !stopped_early;
   };
-  FixedLag results(who.actor.skeleton, options.smooth ? kPaperShare : 0, 1);
+  FixedLag results(who.actor.skeleton, options.smooth ? 1 : 0, neighbor_weights(kPaperShare));
   stages.publish = [&](WorkItem& item) {
     std::optional<WorkItem> ready = results.push(std::move(item));
     return !ready || publish(*ready);

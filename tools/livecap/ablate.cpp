@@ -67,7 +67,7 @@ const std::vector<Variant>& variants() {
       {"rigidity_2", "material weights: constant 2.0", kParts, {}, true, 2, "head distorted"},
       {"rigidity_50", "material weights: constant 50.0", kParts, {}, true, 50, "skirt not tracked"},
       {"no_temporal", "temporal terms", kParts, {"temporal", "velocity", "acceleration"}},
-      {"no_fixed_lag", "poses smoothed over five frames", kParts, {"fixed_lag"}},
+      {"no_fixed_lag", "poses made steady", kParts, {"fixed_lag"}},
       {"no_mask_gating", "learned-mask gating", kParts, {"mask_gating"}},
       {"no_confidence", "confidence weights", kParts, {"confidence"}},
   };

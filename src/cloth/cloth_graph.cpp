@@ -206,17 +206,9 @@ SkinWeights with_followers(const Actor& actor, const ClothGraph& graph, const Sk
       add(carried, graph.vertices[graph.followed[k]], (1 - looseness) * share * graph.followed_weights[k]);
     add(actor.skin, graph.followers[f], (1 - looseness) * (1 - share));
     add(carried, graph.followers[f], looseness);
-    std::vector<std::pair<float, int>> heaviest;
-    for (const auto& [bone, weight] : of_bones) heaviest.emplace_back(weight, bone);
-    std::stable_sort(heaviest.begin(), heaviest.end(), [](auto& a, auto& b) { return a.first > b.first; });
-    heaviest.resize(kMaxInfluences);
-    float sum = 0;
-    for (const auto& [weight, bone] : heaviest) sum += weight;
-    for (int k = 0; k < kMaxInfluences; ++k) {
-      const int to = kMaxInfluences * graph.followers[f] + k;
-      weights.weights[to] = heaviest[k].first / sum;
-      weights.bones[to] = heaviest[k].second;
-    }
+    std::vector<std::pair<float, int>> influences;
+    for (const auto& [bone, weight] : of_bones) influences.emplace_back(weight, bone);
+    set_strongest(weights, graph.followers[f], std::move(influences));
   }
   return weights;
 }

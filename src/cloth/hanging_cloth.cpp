@@ -57,20 +57,24 @@ SkinWeights give_to_hanging_bone(const Actor& actor, const std::function<float(f
       else
         influences.emplace_back(weight, bone);
     }
-    std::stable_sort(influences.begin(), influences.end(), [](auto& a, auto& b) { return a.first > b.first; });
-    influences.resize(kMaxInfluences);
-    float sum = 0;
-    for (const auto& [weight, bone] : influences) sum += weight;
-    for (size_t k = 0; k < kMaxInfluences; ++k) {
-      const bool used = influences[k].first > 0;
-      out.bones[4 * i + k] = used ? influences[k].second : 0;
-      out.weights[4 * i + k] = used ? influences[k].first / sum : 0;
-    }
+    set_strongest(out, i, influences);
   }
   return out;
 }
 
 }  // namespace
+
+void set_strongest(SkinWeights& weights, int vertex, std::vector<std::pair<float, int>> influences) {
+  std::stable_sort(influences.begin(), influences.end(), [](auto& a, auto& b) { return a.first > b.first; });
+  influences.resize(kMaxInfluences);
+  float sum = 0;
+  for (const auto& [weight, bone] : influences) sum += weight;
+  for (int k = 0; k < kMaxInfluences; ++k) {
+    const bool used = influences[k].first > 0;
+    weights.bones[kMaxInfluences * vertex + k] = used ? influences[k].second : 0;
+    weights.weights[kMaxInfluences * vertex + k] = used ? influences[k].first / sum : 0;
+  }
+}
 
 std::optional<Eigen::Vector3d> middle_of_the_hips(const Skeleton& skeleton) {
   const int left = skeleton.bone_index("left_hip"), right = skeleton.bone_index("right_hip");

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "actor/actor.h"
@@ -34,6 +35,9 @@ struct HangingClothOptions {
 
 // Between left_hip and right_hip in the rest pose, mm; nothing for a skeleton without them.
 std::optional<Eigen::Vector3d> middle_of_the_hips(const Skeleton& skeleton);
+
+// Gives a vertex the kMaxInfluences strongest of these (weight, bone), divided by their sum.
+void set_strongest(SkinWeights& weights, int vertex, std::vector<std::pair<float, int>> influences);
 
 // [n] sum of each vertex's weights on the legs (below and including the hips).
 std::vector<float> leg_weights(const Actor& actor);

@@ -1,6 +1,7 @@
 #include "capture/components.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "capture/tracker.h"
 #include "livecap/error.h"
@@ -28,8 +29,9 @@ const std::vector<std::string>& component_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> list;
     for (const Term& term : term_table()) list.emplace_back(term.name);
-    for (const char* name : {"face", "warping", "part_mask", "snapping", "cloth", "cloth_behind", "cloth_anew",
-                             "confidence", kMaskGating.data(), kFixedLag.data(), kUpright.data(), "pose_solver"})
+    for (const char* name :
+         {"face", "warping", "part_mask", "snapping", "cloth", "cloth_behind", "cloth_anew", "confidence",
+          kMaskGating.data(), kFixedLag.data(), kUpright.data(), "balance", "pose_solver"})
       list.emplace_back(name);
     return list;
   }();
@@ -69,6 +71,8 @@ void switch_off(const std::string& name, TrackerOptions& options) {
     options.anew_share = 0;
   } else if (name == "confidence") {
     options.ignore_confidence = true;
+  } else if (name == "balance") {
+    options.floor.balance.most_mm = std::numeric_limits<double>::max();
   } else if (name == "pose_solver") {
     options.solve_pose = false;
   }

@@ -24,6 +24,7 @@ constexpr double kSoleMm = 12;      // above the lowest vertex of a foot
 constexpr float kOwnWeight = 0.9f;  // of a vertex that moves with its foot
 constexpr float kTrusted = 0.5f;    // confidence of an ankle
 constexpr double kUprightY = -0.5;  // above that in the camera frame nobody stands before a level camera
+constexpr double kSteepest = 0.3;   // cosine to the floor: who looks down more steeply sees where feet are
 constexpr double kMmPerM = 1000;
 // Of a camera from level, rad: edges all in the middle of the picture do not tell how far it looks down.
 constexpr double kLevelDeviation = 0.4;
@@ -122,12 +123,14 @@ void FloorOptions::validate() const {
   positive("outlier_mm", outlier_mm);
   positive("higher_foot_mm", higher_foot_mm);
   positive("max_contradicted_frames", max_contradicted_frames);
+  balance.validate();
 }
 
 FloorFinder::FloorFinder(const Actor& actor, const FloorOptions& options, const std::optional<Floor>& measured)
     : actor_(actor),
       options_(options),
       soles_(sole_points(actor)),
+      balance_(options.balance),
       is_measured_(measured.has_value()),
       floor_(measured) {
   options.validate();
@@ -135,6 +138,7 @@ FloorFinder::FloorFinder(const Actor& actor, const FloorOptions& options, const 
 
 void FloorFinder::forget() {
   if (is_measured_) return;
+  balance_.forget();
   body_up_.setZero();
   products_.setZero();
   sums_.setZero();
@@ -161,12 +165,13 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet
   const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);
   const auto now = positions(soles_, posed);
   const auto before = positions(soles_, forward_kinematics(actor_.skeleton, previous));
-  const auto told = feet ? positions(soles_, forward_kinematics(actor_.skeleton, *feet)) : now;
+  auto told = feet ? positions(soles_, forward_kinematics(actor_.skeleton, *feet)) : now;
   const auto joints = keypoint_positions(actor_, posed);
   const Eigen::Vector3d upright = (joints[kNeck] - (joints[kLeftAnkle] + joints[kRightAnkle]) / 2).normalized();
   if (!(upright.y() < kUprightY)) return;
   body_up_ += upright;
   const Eigen::Vector3d up = this->up();
+  if (!is_measured_ && feet) balance(*feet, up, told);
 
   struct Lowest {
     size_t point = 0;
@@ -203,6 +208,19 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet
   if (is_measured_) return;
   if (contradicted_frames_ > options_.max_contradicted_frames) return forget();
   fit();
+}
+
+// Along their lines of sight, which the picture tells.
+void FloorFinder::balance(const Pose& feet, const Eigen::Vector3d& up, std::vector<Eigen::Vector3d>& soles_mm) {
+  if (soles_mm.empty()) return;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : soles_mm) middle += p / double(soles_mm.size());
+  balance_.learn(actor_, keypoint_positions(actor_, forward_kinematics(actor_.skeleton, feet)), middle, up);
+  const Eigen::Vector3d away = away_along_floor(up);
+  for (Eigen::Vector3d& p : soles_mm) {
+    const double distance = away.dot(p);
+    if (distance > kSteepest * p.norm()) p -= p * (balance_.excess_mm() / distance);
+  }
 }
 
 void FloorFinder::add(const Eigen::Vector3d& point_mm, double weight) {

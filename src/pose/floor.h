@@ -13,6 +13,7 @@
 #include "geometry/skeleton.h"
 #include "image/upright_edges.h"
 #include "livecap/camera.h"
+#include "pose/balance.h"
 
 namespace livecap {
 
@@ -55,6 +56,7 @@ struct FloorOptions {
   // A foot so much higher than the other has half a say, however that one moves: the floor is below both, and a foot
   // that is lifted is as still where it is highest as one that stands.
   double higher_foot_mm = 25;
+  BalanceOptions balance;  // beyond which feet are believed to be where they would be in balance
 
   void validate() const;  // throws ConfigError
 };
@@ -88,6 +90,7 @@ class FloorFinder {
   const Floor* floor() const { return floor_ ? &*floor_ : nullptr; }
 
  private:
+  void balance(const Pose& feet, const Eigen::Vector3d& up, std::vector<Eigen::Vector3d>& soles_mm);
   void add(const Eigen::Vector3d& point_mm, double weight);
   void fit();
   struct Tilt {
@@ -100,6 +103,7 @@ class FloorFinder {
   FloorOptions options_;
   std::vector<SolePoint> soles_;
   std::optional<Upright> upright_;
+  Balance balance_;
   Eigen::Vector3d body_up_ = Eigen::Vector3d::Zero();   // sum
   Eigen::Matrix3d products_ = Eigen::Matrix3d::Zero();  // of (1, x, z), m
   Eigen::Vector3d sums_ = Eigen::Vector3d::Zero();      // of y (1, x, z)

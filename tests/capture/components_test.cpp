@@ -10,6 +10,7 @@
 #include "eval/evaluate.h"
 #include "livecap/camera.h"
 #include "nn/models.h"
+#include "support/builtin_actor.h"
 
 namespace livecap {
 namespace {
@@ -59,12 +60,23 @@ TEST(Components, EachOneMakesADifference) {
   for (const std::string& name : component_names()) {
     if (name == "anatomic") continue;  // a barrier: nothing while no joint reaches a limit
     if (name == "floor") continue;     // not known from the first frame on, see below
+    if (name == "balance") continue;   // nothing while the feet are below the body (tests/pose/floor_test.cpp)
     options.without = {name};
     EXPECT_FALSE(captured() == everything) << name;
   }
   options.without.clear();
   options.rigidity = 2;
   EXPECT_FALSE(captured() == everything);
+}
+
+TEST(Components, WithoutBalanceTheFloorIsWhereverFeetAre) {
+  TrackerOptions options;
+  switch_off("balance", options);
+  Balance balance(options.floor.balance);
+  const Actor& actor = test::builtin_actor("trousers");
+  const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, rest_pose(actor.skeleton)));
+  balance.learn(actor, positions, Eigen::Vector3d(0, 0, 1e5), Eigen::Vector3d::UnitY());
+  EXPECT_EQ(balance.excess_mm(), 0);
 }
 
 TEST(Components, VelocityGoesForWhatHangsAndForWhatDoesNot) {

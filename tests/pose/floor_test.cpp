@@ -111,6 +111,33 @@ TEST(Floor, IsWhereThePictureHasTheFeetOfTheFramesAskedFor) {
   EXPECT_FALSE(FloorFinder(actor, {}, truth).asks_for_feet()) << "measured";
 }
 
+// Legs that swing forward under a skirt have the feet nearer and higher than they are, where the picture has them.
+TEST(Floor, IsBelowWhoIsInBalance) {
+  const Actor actor = test::make_test_actor();
+  const Floor truth{kUp, 1200};
+  const Pose stands = on_floor(actor, 100, 3200, truth);
+  Pose swung = stands;
+  for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
+    const std::string& name = actor.skeleton.dofs[k].name;
+    if (name == "left_hip_x" || name == "right_hip_x") swung.angles_rad[k] -= 0.4;
+    if (name == "left_knee_x" || name == "right_knee_x") swung.angles_rad[k] += 0.5;
+  }
+  const auto learned = [&](double most_mm) {
+    FloorOptions options;
+    options.balance.most_mm = most_mm;
+    FloorFinder finder(actor, options, {});
+    finder.set_upright({kUp, Eigen::Matrix3d::Identity() * 1e6});
+    for (int frame = 0; frame < 20; ++frame) finder.learn(swung, swung, &swung, seen(actor, swung));
+    return finder.floor()->height_mm(soles_of(actor, swung).front());
+  };
+  const double as_seen = learned(1e6), balanced = learned(75), level = learned(0);
+  EXPECT_NEAR(as_seen, 0, 30) << "without balance it is where the feet are";
+  // The feet are 250 to 330 mm before the body: the floor they are moved to lies below by that times how steeply they
+  // are seen.
+  EXPECT_GT(balanced, as_seen + 40);
+  EXPECT_GT(level, balanced + 15) << "75 mm more";
+}
+
 // A lifted foot is as still where it is highest as one that stands; the other one stands meanwhile.
 TEST(Floor, ALiftedFootTellsLittle) {
   const Actor actor = test::make_test_actor();

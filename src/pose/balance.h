@@ -1,0 +1,59 @@
+// Who stands has the feet below the centre of mass: not in every frame, but over a while. It tells the depth of legs
+// where the picture does not: under a long skirt a thigh swings forward and a shin back, while knee and foot stay where
+// they are seen.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+
+#include "actor/actor.h"
+#include "base/detections.h"
+
+namespace livecap {
+
+// Of the body, mm, camera frame, with its keypoints at `positions`; the head where the neck is. Shares of the parts and
+// where their own centres lie: Winter, Biomechanics and Motor Control of Human Movement, table "anthropometric data".
+// nullopt when the actor lacks one of the keypoints.
+std::optional<Eigen::Vector3d> centre_of_mass(const Actor& actor,
+                                              const std::array<Eigen::Vector3d, kKeypointCount>& positions);
+
+// How far the straighter leg reaches down along `up` (unit) from the hip to the ankle, as a share of its length; 0 when
+// the actor lacks one of the keypoints.
+double leg_reach(const Actor& actor, const std::array<Eigen::Vector3d, kKeypointCount>& positions,
+                 const Eigen::Vector3d& up);
+
+struct BalanceOptions {
+  // How far, on average, what bears the weight may lie nearer or farther than the centre of mass, along the floor, mm.
+  double most_mm = 70;
+  double frames = 60;  // that it is averaged over
+  // Only of frames in which a leg reaches down by so much of its length: who sits or kneels has the feet elsewhere.
+  double least_reach = 0.75;
+
+  void validate() const;  // throws ConfigError
+};
+
+class Balance {
+ public:
+  // Throws ConfigError.
+  explicit Balance(const BalanceOptions& options);
+
+  // A frame's keypoints, and the middle of all soles.
+  void learn(const Actor& actor, const std::array<Eigen::Vector3d, kKeypointCount>& positions,
+             const Eigen::Vector3d& soles_mm, const Eigen::Vector3d& up);
+  void forget();
+
+  // By how much the feet of the frames so far were farther than they may be, mm, along the floor away from the camera;
+  // negative: nearer.
+  double excess_mm() const;
+
+ private:
+  BalanceOptions options_;
+  double n_frames_ = 0;
+  double farther_mm_ = 0;  // what bears the weight than the centre of mass, mean
+};
+
+// Of the floor, away from the camera; unit.
+Eigen::Vector3d away_along_floor(const Eigen::Vector3d& up);
+
+}  // namespace livecap

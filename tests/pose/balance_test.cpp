@@ -1,0 +1,158 @@
+// The centre of mass against the mesh's own, and what balance says of feet over a while.
+#include "pose/balance.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "livecap/error.h"
+#include "support/builtin_actor.h"
+#include "support/pose_scene.h"
+#include "support/tolerances.h"
+
+namespace livecap {
+namespace {
+
+using Positions = std::array<Eigen::Vector3d, kKeypointCount>;
+
+const Eigen::Vector3d kUpright = -Eigen::Vector3d::UnitY();
+
+// Of the volume that the mesh encloses, mm: tetrahedra from the origin.
+Eigen::Vector3d centre_of_volume(const Actor& actor) {
+  const auto vertex = [&](int i) {
+    return Eigen::Vector3d(Eigen::Map<const Eigen::Vector3f>(&actor.mesh.positions[3 * size_t(i)]).cast<double>());
+  };
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double volume = 0;
+  for (size_t t = 0; t + 2 < actor.mesh.triangles.size(); t += 3) {
+    const Eigen::Vector3d a = vertex(actor.mesh.triangles[t]), b = vertex(actor.mesh.triangles[t + 1]),
+                          c = vertex(actor.mesh.triangles[t + 2]);
+    const double v = a.dot(b.cross(c)) / 6;
+    sum += v * (a + b + c) / 4;
+    volume += v;
+  }
+  return sum / volume;
+}
+
+Positions positions_of(const Actor& actor, const Pose& pose) {
+  return keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
+}
+
+// Sitting on a chair, thighs level.
+Pose sitting(const Actor& actor) {
+  Pose pose = test::standing_pose(actor, 0);
+  for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
+    const std::string& name = actor.skeleton.dofs[k].name;
+    if (name == "left_hip_x" || name == "right_hip_x") pose.angles_rad[k] -= 1.5;
+    if (name == "left_knee_x" || name == "right_knee_x") pose.angles_rad[k] += 1.5;
+  }
+  return pose;
+}
+
+TEST(Balance, TheCentreOfMassIsNearTheBodysVolumes) {
+  const Actor actor = test::builtin_actor("trousers");
+  const auto mass = centre_of_mass(actor, positions_of(actor, rest_pose(actor.skeleton)));
+  ASSERT_TRUE(mass.has_value());
+  const Eigen::Vector3d volume = centre_of_volume(actor);
+  EXPECT_LT((*mass - volume).norm(), test::kCentreOfMassMm) << mass->transpose() << " and " << volume.transpose();
+}
+
+TEST(Balance, ABodyInOnePlaceHasItsMassThere) {
+  const Actor actor = test::make_test_actor();
+  Positions positions;
+  positions.fill({120, -40, 3100});
+  EXPECT_LT((*centre_of_mass(actor, positions) - positions[0]).norm(), 1e-9) << "the shares sum to 1";
+  Actor no_neck = actor;
+  no_neck.keypoints[kNeck].bone = -1;
+  EXPECT_FALSE(centre_of_mass(no_neck, positions).has_value());
+  Actor no_elbow = actor;
+  no_elbow.keypoints[kLeftElbow].bone = -1;
+  EXPECT_FALSE(centre_of_mass(no_elbow, positions).has_value());
+}
+
+TEST(Balance, ALegReachesDownWhereOneStands) {
+  const Actor actor = test::make_test_actor();
+  const Positions stands = positions_of(actor, test::standing_pose(actor, 0.4));
+  EXPECT_GT(leg_reach(actor, stands, kUpright), 0.95);
+  EXPECT_LT(leg_reach(actor, stands, -kUpright), 0.05);
+  const double seated = leg_reach(actor, positions_of(actor, sitting(actor)), kUpright);
+  EXPECT_GT(seated, 0.3);
+  EXPECT_LT(seated, 0.7);
+}
+
+TEST(Balance, OnlyWhatIsBeyondItCounts) {
+  const Actor actor = test::make_test_actor();
+  const Positions stands = positions_of(actor, test::standing_pose(actor, 0));
+  const Eigen::Vector3d below = *centre_of_mass(actor, stands) - 900 * kUpright;
+  const auto excess = [&](double nearer_mm) {
+    Balance balance{BalanceOptions{}};
+    for (int frame = 0; frame < 5; ++frame)
+      balance.learn(actor, stands, below - Eigen::Vector3d(0, 0, nearer_mm), kUpright);
+    return balance.excess_mm();
+  };
+  EXPECT_DOUBLE_EQ(excess(0), 0);
+  EXPECT_DOUBLE_EQ(excess(70), 0);
+  EXPECT_NEAR(excess(200), -125, 1e-9);
+  EXPECT_NEAR(excess(-200), 125, 1e-9);
+}
+
+TEST(Balance, StepsAreNotItAndItIsForgotten) {
+  const Actor actor = test::make_test_actor();
+  const Positions stands = positions_of(actor, test::standing_pose(actor, 0));
+  const Eigen::Vector3d below = *centre_of_mass(actor, stands) - 900 * kUpright;
+  Balance balance{BalanceOptions{}};
+  for (int frame = 0; frame < 200; ++frame) {  // to and fro
+    balance.learn(actor, stands, below + Eigen::Vector3d(0, 0, frame % 2 == 0 ? 250 : -250), kUpright);
+    if (frame > 10) EXPECT_DOUBLE_EQ(balance.excess_mm(), 0) << frame;
+  }
+  for (int frame = 0; frame < 400; ++frame) balance.learn(actor, stands, below + Eigen::Vector3d(0, 0, 300), kUpright);
+  EXPECT_NEAR(balance.excess_mm(), 225, 1) << "what was 60 frames ago has faded";
+  balance.forget();
+  EXPECT_DOUBLE_EQ(balance.excess_mm(), 0);
+}
+
+TEST(Balance, WhoSitsTellsNothing) {
+  const Actor actor = test::make_test_actor();
+  const Positions sits = positions_of(actor, sitting(actor));
+  const Eigen::Vector3d feet = (sits[kLeftAnkle] + sits[kRightAnkle]) / 2;
+  Balance balance{BalanceOptions{}};
+  for (int frame = 0; frame < 60; ++frame) balance.learn(actor, sits, feet, kUpright);
+  EXPECT_DOUBLE_EQ(balance.excess_mm(), 0);
+  BalanceOptions all;
+  all.least_reach = 0;
+  Balance any(all);
+  any.learn(actor, sits, feet, kUpright);
+  EXPECT_LT(any.excess_mm(), -100) << "the feet of who sits are before the body";
+}
+
+// A camera that looks down by 0.3 rad.
+TEST(Balance, TheFloorGoesAwayFromTheCamera) {
+  const Eigen::Vector3d up(0, -std::cos(0.3), -std::sin(0.3));
+  const Eigen::Vector3d away = away_along_floor(up);
+  EXPECT_NEAR(away.dot(up), 0, 1e-12);
+  EXPECT_NEAR(away.norm(), 1, 1e-12);
+  EXPECT_GT(away.z(), 0.9);
+  EXPECT_LT(away.y(), 0) << "the far floor is higher in the picture";
+}
+
+TEST(Balance, BadOptionsAreNamed) {
+  for (const auto& [field, member] :
+       {std::pair("most_mm", &BalanceOptions::most_mm), std::pair("frames", &BalanceOptions::frames),
+        std::pair("least_reach", &BalanceOptions::least_reach)}) {
+    for (double bad : {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+      BalanceOptions options;
+      options.*member = bad;
+      try {
+        Balance balance(options);
+        FAIL() << field << " " << bad;
+      } catch (const ConfigError& e) {
+        EXPECT_NE(std::string(e.what()).find(std::string("balance: ") + field), std::string::npos) << e.what();
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace livecap

@@ -1,5 +1,5 @@
 // What of an actor stage I matches, and how much of it counts: shares of the weight of each vertex's match; and what
-// counts otherwise where its skinning weights are guessed or its shape is rough.
+// counts otherwise where its skinning weights are guessed, its shape is rough or cloth hides its knees.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,11 @@ std::vector<float> refined_share(const Actor& actor, const PoseSharesOptions& op
 std::vector<float> on_feet_share(const Actor& actor, const PoseSharesOptions& options,
                                  const HangingClothOptions& hanging);
 
-// As both stages have them for this actor: see GuessedWeightsOptions and PoseSharesOptions::rough_foot_share.
+// How far what hangs reaches below the knees in the rest pose, mm; negative above them, or where nothing hangs.
+double knee_cover_mm(const Actor& actor);
+
+// As both stages have them for this actor: see GuessedWeightsOptions, HiddenKneesOptions and
+// PoseSharesOptions::rough_foot_share.
 TrackerOptions options_for(const Actor& actor, TrackerOptions options);
 
 }  // namespace livecap

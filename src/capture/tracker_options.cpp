@@ -68,6 +68,12 @@ void GuessedWeightsOptions::validate() const {
   share("guessed.blur", blur);
 }
 
+void HiddenKneesOptions::validate() const {
+  not_negative("hidden_knees.least_cover_mm", least_cover_mm);
+  share("hidden_knees.keypoint_2d", keypoint_2d);
+  not_negative("hidden_knees.refined_doubt_3d_mm", refined_doubt_3d_mm);
+}
+
 void OtherStartsOptions::validate() const {
   for (double lean : leans_rad)
     require(std::abs(lean) <= kMostLeanRad, "starts.leans_rad", lean, format("at most %g either way", kMostLeanRad));
@@ -84,6 +90,7 @@ void TrackerOptions::validate() const {
   shares.validate();
   rounds.validate();
   guessed.validate();
+  hidden_knees.validate();
   starts.validate();
   actor_light.validate();
   not_negative("max_carried_rigidity", max_carried_rigidity);

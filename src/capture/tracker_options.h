@@ -88,6 +88,16 @@ struct GuessedWeightsOptions {
   void validate() const;  // throws ConfigError
 };
 
+// Of who wears a skirt that hides the knees in whatever pose. Where a network sees them there it guesses: with all of
+// its confidence, and up to 20 px off, for which a thigh swings to and fro.
+struct HiddenKneesOptions {
+  double least_cover_mm = 100;      // that the hem hangs below the knees, in the rest pose
+  double keypoint_2d = 0.3;         // E_2D of knees counts so much of what it counts elsewhere
+  double refined_doubt_3d_mm = 60;  // instead of PoseRoundsOptions::refined_doubt_3d_mm: little else tells
+
+  void validate() const;  // throws ConfigError
+};
+
 // When stage I is solved from other starts than the predicted pose as well, and when those count.
 struct OtherStartsOptions {
   // Who is seen for the first time, or again, is also looked for leaning towards the camera (negative: away from it) by
@@ -122,6 +132,7 @@ struct TrackerOptions {
   PoseSharesOptions shares;
   PoseRoundsOptions rounds;
   GuessedWeightsOptions guessed;
+  HiddenKneesOptions hidden_knees;
   OtherStartsOptions starts;
   MatchOptions match;
   SkinShadingOptions shading;

@@ -87,6 +87,9 @@ std::vector<Field> fields() {
       factor(LC_FIELD(guessed.silhouette)),
       factor(LC_FIELD(guessed.shading)),
       share(LC_FIELD(guessed.blur)),
+      length(LC_FIELD(hidden_knees.least_cover_mm)),
+      share(LC_FIELD(hidden_knees.keypoint_2d)),
+      length(LC_FIELD(hidden_knees.refined_doubt_3d_mm)),
       {"starts.leans_rad",
        [](TrackerOptions& o, double value) {
          o.starts.leans_rad = {0.1, value};

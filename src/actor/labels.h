@@ -18,6 +18,7 @@ namespace lip {
 enum Label : uint8_t {
   kHair = 2,
   kUpperClothes = 5,
+  kDress = 6,
   kPants = 9,
   kSkirt = 12,
   kFace = 13,

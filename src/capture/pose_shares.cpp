@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "actor/labels.h"
 #include "cloth/hanging_cloth.h"
 #include "pose/targets.h"
 
@@ -11,7 +12,7 @@ namespace {
 
 // Of the vertices, so few are wrong labels.
 constexpr double kFewHanging = 0.02;
-constexpr size_t kPerStray = 50;  // of what hangs, one in so many may be lower than the hem
+constexpr size_t kPerStray = 50;  // of a skirt's vertices, one in so many may be lower than the hem
 
 bool wears_hanging_cloth(const Actor& actor) {
   int n = 0;
@@ -64,7 +65,9 @@ double knee_cover_mm(const Actor& actor) {
     if (actor.keypoints[k].bone < 0) return none;
   std::vector<float> heights;
   for (int i = 0; i < actor.n_vertices(); ++i)
-    if (hangs(actor, i)) heights.push_back(actor.mesh.positions[3 * i + 1]);
+    if (actor.labels[i] == lip::kSkirt || actor.labels[i] == lip::kDress)
+      heights.push_back(actor.mesh.positions[3 * i + 1]);
+  if (heights.empty()) return none;
   const auto hem = heights.begin() + heights.size() / kPerStray;
   std::nth_element(heights.begin(), hem, heights.end());
   const auto rest = keypoint_positions(actor, forward_kinematics(actor.skeleton, rest_pose(actor.skeleton)));
@@ -75,7 +78,8 @@ TrackerOptions options_for(const Actor& actor, TrackerOptions options) {
   if (actor.rough_shape) options.shares.foot_share = options.shares.rough_foot_share;
   if (knee_cover_mm(actor) >= options.hidden_knees.least_cover_mm) {
     for (int k : {kLeftKnee, kRightKnee}) options.pose.keypoint_2d_weights[k] *= options.hidden_knees.keypoint_2d;
-    options.rounds.refined_doubt_3d_mm = options.hidden_knees.refined_doubt_3d_mm;
+    double& doubt_mm = options.rounds.refined_doubt_3d_mm;
+    if (doubt_mm > 0) doubt_mm = options.hidden_knees.refined_doubt_3d_mm;
   }
   if (!actor.guessed_weights) return options;
   options.match.blur = options.guessed.blur;

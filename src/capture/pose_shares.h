@@ -22,7 +22,7 @@ std::vector<float> refined_share(const Actor& actor, const PoseSharesOptions& op
 std::vector<float> on_feet_share(const Actor& actor, const PoseSharesOptions& options,
                                  const HangingClothOptions& hanging);
 
-// How far what hangs reaches below the knees in the rest pose, mm; negative above them, or where nothing hangs.
+// How far a skirt or dress reaches below the knees in the rest pose, mm; negative above them, or where there is none.
 double knee_cover_mm(const Actor& actor);
 
 // As both stages have them for this actor: see GuessedWeightsOptions, HiddenKneesOptions and

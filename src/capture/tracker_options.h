@@ -88,12 +88,12 @@ struct GuessedWeightsOptions {
   void validate() const;  // throws ConfigError
 };
 
-// Of who wears a skirt that hides the knees in whatever pose. Where a network sees them there it guesses: with all of
-// its confidence, and up to 20 px off, for which a thigh swings to and fro.
+// Of who stands in a skirt or dress that hides the knees. A network guesses where they are: with all of its confidence,
+// and up to 20 px off, for which a thigh swings to and fro.
 struct HiddenKneesOptions {
   double least_cover_mm = 100;      // that the hem hangs below the knees, in the rest pose
   double keypoint_2d = 0.3;         // E_2D of knees counts so much of what it counts elsewhere
-  double refined_doubt_3d_mm = 60;  // instead of PoseRoundsOptions::refined_doubt_3d_mm: little else tells
+  double refined_doubt_3d_mm = 60;  // of all keypoints, unless none is doubted: little else tells of legs
 
   void validate() const;  // throws ConfigError
 };

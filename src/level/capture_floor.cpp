@@ -13,10 +13,12 @@ namespace {
 
 constexpr int kLowestSamples = 60;  // rows that tell which vertex is the lowest
 
-// As the tracker learns it, but of the poses as they are, in all frames, with every ankle believed, and without the
-// edges of a room, which a capture does not hold.
+// As the tracker learns it, but of the poses as they are, in all frames, with every ankle believed, without the edges
+// of a room, which a capture does not hold, and below the captured feet, in balance or not.
 std::optional<Floor> learned_floor(const CaptureFolder& capture) {
-  FloorFinder finder(capture.actor, {}, std::nullopt);
+  FloorOptions options;
+  options.balance.most_mm = std::numeric_limits<double>::max();
+  FloorFinder finder(capture.actor, options, std::nullopt);
   Detections seen;
   for (int ankle : {kLeftAnkle, kRightAnkle}) seen.keypoints[ankle].confidence = 1;
   std::optional<Pose> previous;

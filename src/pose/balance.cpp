@@ -81,15 +81,16 @@ Balance::Balance(const BalanceOptions& options) : options_(options) {
   options.validate();
 }
 
-void Balance::learn(const Actor& actor, const Positions& positions, const Eigen::Vector3d& soles_mm,
+bool Balance::learn(const Actor& actor, const Positions& positions, const Eigen::Vector3d& soles_mm,
                     const Eigen::Vector3d& up) {
-  if (leg_reach(actor, positions, up) < options_.least_reach) return;
+  if (leg_reach(actor, positions, up) < options_.least_reach) return false;
   const std::optional<Eigen::Vector3d> mass = centre_of_mass(actor, positions);
-  if (!mass) return;
+  if (!mass) return false;
   n_frames_ = std::min(n_frames_ + 1, options_.frames);
   const Eigen::Vector3d ankles = (positions[kLeftAnkle] + positions[kRightAnkle]) / 2;
   const Eigen::Vector3d support = ankles + kBeforeAnkles * (soles_mm - ankles);
   farther_mm_ += (away_along_floor(up).dot(support - *mass) - farther_mm_) / n_frames_;
+  return true;
 }
 
 void Balance::forget() {

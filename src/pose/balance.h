@@ -25,8 +25,8 @@ double leg_reach(const Actor& actor, const std::array<Eigen::Vector3d, kKeypoint
 
 struct BalanceOptions {
   // How far, on average, what bears the weight may lie nearer or farther than the centre of mass, along the floor, mm.
-  double most_mm = 70;
-  double frames = 60;  // that it is averaged over
+  double most_mm = 60;
+  double frames = 60;  // after so many a frame's say has fallen to 1/e; those before that count alike
   // Only of frames in which a leg reaches down by so much of its length: who sits or kneels has the feet elsewhere.
   double least_reach = 0.75;
 
@@ -38,8 +38,8 @@ class Balance {
   // Throws ConfigError.
   explicit Balance(const BalanceOptions& options);
 
-  // A frame's keypoints, and the middle of all soles.
-  void learn(const Actor& actor, const std::array<Eigen::Vector3d, kKeypointCount>& positions,
+  // A frame's keypoints, and the middle between both soles. False: it tells nothing.
+  bool learn(const Actor& actor, const std::array<Eigen::Vector3d, kKeypointCount>& positions,
              const Eigen::Vector3d& soles_mm, const Eigen::Vector3d& up);
   void forget();
 

@@ -24,7 +24,9 @@ constexpr double kSoleMm = 12;      // above the lowest vertex of a foot
 constexpr float kOwnWeight = 0.9f;  // of a vertex that moves with its foot
 constexpr float kTrusted = 0.5f;    // confidence of an ankle
 constexpr double kUprightY = -0.5;  // above that in the camera frame nobody stands before a level camera
-constexpr double kSteepest = 0.3;   // cosine to the floor: who looks down more steeply sees where feet are
+// Cosine of a line of sight to the floor. Who looks down more steeply sees where on it feet are, and along the line
+// they would move down more than aside.
+constexpr double kSteepest = 0.7;
 constexpr double kMmPerM = 1000;
 // Of a camera from level, rad: edges all in the middle of the picture do not tell how far it looks down.
 constexpr double kLevelDeviation = 0.4;
@@ -165,13 +167,13 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet
   const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);
   const auto now = positions(soles_, posed);
   const auto before = positions(soles_, forward_kinematics(actor_.skeleton, previous));
-  auto told = feet ? positions(soles_, forward_kinematics(actor_.skeleton, *feet)) : now;
+  const auto told = feet ? positions(soles_, forward_kinematics(actor_.skeleton, *feet)) : now;
   const auto joints = keypoint_positions(actor_, posed);
   const Eigen::Vector3d upright = (joints[kNeck] - (joints[kLeftAnkle] + joints[kRightAnkle]) / 2).normalized();
   if (!(upright.y() < kUprightY)) return;
   body_up_ += upright;
   const Eigen::Vector3d up = this->up();
-  if (!is_measured_ && feet) balance(*feet, up, told);
+  const auto believed = feet && !is_measured_ ? balanced(*feet, up, told) : told;
 
   struct Lowest {
     size_t point = 0;
@@ -189,7 +191,7 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet
   if (!floor_ && resting.size() == 2)  // there is no height yet that the other could be doubted by
     resting = {resting[0].height_mm < resting[1].height_mm ? resting[0] : resting[1]};
   double lower_mm = std::numeric_limits<double>::infinity();
-  for (const Lowest& lowest : resting) lower_mm = std::min(lower_mm, up.dot(told[lowest.point]));
+  for (const Lowest& lowest : resting) lower_mm = std::min(lower_mm, up.dot(believed[lowest.point]));
   bool near = false, still = false;
   for (const Lowest& lowest : resting) {
     const Eigen::Vector3d& p = now[lowest.point];
@@ -197,12 +199,12 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet
     const bool rests = weight > 0.5;
     still = still || rests;
     if (floor_) {
-      const double height = floor_->height_mm(told[lowest.point]);
-      near = near || (rests && std::abs(height) < 3 * options_.outlier_mm);
+      const double height = floor_->height_mm(believed[lowest.point]);
+      near = near || (rests && std::abs(floor_->height_mm(told[lowest.point])) < 3 * options_.outlier_mm);
       weight /= cauchy_doubt(height * height, options_.outlier_mm);
     }
-    weight /= cauchy_doubt(std::pow(up.dot(told[lowest.point]) - lower_mm, 2), options_.higher_foot_mm);
-    if (!is_measured_ && feet) add(told[lowest.point], times * weight);
+    weight /= cauchy_doubt(std::pow(up.dot(believed[lowest.point]) - lower_mm, 2), options_.higher_foot_mm);
+    if (!is_measured_ && feet) add(believed[lowest.point], times * weight);
   }
   if (floor_ && still) contradicted_frames_ = near ? 0 : contradicted_frames_ + 1;
   if (is_measured_) return;
@@ -210,17 +212,28 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet
   fit();
 }
 
-// Along their lines of sight, which the picture tells.
-void FloorFinder::balance(const Pose& feet, const Eigen::Vector3d& up, std::vector<Eigen::Vector3d>& soles_mm) {
-  if (soles_mm.empty()) return;
+// Of who stands: the soles moved along their lines of sight, which the picture tells, to where balance ends.
+std::vector<Eigen::Vector3d> FloorFinder::balanced(const Pose& feet, const Eigen::Vector3d& up,
+                                                   std::vector<Eigen::Vector3d> soles_mm) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& p : soles_mm) middle += p / double(soles_mm.size());
-  balance_.learn(actor_, keypoint_positions(actor_, forward_kinematics(actor_.skeleton, feet)), middle, up);
-  const Eigen::Vector3d away = away_along_floor(up);
-  for (Eigen::Vector3d& p : soles_mm) {
-    const double distance = away.dot(p);
-    if (distance > kSteepest * p.norm()) p -= p * (balance_.excess_mm() / distance);
+  for (const Foot& foot : kFeet) {
+    const int bone = actor_.skeleton.bone_index(foot.bone);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    int n = 0;
+    for (size_t i = 0; i < soles_.size(); ++i) {
+      if (soles_[i].bone != bone) continue;
+      sum += soles_mm[i];
+      ++n;
+    }
+    if (n == 0) return soles_mm;
+    middle += sum / n / 2;
   }
+  const auto joints = keypoint_positions(actor_, forward_kinematics(actor_.skeleton, feet));
+  const bool stands = balance_.learn(actor_, joints, middle, up);
+  const Eigen::Vector3d away = away_along_floor(up);
+  if (!stands || away.dot(middle) < kSteepest * middle.norm()) return soles_mm;
+  for (Eigen::Vector3d& p : soles_mm) p -= p * (balance_.excess_mm() / away.dot(p));
+  return soles_mm;
 }
 
 void FloorFinder::add(const Eigen::Vector3d& point_mm, double weight) {

@@ -56,13 +56,14 @@ struct FloorOptions {
   // A foot so much higher than the other has half a say, however that one moves: the floor is below both, and a foot
   // that is lifted is as still where it is highest as one that stands.
   double higher_foot_mm = 25;
-  BalanceOptions balance;  // beyond which feet are believed to be where they would be in balance
+  BalanceOptions balance;  // feet beyond it are believed to be where it ends, on their lines of sight
 
   void validate() const;  // throws ConfigError
 };
 
-// A plane through the resting feet of the frames so far; where they do not tell its tilt, below what is upright: the
-// room's edges, and the body from ankles to neck, as that was on average. A floor that was measured stays what it is.
+// A plane through the resting feet of the frames so far, where balance has them; where they do not tell its tilt, below
+// what is upright: the room's edges, and the body from ankles to neck, as that was on average. A floor that was
+// measured stays what it is.
 class FloorFinder {
  public:
   // Keeps a reference to the actor. Throws ConfigError.
@@ -90,7 +91,8 @@ class FloorFinder {
   const Floor* floor() const { return floor_ ? &*floor_ : nullptr; }
 
  private:
-  void balance(const Pose& feet, const Eigen::Vector3d& up, std::vector<Eigen::Vector3d>& soles_mm);
+  std::vector<Eigen::Vector3d> balanced(const Pose& feet, const Eigen::Vector3d& up,
+                                        std::vector<Eigen::Vector3d> soles_mm);
   void add(const Eigen::Vector3d& point_mm, double weight);
   void fit();
   struct Tilt {

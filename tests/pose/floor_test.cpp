@@ -115,27 +115,34 @@ TEST(Floor, IsWhereThePictureHasTheFeetOfTheFramesAskedFor) {
 TEST(Floor, IsBelowWhoIsInBalance) {
   const Actor actor = test::make_test_actor();
   const Floor truth{kUp, 1200};
-  const Pose stands = on_floor(actor, 100, 3200, truth);
-  Pose swung = stands;
+  Pose swung = on_floor(actor, 100, 3200, truth);
   for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
     const std::string& name = actor.skeleton.dofs[k].name;
     if (name == "left_hip_x" || name == "right_hip_x") swung.angles_rad[k] -= 0.4;
     if (name == "left_knee_x" || name == "right_knee_x") swung.angles_rad[k] += 0.5;
   }
-  const auto learned = [&](double most_mm) {
+  Pose seated = swung;
+  for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
+    const std::string& name = actor.skeleton.dofs[k].name;
+    if (name == "left_hip_x" || name == "right_hip_x") seated.angles_rad[k] -= 1.1;
+    if (name == "left_knee_x" || name == "right_knee_x") seated.angles_rad[k] += 1.0;
+  }
+  // Of the soles above the floor learned from them.
+  const auto height_mm = [&](double most_mm, const Pose& pose) {
     FloorOptions options;
     options.balance.most_mm = most_mm;
     FloorFinder finder(actor, options, {});
     finder.set_upright({kUp, Eigen::Matrix3d::Identity() * 1e6});
-    for (int frame = 0; frame < 20; ++frame) finder.learn(swung, swung, &swung, seen(actor, swung));
-    return finder.floor()->height_mm(soles_of(actor, swung).front());
+    for (int frame = 0; frame < 20; ++frame) finder.learn(pose, pose, &pose, seen(actor, pose));
+    return finder.floor()->height_mm(soles_of(actor, pose).front());
   };
-  const double as_seen = learned(1e6), balanced = learned(75), level = learned(0);
+  const double none = 1e6;
+  const double as_seen = height_mm(none, swung), far = height_mm(100, swung), level = height_mm(0, swung);
   EXPECT_NEAR(as_seen, 0, 30) << "without balance it is where the feet are";
-  // The feet are 250 to 330 mm before the body: the floor they are moved to lies below by that times how steeply they
-  // are seen.
-  EXPECT_GT(balanced, as_seen + 40);
-  EXPECT_GT(level, balanced + 15) << "75 mm more";
+  EXPECT_GT(far, as_seen + 5);
+  // Feet are seen 0.34 down a unit along the floor, in their middle.
+  EXPECT_NEAR(level - far, 100 * 0.34, 15);
+  EXPECT_DOUBLE_EQ(height_mm(0, seated), height_mm(none, seated)) << "who sits tells nothing";
 }
 
 // A lifted foot is as still where it is highest as one that stands; the other one stands meanwhile.

@@ -143,8 +143,10 @@ inline constexpr double kPeerPoseEnergy = 5e-5;
 inline constexpr double kRecoveredMm = 1.0;
 // A torso that is turned about its axis alone onto detections of a standing figure, rad.
 inline constexpr double kTurnedTrunkRad = 0.03;
-// The centre of mass by the joints, against that of the mesh's volume, which is dense alike and clothed.
-inline constexpr double kCentreOfMassMm = 75;
+// The centre of mass by the joints, against that of the mesh's volume, which is dense alike and clothed: along the
+// floor, and upwards, where trousers and shoes count.
+inline constexpr double kCentreOfMassAcrossMm = 20;
+inline constexpr double kCentreOfMassUpMm = 75;
 // A floor learned from some hundred resting feet whose depth trembles by 8 mm: its tilt, and heights where they stood.
 inline constexpr double kLearnedFloorRad = 0.02;
 inline constexpr double kLearnedFloorMm = 5;

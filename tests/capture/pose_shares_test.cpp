@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "actor/labels.h"
 #include "support/builtin_actor.h"
 
 namespace livecap {
@@ -24,6 +25,10 @@ TEST(PoseShares, TellsHowFarASkirtCoversTheKnees) {
   EXPECT_GT(as_it_is, -100);
   EXPECT_NEAR(knee_cover_mm(in_a_skirt(250)) - as_it_is, 250, 1e-3);
   EXPECT_TRUE(std::isinf(knee_cover_mm(test::builtin_actor("trousers"))));
+  Actor jumpsuit = in_a_skirt(250);
+  for (uint8_t& label : jumpsuit.labels)
+    if (label == lip::kSkirt) label = 10;
+  EXPECT_TRUE(std::isinf(knee_cover_mm(jumpsuit))) << "its knees are seen";
   Actor no_knee = in_a_skirt(250);
   no_knee.keypoints[kLeftKnee].bone = -1;
   EXPECT_TRUE(std::isinf(knee_cover_mm(no_knee)));

@@ -1,7 +1,6 @@
 #include "capture/components.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "capture/tracker.h"
 #include "livecap/error.h"
@@ -72,7 +71,7 @@ void switch_off(const std::string& name, TrackerOptions& options) {
   } else if (name == "confidence") {
     options.ignore_confidence = true;
   } else if (name == "balance") {
-    options.floor.balance.most_mm = std::numeric_limits<double>::max();
+    options.floor.balance.most_mm = kNoBalance;
   } else if (name == "pose_solver") {
     options.solve_pose = false;
   }

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <limits>
 #include <optional>
 
 #include "actor/actor.h"
@@ -22,6 +23,8 @@ std::optional<Eigen::Vector3d> centre_of_mass(const Actor& actor,
 // the actor lacks one of the keypoints.
 double leg_reach(const Actor& actor, const std::array<Eigen::Vector3d, kKeypointCount>& positions,
                  const Eigen::Vector3d& up);
+
+inline constexpr double kNoBalance = std::numeric_limits<double>::max();  // as most_mm: feet may be anywhere
 
 struct BalanceOptions {
   // How far, on average, what bears the weight may lie nearer or farther than the centre of mass, along the floor, mm.

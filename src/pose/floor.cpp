@@ -167,13 +167,14 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet
   const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);
   const auto now = positions(soles_, posed);
   const auto before = positions(soles_, forward_kinematics(actor_.skeleton, previous));
-  const auto told = feet ? positions(soles_, forward_kinematics(actor_.skeleton, *feet)) : now;
+  const PosedSkeleton posed_feet = feet ? forward_kinematics(actor_.skeleton, *feet) : posed;
+  const auto told = positions(soles_, posed_feet);
   const auto joints = keypoint_positions(actor_, posed);
   const Eigen::Vector3d upright = (joints[kNeck] - (joints[kLeftAnkle] + joints[kRightAnkle]) / 2).normalized();
   if (!(upright.y() < kUprightY)) return;
   body_up_ += upright;
   const Eigen::Vector3d up = this->up();
-  const auto believed = feet && !is_measured_ ? balanced(*feet, up, told) : told;
+  const auto believed = feet && !is_measured_ ? balanced(posed_feet, up, told) : told;
 
   struct Lowest {
     size_t point = 0;
@@ -213,7 +214,7 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet
 }
 
 // Of who stands: the soles moved along their lines of sight, which the picture tells, to where balance ends.
-std::vector<Eigen::Vector3d> FloorFinder::balanced(const Pose& feet, const Eigen::Vector3d& up,
+std::vector<Eigen::Vector3d> FloorFinder::balanced(const PosedSkeleton& feet, const Eigen::Vector3d& up,
                                                    std::vector<Eigen::Vector3d> soles_mm) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const Foot& foot : kFeet) {
@@ -228,8 +229,7 @@ std::vector<Eigen::Vector3d> FloorFinder::balanced(const Pose& feet, const Eigen
     if (n == 0) return soles_mm;
     middle += sum / n / 2;
   }
-  const auto joints = keypoint_positions(actor_, forward_kinematics(actor_.skeleton, feet));
-  const bool stands = balance_.learn(actor_, joints, middle, up);
+  const bool stands = balance_.learn(actor_, keypoint_positions(actor_, feet), middle, up);
   const Eigen::Vector3d away = away_along_floor(up);
   if (!stands || away.dot(middle) < kSteepest * middle.norm()) return soles_mm;
   for (Eigen::Vector3d& p : soles_mm) p -= p * (balance_.excess_mm() / away.dot(p));

@@ -91,7 +91,7 @@ class FloorFinder {
   const Floor* floor() const { return floor_ ? &*floor_ : nullptr; }
 
  private:
-  std::vector<Eigen::Vector3d> balanced(const Pose& feet, const Eigen::Vector3d& up,
+  std::vector<Eigen::Vector3d> balanced(const PosedSkeleton& feet, const Eigen::Vector3d& up,
                                         std::vector<Eigen::Vector3d> soles_mm);
   void add(const Eigen::Vector3d& point_mm, double weight);
   void fit();

@@ -185,6 +185,7 @@ typedef struct {
   float least_moved_px;  // nothing is done when the one before moved no keypoint so far; it moved -1 where it failed
   float doubt_mm;        // of 3D detections where it continues, see src/pose/targets.h; 0: none
   int rests;             // whether soles_before are known
+  float least_stands;    // how sure a sole is to rest, at least
   int tells;             // whether residuals are asked for where the steps end
 } PoseStepsArg;
 

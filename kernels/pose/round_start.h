@@ -40,11 +40,12 @@ static double2 height_and_move(int i, double3 root, local const float* soles, lo
   return (double2)(dot(up, now) + ground[3], sqrt(dot(across, across)));
 }
 
-static double standing(PoseLayout layout, int i, local const int* bones, local const double* heights, double2 own) {
+static double standing(PoseLayout layout, double least, int i, local const int* bones, local const double* heights,
+                       double2 own) {
   double lowest = own.x;
   for (int k = 0; k < layout.n_soles; ++k)
     if (bones[k] == bones[i]) lowest = fmin(lowest, heights[k]);
-  return stands_by(own.x, lowest, own.y);
+  return fmax(least, stands_by(own.x, lowest, own.y));
 }
 
 // continues: see PoseStepsArg; otherwise nothing happens. c, step: of the pose to start from. soles_before [3*n_soles]:
@@ -75,8 +76,8 @@ static void start_round(bool continues, PoseLayout layout, PoseStepsArg steps, g
     }
   }
   if (has_sole)
-    ground[LC_POSE_GROUND_STANDS + sole] =
-        (float)standing(layout, sole, c.links + LC_POSE_LINKS_POINTS(layout) + LC_POSE_KEYPOINTS, heights, own);
+    ground[LC_POSE_GROUND_STANDS + sole] = (float)standing(
+        layout, steps.least_stands, sole, c.links + LC_POSE_LINKS_POINTS(layout) + LC_POSE_KEYPOINTS, heights, own);
   barrier(CLK_LOCAL_MEM_FENCE);
   if (continues && id < LC_POSE_KEYPOINTS) {
     targets[LC_POSE_TARGET * id + LC_POSE_TARGET_ROOT_3D] = (float)root_3d;

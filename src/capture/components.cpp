@@ -30,7 +30,7 @@ const std::vector<std::string>& component_names() {
     for (const Term& term : term_table()) list.emplace_back(term.name);
     for (const char* name :
          {"face", "warping", "part_mask", "snapping", "cloth", "cloth_behind", "cloth_anew", "confidence",
-          kMaskGating.data(), kFixedLag.data(), kUpright.data(), "balance", "pose_solver"})
+          kMaskGating.data(), kFixedLag.data(), kUpright.data(), "balance", "hidden_arms", "pose_solver"})
       list.emplace_back(name);
     return list;
   }();
@@ -72,6 +72,9 @@ void switch_off(const std::string& name, TrackerOptions& options) {
     options.ignore_confidence = true;
   } else if (name == "balance") {
     options.floor.balance.most_mm = kNoBalance;
+  } else if (name == "hidden_arms") {
+    options.pose.hidden_share = 0;
+    options.starts.strayed_arm_share = 0;
   } else if (name == "pose_solver") {
     options.solve_pose = false;
   }

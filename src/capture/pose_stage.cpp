@@ -110,6 +110,7 @@ PoseResult PoseStage::solve_corrected(const PoseStageInput& input, const Pose& p
   try_turned(input, previous, best);
   try_untwisted(input, previous, best);
   try_detected_legs(input, previous, best);
+  try_detected_arms(input, previous, best);
   try_mirrored_forearms(input, previous, best);
   const bool insists = best.exchanged && exchanged_frames_ >= options_.starts.max_exchanged_frames;
   if (insists) try_anew(input, best);
@@ -161,7 +162,8 @@ void PoseStage::try_exchanged_legs(const PoseStageInput& input, const Pose& pred
     detections.keypoints = keypoints;
     Solution other = rounds_.solve(input, detections, predicted, &previous, Rounds::kAll);
     other.exchanged = true;
-    keep_better(std::move(other), best);
+    if (other.pose.status != SolveStatus::kOk) continue;
+    if (best.pose.status != SolveStatus::kOk || covers_more(input, other, best)) best = std::move(other);
   }
 }
 
@@ -211,9 +213,25 @@ void PoseStage::try_detected_legs(const PoseStageInput& input, const Pose& previ
   }
 }
 
+// The network's elbows are bent too far, so that what an arm costs where the detections have it says little of which
+// arm is right. But one that a turn hid and that is held inside the trunk since leaves a part of the picture uncovered.
+void PoseStage::try_detected_arms(const PoseStageInput& input, const Pose& previous, Solution& best) {
+  if (!input.detected || !rounds_.matches(input) || best.pose.status != SolveStatus::kOk || best.exchanged) return;
+  const double least_px = options_.starts.strayed_arm_share * keypoints_height_px(input.detections);
+  if (!(least_px > 0)) return;
+  for (const Pose& bent :
+       with_detected_arms(actor_, camera_, best.pose.pose, input.detections, options_.pose, least_px)) {
+    make_comparable(input, previous, best);
+    Solution other = rounds_.solve(input, input.detections, bent, &previous, Rounds::kAll);
+    if (other.pose.status == SolveStatus::kOk && covers_more(input, other, best)) best = std::move(other);
+  }
+}
+
 // A leg that crossed the other one may be left on its shoe. What the picture shows of it then is covered by nothing,
-// which costs nothing, and to leave costs E_temporal.
+// which costs nothing, and to leave costs E_temporal. And legs solved by the wrong names may end up crossed, at hardly
+// another cost.
 bool PoseStage::covers_more(const PoseStageInput& input, const Solution& other, const Solution& best) {
+  if (input.silhouette.empty()) return other.cost < best.cost;
   const auto iou = [&](const Solution& solution) {
     rounds_.render(solution.pose.pose);
     return rasterizer_.intersection_over_union(input.frame.mask);

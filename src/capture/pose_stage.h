@@ -80,6 +80,7 @@ class PoseStage {
   void try_turned(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_untwisted(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_detected_legs(const PoseStageInput& input, const Pose& previous, Solution& best);
+  void try_detected_arms(const PoseStageInput& input, const Pose& previous, Solution& best);
   bool covers_more(const PoseStageInput& input, const Solution& other, const Solution& best);
   void try_mirrored_forearms(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_refined(const PoseStageInput& input, const Pose& initial, const Pose& previous, Solution& best);

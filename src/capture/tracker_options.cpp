@@ -72,6 +72,7 @@ void HiddenKneesOptions::validate() const {
   not_negative("hidden_knees.least_cover_mm", least_cover_mm);
   share("hidden_knees.keypoint_2d", keypoint_2d);
   not_negative("hidden_knees.refined_doubt_3d_mm", refined_doubt_3d_mm);
+  share("hidden_knees.least_stands", least_stands);
 }
 
 void OtherStartsOptions::validate() const {
@@ -80,6 +81,7 @@ void OtherStartsOptions::validate() const {
   not_negative("starts.least_turn_rad", least_turn_rad);
   not_negative("starts.least_twist_rad", least_twist_rad);
   not_negative("starts.strayed_share", strayed_share);
+  not_negative("starts.strayed_arm_share", strayed_arm_share);
   not_negative("starts.cost_of_covering", cost_of_covering);
   not_negative("starts.least_mirrored_rad", least_mirrored_rad);
   not_negative("starts.mirrored_misfit", mirrored_misfit);

@@ -94,6 +94,7 @@ struct HiddenKneesOptions {
   double least_cover_mm = 100;      // that the hem hangs below the knees, in the rest pose
   double keypoint_2d = 0.3;         // E_2D of knees counts so much of what it counts elsewhere
   double refined_doubt_3d_mm = 60;  // of all keypoints, unless none is doubted: little else tells of legs
+  double least_stands = 0.1;        // of PoseOptions: a leg that is lifted towards the camera looks as one that is not
 
   void validate() const;  // throws ConfigError
 };
@@ -111,9 +112,11 @@ struct OtherStartsOptions {
   // A body with an ankle so far from its detection, as a share of the person's height in the picture, is solved from
   // legs bent to the detections as well (pose/other_starts.h). 0: never.
   double strayed_share = 0.04;
-  // Where an ankle is strayed_share from its detection by either name, the start is bent by the names the pose goes by,
-  // and counts where it covers more of the silhouette even if it costs more: by this share for all of it, in proportion
-  // for less (IoU).
+  // The same of an elbow or a wrist.
+  double strayed_arm_share = 0.05;
+  // Where limbs compete (legs exchanged or not, an arm as detected, an ankle that is strayed_share from its detection
+  // by either name), a solution counts that costs more by this share times what more of the silhouette it covers (IoU);
+  // one that covers less must cost less by as much.
   double cost_of_covering = 3.3;
   // A body is solved with a forearm mirrored in depth as well, if that turns it by so much and the skin's shading then
   // misfits less than this share of before (pose/mirrored_forearm.h, match/skin_shading.h).

@@ -76,6 +76,11 @@ PosedSkeleton forward_kinematics(const Skeleton& skeleton, const Pose& pose) {
   return posed;
 }
 
+bool hangs_on(const Skeleton& skeleton, int bone, int on) {
+  while (bone >= 0 && bone != on) bone = skeleton.bones[bone].parent;
+  return bone >= 0;
+}
+
 std::vector<uint64_t> dofs_moving_bones(const Skeleton& skeleton) {
   std::vector<uint64_t> masks(skeleton.n_bones(), 0);
   for (int b = 0; b < skeleton.n_bones(); ++b) {

@@ -62,6 +62,9 @@ struct PosedSkeleton {
 
 PosedSkeleton forward_kinematics(const Skeleton& skeleton, const Pose& pose);
 
+// Whether `bone` is `on` or lies below it.
+bool hangs_on(const Skeleton& skeleton, int bone, int on);
+
 // Bit k of entry b is set when joint angle k moves bone b. [n_bones]
 std::vector<uint64_t> dofs_moving_bones(const Skeleton& skeleton);
 

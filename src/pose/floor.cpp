@@ -95,8 +95,8 @@ std::vector<SolePoint> sole_points(const Actor& actor) {
 }
 
 std::vector<double> standing(std::span<const SolePoint> soles, const Skeleton& skeleton, const Floor& floor,
-                             const Pose& pose, const Pose* previous) {
-  std::vector<double> stands(soles.size(), 0.0);
+                             const Pose& pose, const Pose* previous, double least) {
+  std::vector<double> stands(soles.size(), least);
   if (!previous) return stands;
   const auto now = positions(soles, forward_kinematics(skeleton, pose));
   const auto before = positions(soles, forward_kinematics(skeleton, *previous));
@@ -105,7 +105,7 @@ std::vector<double> standing(std::span<const SolePoint> soles, const Skeleton& s
     double lowest = height;
     for (size_t j = 0; j < soles.size(); ++j)
       if (soles[j].bone == soles[i].bone) lowest = std::min(lowest, floor.height_mm(now[j]));
-    stands[i] = stands_by(height, lowest, move_across_mm(before[i], now[i]));
+    stands[i] = std::max(least, stands_by(height, lowest, move_across_mm(before[i], now[i])));
   }
   return stands;
 }

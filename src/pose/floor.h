@@ -35,10 +35,10 @@ struct SolePoint {
 // the skeleton does not have.
 std::vector<SolePoint> sole_points(const Actor& actor);
 
-// How sure each of the points is to rest on the floor, 0..1: those by which their foot is lowest, the nearer the floor
-// and the stiller, across the line of sight, since `previous`, one frame ago. nullptr: 0.
+// How sure each of the points is to rest on the floor, least..1: those by which their foot is lowest, the nearer the
+// floor and the stiller, across the line of sight, since `previous`, one frame ago. nullptr: least.
 std::vector<double> standing(std::span<const SolePoint> soles, const Skeleton& skeleton, const Floor& floor,
-                             const Pose& pose, const Pose* previous);
+                             const Pose& pose, const Pose* previous, double least = 0);
 
 struct FloorOptions {
   double memory = 1000;  // after so many resting feet one's say has fallen to 1/e

@@ -2,10 +2,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "pose/arm_points.h"
 #include "pose/initialize.h"
 #include "pose/targets.h"
 
@@ -19,12 +21,27 @@ struct Leg {
 
 constexpr Leg kAnkleAndHip[] = {{kLeftAnkle, "left_hip"}, {kRightAnkle, "right_hip"}};
 
-// Whether the bone is one of these or hangs on one.
-bool hangs_on(const Skeleton& skeleton, int bone, const std::vector<int>& these) {
-  for (; bone >= 0; bone = skeleton.bones[bone].parent) {
-    if (std::find(these.begin(), these.end(), bone) != these.end()) return true;
-  }
-  return false;
+// From the keypoint of a pose to its detection; 0 where it has none, or lies behind the camera.
+double distance_px(const Actor& actor, const Camera& camera,
+                   const std::array<Eigen::Vector3d, kKeypointCount>& positions, const Detections& detections,
+                   Keypoint k) {
+  if (actor.keypoints[k].bone < 0 || !(positions[k].z() > 0)) return 0;
+  const KeypointDetection& seen = detections.keypoints[k];
+  return (project_px(camera, positions[k]) - Eigen::Vector2d(seen.x_px, seen.y_px)).norm();
+}
+
+// `pose` with what hangs on these bones bent as initialize_pose would bend it.
+std::optional<Pose> bent_as_detected(const Actor& actor, const Camera& camera, const Pose& pose,
+                                     const Detections& detections, const PoseOptions& options,
+                                     const std::vector<int>& bones) {
+  if (bones.empty()) return std::nullopt;
+  const std::optional<Pose> found = initialize_pose(actor, camera, detections, options);
+  if (!found) return std::nullopt;
+  Pose bent = pose;
+  for (int k = 0; k < actor.skeleton.n_dofs(); ++k)
+    for (const int bone : bones)
+      if (hangs_on(actor.skeleton, actor.skeleton.dofs[k].bone, bone)) bent.angles_rad[k] = found->angles_rad[k];
+  return bent;
 }
 
 }  // namespace
@@ -75,22 +92,26 @@ std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera,
   const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
   std::vector<int> strayed;  // hips
   for (const Leg& leg : kAnkleAndHip) {
-    const KeypointDetection& seen = detections.keypoints[leg.ankle];
-    const Eigen::Vector3d& p = positions[leg.ankle];
     const int hip = actor.skeleton.bone_index(leg.hip);
-    if (hip < 0 || actor.keypoints[leg.ankle].bone < 0 || !(p.z() > 0) || !(seen.confidence >= kTrustedDetection))
-      continue;
-    const double distance = (project_px(camera, p) - Eigen::Vector2d(seen.x_px, seen.y_px)).norm();
-    if (distance >= least_px) strayed.push_back(hip);
+    if (hip < 0 || !(detections.keypoints[leg.ankle].confidence >= kTrustedDetection)) continue;
+    if (distance_px(actor, camera, positions, detections, leg.ankle) >= least_px) strayed.push_back(hip);
   }
-  if (strayed.empty()) return std::nullopt;
-  const std::optional<Pose> found = initialize_pose(actor, camera, detections, options);
-  if (!found) return std::nullopt;
-  Pose bent = pose;
-  for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
-    if (hangs_on(actor.skeleton, actor.skeleton.dofs[k].bone, strayed)) bent.angles_rad[k] = found->angles_rad[k];
+  return bent_as_detected(actor, camera, pose, detections, options, strayed);
+}
+
+std::vector<Pose> with_detected_arms(const Actor& actor, const Camera& camera, const Pose& pose,
+                                     const Detections& detections, const PoseOptions& options, double least_px) {
+  std::vector<Pose> poses;
+  if (!detections.person) return poses;
+  const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
+  for (const ArmPoints& arm : kArmPoints) {
+    const int shoulder = actor.skeleton.bone_index(arm.shoulder);
+    const auto distance = [&](Keypoint k) { return distance_px(actor, camera, positions, detections, k); };
+    if (shoulder < 0 || std::max(distance(arm.elbow), distance(arm.wrist)) < least_px) continue;
+    if (const auto bent = bent_as_detected(actor, camera, pose, detections, options, {shoulder}))
+      poses.push_back(*bent);
   }
-  return bent;
+  return poses;
 }
 
 }  // namespace livecap

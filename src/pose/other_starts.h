@@ -1,12 +1,12 @@
 // Poses to start from as well where texture and silhouette may have led astray, as the detections have them: whole
 // bodies that were matched one stripe or check further round, where clothes with a pattern look nearly right, and legs
-// that hold on to the other one's shoe, which the robust E_2D lets them. (The same for arms made two of five sequences
-// worse: the network's elbows are bent too far.) A mirrored forearm: pose/mirrored_forearm.h. And a pelvis that the
-// skirt alone led astray, turned back.
+// that hold on to the other one's shoe, which the robust E_2D lets them. Arms that a turn hid. A mirrored forearm:
+// pose/mirrored_forearm.h. And a pelvis that the skirt alone led astray, turned back.
 #pragma once
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "actor/actor.h"
 #include "base/detections.h"
@@ -33,5 +33,10 @@ Pose leant(const Pose& pose, double lean_rad);
 // nullopt when there is none or the detections do not tell.
 std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera, const Pose& pose,
                                        const Detections& detections, const PoseOptions& options, double least_px);
+
+// `pose` with one arm bent as initialize_pose would bend it, for each whose elbow or wrist lies at least least_px from
+// its detection.
+std::vector<Pose> with_detected_arms(const Actor& actor, const Camera& camera, const Pose& pose,
+                                     const Detections& detections, const PoseOptions& options, double least_px);
 
 }  // namespace livecap

@@ -83,6 +83,9 @@ void PoseOptions::validate() const {
   not_negative("shading_huber", shading_huber);
   not_negative("floor_huber_mm", floor_huber_mm);
   not_negative("temporal_doubt_mm", temporal_doubt_mm);
+  not_negative("least_stands", least_stands);
+  not_negative("hidden_confidence", hidden_confidence);
+  not_negative("hidden_share", hidden_share);
   not_negative("max_predicted_turn_rad", max_predicted_turn_rad);
   not_negative("max_predicted_move_mm", max_predicted_move_mm);
   in_range("steps", steps, 1, 1000);

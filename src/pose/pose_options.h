@@ -77,9 +77,17 @@ struct PoseOptions {
   double shading_huber = 3;    // standard deviations; shadows and highlights
   double floor_huber_mm = 20;  // a step, a floor thought too high
 
+  // How sure E_floor is, at least, that a sole rests on the floor, 0..1 (pose/floor.h: standing).
+  double least_stands = 0;
+
   // Where arms compete, E_temporal of a keypoint grows no further than this far from where it was (pose/targets.h:
   // doubted_cost): the wrong arm of the last frame would hold itself there. 0: it grows for ever.
   double temporal_doubt_mm = 200;
+
+  // What of an arm is not detected with so much confidence keeps its angles, by E_rest of so many chests
+  // (pose/held_arms.h).
+  double hidden_confidence = 0.3;
+  double hidden_share = 3;
 
   // Bounds of the Euler step that predicts a frame, per frame.
   double max_predicted_turn_rad = 0.5;

@@ -71,7 +71,8 @@ PoseSolver::Prepared PoseSolver::prepare(const PoseInput& input) const {
   weigh_3d(prepared, input);
   if (input.doubt_3d_mm > 0) doubt_far_detections(prepared.targets, prepared.keypoints_mm, input.doubt_3d_mm);
   if (input.floor)
-    prepared.stands = standing(system_.soles(), actor_.skeleton, *input.floor, input.initial, input.previous);
+    prepared.stands =
+        standing(system_.soles(), actor_.skeleton, *input.floor, input.initial, input.previous, options_.least_stands);
   return prepared;
 }
 
@@ -92,6 +93,7 @@ PoseResult PoseSolver::solve(const PoseInput& input, const Prepared& prepared) {
     system_.set_frame(targets, input.frame, input.contour_vertices, input.matches, input.shaded);
   }
   system_.set_floor(input.floor, prepared.stands);
+  system_.set_rest(rest_angles(actor_, input.detections, input.previous, options_));
   PoseResult result;
   result.pose = input.initial;
   const bool has_detections = has_observation(targets);
@@ -173,6 +175,7 @@ bool PoseSolver::begin_rounds(std::span<const Round> rounds, const SeenVertices&
     system_.forget_look();
     return false;
   }
+  system_.set_rest(rest_angles(actor_, first.detections, first.previous, options_));
   const PoseState start{first.initial, best_t_prime(prepared_.front().targets, prepared_.front().keypoints_mm)};
   system_.begin_rounds(int(rounds.size()), start, first.frame);
   return true;

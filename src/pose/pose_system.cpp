@@ -26,7 +26,7 @@ constexpr int kMaxBones = LC_POSE_NO_BONE;
 
 static_assert(LC_POSE_KEYPOINTS == kKeypointCount);
 static_assert(sizeof(PoseLayout) == 20 && sizeof(PoseContour) == 20 && sizeof(PoseInputs) == 48 &&
-              sizeof(PoseChoice) == 28 && sizeof(PoseStepsArg) == 56);
+              sizeof(PoseChoice) == 28 && sizeof(PoseStepsArg) == 60);
 
 void require(bool ok, const std::string& message) {
   if (!ok) throw LogicError("pose: " + message);
@@ -86,20 +86,16 @@ PoseSystem::PoseSystem(ocl::DeviceContext& device, const Actor& actor, const Ski
     std::fill(row, row + 6, 1.0f);
     for (int k = 0; k < layout_.n_dofs; ++k) row[6 + k] = masks[b] >> k & 1 ? 1.0f : 0.0f;
   }
-  std::vector<float> limits;
-  for (const Dof& dof : skeleton.dofs) {
-    limits.push_back(float(dof.min_rad));
-    limits.push_back(float(dof.max_rad));
-    limits.push_back(float(dof.rest_rad));
-    limits.push_back(float(std::sqrt(options.weights.rest * dof.rest_share)));
-  }
+  for (const Dof& dof : skeleton.dofs)
+    limits_host_.insert(limits_host_.end(), {float(dof.min_rad), float(dof.max_rad), 0.0f, 0.0f});
   const size_t n_contour = round_up(options.max_contour_vertices, LC_POSE_SLICE);
   step_host_.resize(LC_POSE_STEP_SIZE(layout_));
   gram_host_.resize(LC_POSE_GRAM_SIZE(layout_));
   inputs_ = PoseRowInputs(layout_, options, n_vertices_, is_cpu_ ? 1 : LC_POSE_MOST_ROUNDS);
   inputs_on_device_ = ocl::Buffer<float>(device, inputs_.words().size());
   links_ = ocl::Buffer<int32_t>(device, chain_links(points_));
-  limits_ = ocl::Buffer<float>(device, limits);
+  limits_ = ocl::Buffer<float>(device, limits_host_);
+  set_rest(rest_angles(actor, {}, nullptr, options));
   moves_ = ocl::Buffer<float>(device, moves);
   rest_ = ocl::Buffer<float>(device, actor.mesh.positions);
   rest_normals_ = ocl::Buffer<float>(device, vertex_normals(actor.mesh.positions, actor.mesh.triangles));
@@ -197,6 +193,16 @@ void PoseSystem::set_picture(const DeviceFrame* frame) {
 void PoseSystem::set_floor(const Floor* floor, std::span<const double> stands) {
   inputs_.set_floor(floor, stands);
   inputs_changed_ = true;
+}
+
+void PoseSystem::set_rest(std::span<const RestAngle> rest) {
+  require(rest.size() == size_t(layout_.n_dofs), format("%zu angles have a rest, not %d", rest.size(), layout_.n_dofs));
+  const std::vector<float> before = limits_host_;
+  for (size_t k = 0; k < rest.size(); ++k) {
+    limits_host_[4 * k + 2] = float(rest[k].rad);
+    limits_host_[4 * k + 3] = float(std::sqrt(rest[k].weight));
+  }
+  if (limits_host_ != before) limits_.write_later(limits_host_);
 }
 
 void PoseSystem::upload(const PoseState& state) {
@@ -335,6 +341,7 @@ PoseStepsArg PoseSystem::steps_arg(int n_steps, double settled_px) {
           .least_moved_px = -INFINITY,
           .doubt_mm = 0,
           .rests = 0,
+          .least_stands = float(options_.least_stands),
           .tells = 1};
 }
 

@@ -21,6 +21,7 @@
 #include "ocl/groups_together.h"
 #include "ocl/kernel.h"
 #include "pose/floor.h"
+#include "pose/held_arms.h"
 #include "pose/layout.h"
 #include "pose/pose_options.h"
 #include "pose/posed_step.h"
@@ -68,6 +69,9 @@ class PoseSystem {
   // stands: of each of soles() how sure it is to rest on the floor, 0..1. floor nullptr: none is known, as before the
   // first call. Holds until the next call.
   void set_floor(const Floor* floor, std::span<const double> stands);
+
+  // What E_rest draws each angle to, [n_dofs]; before the first call the actor's own rest. Holds until the next call.
+  void set_rest(std::span<const RestAngle> rest);
 
   // Rounds of steps that are launched one after the other, each from where the one before ended; the host reads once.
   // Only where chooses(). For each round, from 0 on, at most LC_POSE_MOST_ROUNDS: what set_seen_frame() and
@@ -162,6 +166,7 @@ class PoseSystem {
   bool rests_ = false;                // whether soles_before of the rounds are known
   double match_px_ = 1;
   size_t most_rows_ = 0;
+  std::vector<float> limits_host_;  // what limits_ holds
   std::vector<float> step_host_;
   std::vector<float> gram_host_;
   std::vector<float> results_host_;

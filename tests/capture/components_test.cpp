@@ -58,9 +58,10 @@ TEST(Components, EachOneMakesADifference) {
   const std::string everything = captured();
   EXPECT_TRUE(captured() == everything);
   for (const std::string& name : component_names()) {
-    if (name == "anatomic") continue;  // a barrier: nothing while no joint reaches a limit
-    if (name == "floor") continue;     // not known from the first frame on, see below
-    if (name == "balance") continue;   // nothing while the feet are below the body (tests/pose/floor_test.cpp)
+    if (name == "anatomic") continue;     // a barrier: nothing while no joint reaches a limit
+    if (name == "floor") continue;        // not known from the first frame on, see below
+    if (name == "hidden_arms") continue;  // nothing while both are seen (tests/pose/held_arms_test.cpp)
+    if (name == "balance") continue;      // nothing while the feet are below the body (tests/pose/floor_test.cpp)
     options.without = {name};
     EXPECT_FALSE(captured() == everything) << name;
   }
@@ -77,6 +78,14 @@ TEST(Components, WithoutBalanceTheFloorIsWhereverFeetAre) {
   const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, rest_pose(actor.skeleton)));
   balance.learn(actor, positions, Eigen::Vector3d(0, 0, 1e5), Eigen::Vector3d::UnitY());
   EXPECT_EQ(balance.excess_mm(), 0);
+}
+
+TEST(Components, WithoutHiddenArmsNoneIsHeldOrFoundAgain) {
+  TrackerOptions options;
+  EXPECT_GT(std::min(options.pose.hidden_share, options.starts.strayed_arm_share), 0);
+  switch_off("hidden_arms", options);
+  EXPECT_EQ(options.pose.hidden_share, 0);
+  EXPECT_EQ(options.starts.strayed_arm_share, 0);
 }
 
 TEST(Components, VelocityGoesForWhatHangsAndForWhatDoesNot) {

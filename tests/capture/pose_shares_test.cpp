@@ -41,6 +41,7 @@ TEST(PoseShares, KneesThatClothHidesAreGuessedInThePicture) {
     const TrackerOptions options = options_for(actor, given);
     EXPECT_EQ(options.pose.keypoint_2d_weights, told);
     EXPECT_EQ(options.rounds.refined_doubt_3d_mm, given.rounds.refined_doubt_3d_mm);
+    EXPECT_EQ(options.pose.least_stands, given.pose.least_stands);
   }
   const TrackerOptions options = options_for(in_a_skirt(250), given);
   for (int k = 0; k < kKeypointCount; ++k) {
@@ -48,6 +49,7 @@ TEST(PoseShares, KneesThatClothHidesAreGuessedInThePicture) {
     EXPECT_DOUBLE_EQ(options.pose.keypoint_2d_weights[k], share * told[k]) << k;
   }
   EXPECT_EQ(options.rounds.refined_doubt_3d_mm, given.hidden_knees.refined_doubt_3d_mm);
+  EXPECT_EQ(options.pose.least_stands, given.hidden_knees.least_stands);
 }
 
 }  // namespace

@@ -238,6 +238,35 @@ TEST(PoseStage, ALegLeftOnTheOtherOnesShoeIsFound) {
   });
 }
 
+// The left arm raised by so much, rad; lowered, its hand lies before the trunk.
+Pose reaching(const Actor& actor, double rad) {
+  Pose pose = test::standing_pose(actor, 0.3);
+  for (int k = 0; k < actor.skeleton.n_dofs(); ++k)
+    if (actor.skeleton.dofs[k].name == "left_shoulder_z") pose.angles_rad[k] += rad;
+  return pose;
+}
+
+// A turn hid the arm, and E_temporal holds it at the trunk since.
+TEST(PoseStage, AnArmThatIsHeldAtTheTrunkIsFoundAgain) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const auto wrist_off_mm = [&](double strayed_arm_share) {
+      Seen seen(device);
+      TrackerOptions options;
+      options.pose.weights.temporal *= 8;
+      options.starts.strayed_arm_share = strayed_arm_share;
+      PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
+      const auto wrist = [&](const Pose& pose) {
+        return keypoint_positions(seen.actor, forward_kinematics(seen.actor.skeleton, pose))[kLeftWrist];
+      };
+      const Pose truth = reaching(seen.actor, 0.5), before = reaching(seen.actor, -0.9);
+      const Eigen::Vector3d off = wrist(seen.track(stage, before, truth).pose) - wrist(truth);
+      return off.head<2>().norm();
+    };
+    EXPECT_LT(wrist_off_mm(TrackerOptions().starts.strayed_arm_share), test::kFoundArmMm);
+    EXPECT_GT(wrist_off_mm(0), 3 * test::kFoundArmMm);
+  });
+}
+
 // Tracked from a pelvis that is a stripe too far round under a chest that is right.
 TEST(PoseStage, ATwistedSpineIsAlsoSolvedStraight) {
   test::on_every_device([&](ocl::DeviceContext& device) {

@@ -90,6 +90,7 @@ std::vector<Field> fields() {
       length(LC_FIELD(hidden_knees.least_cover_mm)),
       share(LC_FIELD(hidden_knees.keypoint_2d)),
       length(LC_FIELD(hidden_knees.refined_doubt_3d_mm)),
+      share(LC_FIELD(hidden_knees.least_stands)),
       {"starts.leans_rad",
        [](TrackerOptions& o, double value) {
          o.starts.leans_rad = {0.1, value};
@@ -99,6 +100,7 @@ std::vector<Field> fields() {
       length(LC_FIELD(starts.least_turn_rad)),
       length(LC_FIELD(starts.least_twist_rad)),
       length(LC_FIELD(starts.strayed_share)),
+      length(LC_FIELD(starts.strayed_arm_share)),
       length(LC_FIELD(starts.cost_of_covering)),
       length(LC_FIELD(starts.least_mirrored_rad)),
       length(LC_FIELD(starts.mirrored_misfit)),

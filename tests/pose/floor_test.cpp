@@ -319,6 +319,8 @@ TEST(Floor, StandsWhatIsLowNearAndStill) {
   const auto surest = [&](const Pose& now, const Pose* previous) {
     double most = 0;
     for (double s : standing(soles, actor.skeleton, floor, now, previous)) most = std::max(most, s);
+    for (double s : standing(soles, actor.skeleton, floor, now, previous, 0.9)) EXPECT_GE(s, 0.9);
+    for (double s : standing(soles, actor.skeleton, floor, now, previous, 1)) EXPECT_EQ(s, 1);
     return most;
   };
   EXPECT_GT(surest(pose, &pose), 0.9);

@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <string>
+#include <vector>
 
 #include "support/builtin_actor.h"
 #include "support/pose_scene.h"
@@ -132,6 +135,39 @@ TEST(OtherStarts, OnlyALegFarFromItsAnkleIsBentAnew) {
   Detections unsure = detections;
   unsure.keypoints[kLeftAnkle].confidence = 0.3f;
   EXPECT_FALSE(with_detected_legs(actor, camera, strayed, unsure, as_detected(), 20).has_value());
+}
+
+TEST(OtherStarts, EachArmFarFromItsElbowOrWristIsBentAnew) {
+  const Actor actor = test::make_test_actor();
+  const Camera camera = test::portrait_camera();
+  const Pose truth = test::standing_pose(actor, 0);
+  const Detections detections = test::exact_detections(actor, camera, truth);
+  const auto keypoints = [&](const Pose& pose) {
+    return keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
+  };
+  const auto with_turned = [&](std::initializer_list<const char*> names) {
+    Pose pose = truth;
+    for (int k = 0; k < actor.skeleton.n_dofs(); ++k)
+      for (const char* name : names)
+        if (actor.skeleton.dofs[k].name == name) pose.angles_rad[k] += 0.5;
+    return pose;
+  };
+  EXPECT_TRUE(with_detected_arms(actor, camera, truth, detections, as_detected(), 20).empty());
+  const Pose left = with_turned({"left_shoulder_z", "left_hip_z"});
+  const std::vector<Pose> bent = with_detected_arms(actor, camera, left, detections, as_detected(), 20);
+  ASSERT_EQ(bent.size(), 1u);
+  EXPECT_GT((keypoints(left)[kLeftWrist] - keypoints(truth)[kLeftWrist]).norm(), 100);
+  EXPECT_LT((keypoints(bent[0])[kLeftWrist] - keypoints(truth)[kLeftWrist]).norm(), test::kInitializedMm);
+  for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
+    const std::string& name = actor.skeleton.dofs[k].name;
+    if (name.starts_with("left_shoulder") || name.starts_with("left_elbow")) continue;
+    EXPECT_EQ(bent[0].angles_rad[k], left.angles_rad[k]) << name;
+  }
+  const Pose both = with_turned({"left_shoulder_z", "right_shoulder_z"});
+  EXPECT_EQ(with_detected_arms(actor, camera, both, detections, as_detected(), 20).size(), 2u);
+  Detections nobody = detections;
+  nobody.person = false;
+  EXPECT_TRUE(with_detected_arms(actor, camera, both, nobody, as_detected(), 20).empty());
 }
 
 }  // namespace

@@ -105,9 +105,9 @@ void expect_the_hosts(ocl::DeviceContext& device, const RoundScene& scene) {
   KeypointTargets targets = scene.targets;
   if (scene.doubt_mm > 0) doubt_far_detections(targets, keypoints, scene.doubt_mm);
   const std::vector<SolePoint> soles = sole_points(scene.actor);
-  const std::vector<double> stands =
-      scene.has_previous ? standing(soles, scene.actor.skeleton, scene.floor, scene.pose, &scene.previous)
-                         : std::vector<double>(soles.size(), kGiven);
+  const std::vector<double> stands = scene.has_previous ? standing(soles, scene.actor.skeleton, scene.floor, scene.pose,
+                                                                   &scene.previous, scene.options.least_stands)
+                                                        : std::vector<double>(soles.size(), kGiven);
   expect_prepared(rounds_of(device, scene, 2, kGiven), scene, targets, best_t_prime(targets, keypoints), stands);
 }
 
@@ -136,6 +136,7 @@ TEST(RoundStart, IsTheHostsWhereThereIsLittleToTell) {
       expect_the_hosts(device, scene);
     };
     expect_with("no doubt", [](RoundScene& s) { s.doubt_mm = 0; });
+    expect_with("legs that are hidden", [](RoundScene& s) { s.options.least_stands = 0.1; });
     expect_with("nothing detected in 3D", [](RoundScene& s) {
       for (KeypointTarget& target : s.targets) target.weight_3d = 0;
     });

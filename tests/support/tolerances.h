@@ -168,6 +168,10 @@ inline constexpr double kEnergyRatio = 1.01;
 // (some 30 mm). Feet that are some 190 mm apart and on the wrong legs, half of that.
 inline constexpr double kTrackedFeetMm = 15;
 inline constexpr double kExchangedFeetMm = 95;
+// Angles of a hidden arm that a wrong detection pulls to the other side.
+inline constexpr double kHiddenArmRad = 0.06;
+// A wrist across the picture that E_temporal drew 660 mm aside, after one frame.
+inline constexpr double kFoundArmMm = 150;
 // Feet on a floor 30 mm too high: held by it 56 mm too near, free of it 14 mm too far, as without a floor.
 inline constexpr double kFreedFeetMm = 30;
 // A pelvis 0.7 rad too far round, after one step: from there as well as turned back 0.12, from there alone 0.28.

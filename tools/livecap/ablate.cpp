@@ -63,6 +63,7 @@ const std::vector<Variant>& variants() {
       {"no_floor", "floor under the feet", kParts, {"floor"}},
       {"no_upright", "upright edges of the room", kParts, {"upright"}},
       {"no_balance", "feet below the centre of mass", kParts, {"balance"}},
+      {"no_hidden_arms", "arms that hide held, and found again", kParts, {"hidden_arms"}},
       {"no_rest", "chest, collarbones and feet drawn to rest", kParts, {"rest"}},
       {"no_depth", "surface held along the line of sight", kParts, {"depth"}},
       {"rigidity_2", "material weights: constant 2.0", kParts, {}, true, 2, "head distorted"},

@@ -110,6 +110,19 @@ static inline Vec3 linked(int row, int stride, Vec3 p, Vec3 moved, int begin, in
   return moved;
 }
 
+// `from` of a particle, nearer to that of the others on its links by `shares` of them.
+static inline Vec3 smoothed(int row, int stride, global const int* slice_offsets, global const int* neighbors,
+                            global const float* shares, global const float* from) {
+  const Vec3 own = load3(from, row, stride);
+  Vec3 nearer = own;
+  for (int base = slice_offsets[row / SLICE]; base < slice_offsets[row / SLICE + 1]; base += SLICE) {
+    const LaneInt j = LOAD(neighbors, base + row % SLICE);
+    const Vec3 other = vec3(gather(from, j), gather(from + stride, j), gather(from + 2 * stride, j));
+    nearer = add3(nearer, scale3(sub3(other, own), LOAD(shares, base + row % SLICE)));
+  }
+  return nearer;
+}
+
 // What the links moved, then limbs, and the velocity that comes of both.
 static inline void settle_row(int row, int stride, ClothStep step, Vec3 moved, const Limb* limbs,
                               global const float* reach, global float* x, global float* v) {
@@ -120,19 +133,21 @@ static inline void settle_row(int row, int stride, ClothStep step, Vec3 moved, c
 }
 
 // first: not 0 where there is no frame before. vertices [n_rows]: of each particle; is_free [n_rows]: 1, or 0 for what
-// is fastened to the skinned surface. pulls, lengths [n_entries]: of the links (src/cloth/cloth_graph.h). limbs
+// is fastened to the skinned surface. pulls, lengths, shares [n_entries]: of the links (src/cloth/cloth_graph.h). limbs
 // [LC_CLOTH_LIMBS][LC_CLOTH_LIMB_SIZE]; reach: LC_CLOTH_LIMBS planes, no limb is thicker for a particle. State: before
 // and target (the skinned places of two frames), x, v; ahead: two times, since groups that are a step ahead write it
 // while others read. arrived, state: see all_arrived.h. Moves n_moved vertices of skinned, start and start_before
-// [3n]: moved [n_moved], as four particles each moved away from their targets, particles and weights [4*n_moved].
+// [3n]: moved [n_moved], as four particles each moved away from their targets, particles and weights [4*n_moved], that
+// smoothed n_smoothings times: cloth that is pushed together buckles as finely as its mesh is.
 kernel __attribute__((reqd_work_group_size(LC_CLOTH_GROUP(LC_CPU), 1, 1))) void simulate_cloth(
-    int first, int n_steps, int n_rows, int stride, int n_moved, int arrived, ClothStep step,
+    int first, int n_steps, int n_smoothings, int n_rows, int stride, int n_moved, int arrived, ClothStep step,
     global const int* restrict slice_offsets, global const int* restrict neighbors, global const float* restrict pulls,
-    global const float* restrict lengths, global const int* restrict vertices, global const float* restrict is_free,
-    global const float* restrict limbs, global const float* restrict reach, global const int* restrict moved,
-    global const int* restrict particles, global const float* restrict weights, global float* before,
-    global float* target, global float* x, global float* v, global float* ahead, global float* restrict skinned,
-    global float* restrict start, global float* restrict start_before, volatile global int* state) {
+    global const float* restrict lengths, global const float* restrict shares, global const int* restrict vertices,
+    global const float* restrict is_free, global const float* restrict limbs, global const float* restrict reach,
+    global const int* restrict moved, global const int* restrict particles, global const float* restrict weights,
+    global float* before, global float* target, global float* x, global float* v, global float* ahead,
+    global float* restrict skinned, global float* restrict start, global float* restrict start_before,
+    volatile global int* state) {
 #if LC_CPU
   (void)arrived, (void)state;
 #else
@@ -182,12 +197,21 @@ kernel __attribute__((reqd_work_group_size(LC_CLOTH_GROUP(LC_CPU), 1, 1))) void 
 #endif
   }
   TOGETHER();
+  EACH_ROW(row, n_rows) store3(sub3(load3(x, row, stride), load3(target, row, stride)), ahead, row, stride);
+  for (int k = 1; k <= n_smoothings; ++k) {
+    TOGETHER();
+    global const float* from = ahead + (k - 1) % 2 * 3 * stride;
+    EACH_ROW(row, n_rows)
+    store3(smoothed(row, stride, slice_offsets, neighbors, shares, from), ahead + k % 2 * 3 * stride, row, stride);
+  }
+  TOGETHER();
+  global const float* away = ahead + n_smoothings % 2 * 3 * stride;
   EACH(i, n_moved) {
     for (int a = 0; a < 3; ++a) {
       float by = 0.0f;
       for (int k = 4 * i; k < 4 * i + 4; ++k) {
         const int at = particles[k] + a * stride;
-        by += weights[k] * (x[at] - target[at]);
+        by += weights[k] * away[at];
       }
       const int to = 3 * moved[i] + a;
       skinned[to] += by;

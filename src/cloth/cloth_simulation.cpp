@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <ranges>
 #include <string>
 
@@ -23,6 +24,9 @@ static_assert(sizeof(ClothStep) == 40, "as the kernel has it");
 constexpr const char *kProgram = "cloth/cloth.cl", *kKernel = "simulate_cloth";
 constexpr double kSettlingFrame = 1 / 30.0;  // s
 constexpr double kLongestStep = 0.1;         // s, for which a frame's springs are to be stable
+constexpr float kMostSmoothing = 500;        // mm
+constexpr int kMostSmoothings = 50;          // of a mesh finer than any picture shows
+constexpr double kSmoothing = 0.5;           // how far a displacement goes to the mean of those around at a time
 constexpr int kEnds = 6, kRadii = 2;         // values of a limb
 
 // The limbs of both legs in their order: thigh, shin, and what lies between the middle of the hips and the hip.
@@ -81,6 +85,7 @@ void ClothOptions::validate() const {
   rate(air_drag, "air_drag");
   rate(bending_share, "bending_share");
   require(relaxation > 0 && relaxation < 2, "relaxation", relaxation, "above 0 and below 2");
+  require(smoothing_mm >= 0 && smoothing_mm <= kMostSmoothing, "smoothing_mm", smoothing_mm, "from 0 to 500");
   require(settling_frames >= 0, "settling_frames", settling_frames, "at least 0");
   for (const float radius : limb_radii)
     require(radius >= 0 && radius < 1, "a limb's radius", radius, "at least 0 and below 1");
@@ -144,7 +149,11 @@ void ClothSimulation::set_up_links(ocl::DeviceContext& device, const Actor& acto
     return Eigen::Map<const Eigen::Vector3f>(actor.mesh.positions.data() + 3 * cloth.vertices[i]);
   };
   pulls_ = {device, graph_.per_entry(pull)};
-  lengths_ = {device, graph_.per_entry([&](int i, int j) { return (place(i) - place(j)).norm(); })};
+  shares_ = {device, graph_.per_entry([&](int i, int) { return cloth.held[i] ? 0 : kSmoothing / graph_.degree[i]; })};
+  const std::vector<float> lengths = graph_.per_entry([&](int i, int j) { return (place(i) - place(j)).norm(); });
+  const double mean_mm = std::accumulate(lengths.begin(), lengths.end(), 0.0) / double(cloth.links.neighbors.size());
+  if (mean_mm > 0) n_smoothings_ = int(std::min(std::pow(options_.smoothing_mm / mean_mm, 2), double(kMostSmoothings)));
+  lengths_ = {device, lengths};
   slice_offsets_ = {device, graph_.slice_offsets};
   neighbors_ = {device, graph_.neighbors};
 
@@ -232,11 +241,11 @@ void ClothSimulation::step(const PosedSkeleton& posed, double seconds, const Eig
   for (int left = first_ ? options_.settling_frames : 0; left >= 0; --left) {
     const int n_moved = left > 0 ? 0 : n_moved_;  // meanwhile the surface stays where it is
     const ClothStep step = step_of(left > 0 ? kSettlingFrame : seconds, up);
-    simulate_.launch(groups_.n() * group_, group_, first_ ? 1 : 0, fabric_.steps, graph_.n_rows, graph_.stride, n_moved,
-                     groups_.arrived(), step, slice_offsets_, neighbors_, pulls_, lengths_, vertices_, is_free_, limbs_,
-                     reach_, moved_, particles_, weights_, before_, target_, x_, v_, ahead_, skinned, start,
-                     start_before, groups_.state());
-    groups_.launched(fabric_.steps + 1);
+    simulate_.launch(groups_.n() * group_, group_, first_ ? 1 : 0, fabric_.steps, n_smoothings_, graph_.n_rows,
+                     graph_.stride, n_moved, groups_.arrived(), step, slice_offsets_, neighbors_, pulls_, lengths_,
+                     shares_, vertices_, is_free_, limbs_, reach_, moved_, particles_, weights_, before_, target_, x_,
+                     v_, ahead_, skinned, start, start_before, groups_.state());
+    groups_.launched(fabric_.steps + n_smoothings_ + 2);
     first_ = false;
   }
   if (groups_.n() > 1) groups_.read_later();

@@ -35,7 +35,10 @@ struct ClothOptions {
   float air_drag = 1;          // 1/s, of the velocity
   float bending_share = 0.3f;  // of a link across an edge by one along an edge
   float relaxation = 1.2f;     // of a particle's mean correction by its links
-  int settling_frames = 10;    // of a 30th of a second, in which it falls before the first
+  // mm. What stage II is given of the cloth's displacement is smoothed over about so much, or not where links are
+  // longer: cloth that is pushed together buckles as finely as its mesh is. The simulation goes on without.
+  float smoothing_mm = 70;
+  int settling_frames = 10;  // of a 30th of a second, in which it falls before the first
   // Radii of hips, thighs at their upper ends, knees and ankles, by the length of a thigh: how near cloth may come. For
   // what is nearer in the rest pose no limb is thicker than that.
   std::array<float, 4> limb_radii = {0.3f, 0.3f, 0.2f, 0.2f};
@@ -83,8 +86,9 @@ class ClothSimulation {
   std::vector<float> limbs_before_;
   size_t group_ = 1;
   int n_moved_ = 0;
+  int n_smoothings_ = 0;
   ocl::Buffer<int32_t> slice_offsets_, neighbors_, vertices_, moved_, particles_;
-  ocl::Buffer<float> pulls_, lengths_, is_free_, reach_, weights_, limbs_;
+  ocl::Buffer<float> pulls_, lengths_, shares_, is_free_, reach_, weights_, limbs_;
   ocl::Buffer<float> before_, target_, x_, v_;  // 3 planes each
   ocl::Buffer<float> ahead_;                    // 6
   ocl::GroupsTogether groups_;

@@ -49,6 +49,7 @@ std::vector<ocl::SelfTestResult> cloth_self_test(ocl::DeviceContext& device) {
   options.limb_radii = {0, 0, 0, 0};
   options.gravity = 0;
   options.settling_frames = 0;
+  options.smoothing_mm = 0;
   constexpr float kTaut = 0;
   constexpr int kX = 0, kY = 1;
   ClothSimulation cloth(device, actor, options, kTaut);

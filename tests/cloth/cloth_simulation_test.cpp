@@ -141,9 +141,19 @@ class Reference {
     }
     before_ = target;
     limbs_before_ = limbs;
+    std::vector<Vector3> away(n);
+    for (size_t i = 0; i < n; ++i) away[i] = x_[i] - target[i];
+    for (int k = 0; k < smoothings(); ++k) {
+      const std::vector<Vector3> rough = away;
+      for (size_t i = 0; i < n; ++i) {
+        const int begin = graph_.links.offsets[i], end = graph_.links.offsets[i + 1];
+        for (int at = begin; at < end && !graph_.held[i]; ++at)
+          away[i] += (rough[graph_.links.neighbors[at]] - rough[i]) / (2 * (end - begin));
+      }
+    }
     std::vector<float> out = skinned;
     for (size_t i = 0; i < n; ++i)
-      for (int a = 0; a < 3; ++a) out[3 * graph_.vertices[i] + a] = float(x_[i][a]);
+      for (int a = 0; a < 3; ++a) out[3 * graph_.vertices[i] + a] = float(target[i][a] + away[i][a]);
     return out;
   }
 
@@ -203,6 +213,14 @@ class Reference {
     }
     return limbs;
   }
+  // As a random walk of as many steps goes about as far.
+  int smoothings() const {
+    double sum = 0;
+    for (size_t i = 0; i < graph_.vertices.size(); ++i)
+      for (int at = graph_.links.offsets[i]; at < graph_.links.offsets[i + 1]; ++at)
+        sum += (rest_of(int(i)) - rest_of(graph_.links.neighbors[at])).norm();
+    return int(std::pow(options_.smoothing_mm * double(graph_.links.neighbors.size()) / sum, 2));
+  }
   Vector3 rest_of(int particle) const { return vertex(actor_.mesh.positions, graph_.vertices[particle]); }
 
   const Actor& actor_;
@@ -241,6 +259,7 @@ TEST(ClothSimulation, FollowsTheEquations) {
   const auto check = [&](ocl::DeviceContext& device, float looseness) {
     ClothOptions options;
     options.bending_share = 0.7f;
+    options.smoothing_mm = 300;
     options.loose.steps = 51;  // with 80 what buckles takes the rounding of floats to 0.1 mm
     options.settling_frames = 2;
     Simulation cloth(device, actor, options, looseness);
@@ -287,6 +306,7 @@ TEST(ClothSimulation, FollowsTheEquations) {
 TEST(ClothSimulation, SpringsGravityAndDragAreThoseOfTheOscillator) {
   const Actor actor = test::skirt_actor();
   ClothOptions options;
+  options.smoothing_mm = 0;
   options.relaxation = 1e-9f;
   options.limb_radii = {0, 0, 0, 0};
   options.taut.steps = options.loose.steps = 200;
@@ -328,7 +348,9 @@ TEST(ClothSimulation, SpringsGravityAndDragAreThoseOfTheOscillator) {
 TEST(ClothSimulation, AThighLiftsTheSkirtAndEdgesKeepTheirLengths) {
   const Actor actor = test::skirt_actor();
   test::on_every_device_and_body([&](ocl::DeviceContext& device) {
-    Simulation cloth(device, actor, {});
+    ClothOptions options;
+    options.smoothing_mm = 0;
+    Simulation cloth(device, actor, options);
     cloth.up = Vector3::UnitY();  // of the rest frame
     const Reference reference(actor, {});
     std::vector<float> out;
@@ -384,9 +406,10 @@ TEST(ClothSimulation, WhatIsLooseBeginsAnewAfterReset) {
   for (size_t k = 0; k < skinned.size(); ++k)
     if (k % 3 != 0) skinned[k] = -skinned[k];
   test::on_every_device_and_body([&](ocl::DeviceContext& device) {
-    ClothOptions few_steps;
+    ClothOptions options, few_steps;
     few_steps.loose.steps = 20;
-    Simulation cloth(device, actor, {}, kLoose), other(device, actor, {}, kLoose),
+    options.smoothing_mm = few_steps.smoothing_mm = 0;
+    Simulation cloth(device, actor, options, kLoose), other(device, actor, options, kLoose),
         sagging(device, actor, few_steps, kLoose);
     const Reference reference(actor, {}, kLoose);
     std::vector<float> out, sagged;
@@ -447,6 +470,8 @@ TEST(ClothSimulation, RefusesWhatMakesNoSense) {
   refused([](ClothOptions& o) { o.loose.damping = -1; });
   refused([](ClothOptions& o) { o.gravity = NAN; });
   refused([](ClothOptions& o) { o.settling_frames = -1; });
+  refused([](ClothOptions& o) { o.smoothing_mm = -1; });
+  refused([](ClothOptions& o) { o.smoothing_mm = 600; });
   refused([](ClothOptions& o) { o.air_drag = NAN; });
   refused([](ClothOptions& o) { o.spring_reach = 0; });
   refused([](ClothOptions& o) { o.bending_share = INFINITY; });

@@ -1,7 +1,7 @@
 // One frame of hanging cloth by position based dynamics (Mueller et al. 2007) with many small steps (Macklin et al.
 // 2019), Jacobi instead of Gauss-Seidel: all of it in one launch, by one work-item on a CPU, on a GPU by work-groups
-// that wait for each other once a step. Rows are particles in SELL-16 slices (src/surface/sell.h); vectors are 3
-// planes, `stride` apart.
+// that wait for each other once a step and once a smoothing. Rows are particles in SELL-16 slices
+// (src/surface/sell.h); vectors are 3 planes, `stride` apart.
 #include "shared/lanes.h"
 //
 #include "cloth/layout.h"
@@ -136,9 +136,10 @@ static inline void settle_row(int row, int stride, ClothStep step, Vec3 moved, c
 // is fastened to the skinned surface. pulls, lengths, shares [n_entries]: of the links (src/cloth/cloth_graph.h). limbs
 // [LC_CLOTH_LIMBS][LC_CLOTH_LIMB_SIZE]; reach: LC_CLOTH_LIMBS planes, no limb is thicker for a particle. State: before
 // and target (the skinned places of two frames), x, v; ahead: two times, since groups that are a step ahead write it
-// while others read. arrived, state: see all_arrived.h. Moves n_moved vertices of skinned, start and start_before
-// [3n]: moved [n_moved], as four particles each moved away from their targets, particles and weights [4*n_moved], that
-// smoothed n_smoothings times: cloth that is pushed together buckles as finely as its mesh is.
+// while others read; after the steps how far particles are from their targets, smoothed n_smoothings times (cloth that
+// is pushed together buckles as finely as its mesh is). arrived, state: see all_arrived.h. Moves n_moved vertices of
+// skinned, start and start_before [3n]: moved [n_moved], as far as four particles each, particles and weights
+// [4*n_moved].
 kernel __attribute__((reqd_work_group_size(LC_CLOTH_GROUP(LC_CPU), 1, 1))) void simulate_cloth(
     int first, int n_steps, int n_smoothings, int n_rows, int stride, int n_moved, int arrived, ClothStep step,
     global const int* restrict slice_offsets, global const int* restrict neighbors, global const float* restrict pulls,

@@ -239,13 +239,14 @@ void ClothSimulation::step(const PosedSkeleton& posed, double seconds, const Eig
   }
   limbs_.write_later(limbs);
   for (int left = first_ ? options_.settling_frames : 0; left >= 0; --left) {
-    const int n_moved = left > 0 ? 0 : n_moved_;  // meanwhile the surface stays where it is
-    const ClothStep step = step_of(left > 0 ? kSettlingFrame : seconds, up);
-    simulate_.launch(groups_.n() * group_, group_, first_ ? 1 : 0, fabric_.steps, n_smoothings_, graph_.n_rows,
+    const bool settles = left > 0;  // meanwhile the surface stays where it is
+    const int n_moved = settles ? 0 : n_moved_, n_smoothings = settles ? 0 : n_smoothings_;
+    const ClothStep step = step_of(settles ? kSettlingFrame : seconds, up);
+    simulate_.launch(groups_.n() * group_, group_, first_ ? 1 : 0, fabric_.steps, n_smoothings, graph_.n_rows,
                      graph_.stride, n_moved, groups_.arrived(), step, slice_offsets_, neighbors_, pulls_, lengths_,
                      shares_, vertices_, is_free_, limbs_, reach_, moved_, particles_, weights_, before_, target_, x_,
                      v_, ahead_, skinned, start, start_before, groups_.state());
-    groups_.launched(fabric_.steps + n_smoothings_ + 2);
+    groups_.launched(fabric_.steps + n_smoothings + 2);
     first_ = false;
   }
   if (groups_.n() > 1) groups_.read_later();

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "geometry/shortest_turn.h"
+#include "pose/arm_points.h"
 #include "pose/targets.h"
 
 namespace livecap {
@@ -22,10 +23,10 @@ struct Arm {
 };
 
 std::optional<Arm> find_arm(const Actor& actor, Keypoint elbow) {
-  const bool left = elbow == kLeftElbow;
+  const ArmPoints& points = kArmPoints[elbow == kLeftElbow ? 0 : 1];
   const Skeleton& skeleton = actor.skeleton;
-  const int upper = skeleton.bone_index(left ? "left_shoulder" : "right_shoulder");
-  Arm arm{elbow, left ? kLeftWrist : kRightWrist, skeleton.bone_index(left ? "left_elbow" : "right_elbow"), -1, -1};
+  const int upper = skeleton.bone_index(points.shoulder);
+  Arm arm{elbow, points.wrist, skeleton.bone_index(points.forearm), -1, -1};
   for (int k = 0; k < skeleton.n_dofs(); ++k) {
     if (skeleton.dofs[k].bone == upper) arm.twist = k;
     if (skeleton.dofs[k].bone == arm.lower) arm.bend = k;

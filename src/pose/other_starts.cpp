@@ -30,18 +30,11 @@ double distance_px(const Actor& actor, const Camera& camera,
   return (project_px(camera, positions[k]) - Eigen::Vector2d(seen.x_px, seen.y_px)).norm();
 }
 
-// `pose` with what hangs on these bones bent as initialize_pose would bend it.
-std::optional<Pose> bent_as_detected(const Actor& actor, const Camera& camera, const Pose& pose,
-                                     const Detections& detections, const PoseOptions& options,
-                                     const std::vector<int>& bones) {
-  if (bones.empty()) return std::nullopt;
-  const std::optional<Pose> found = initialize_pose(actor, camera, detections, options);
-  if (!found) return std::nullopt;
-  Pose bent = pose;
-  for (int k = 0; k < actor.skeleton.n_dofs(); ++k)
-    for (const int bone : bones)
-      if (hangs_on(actor.skeleton, actor.skeleton.dofs[k].bone, bone)) bent.angles_rad[k] = found->angles_rad[k];
-  return bent;
+// `pose` with what hangs on the bone bent as in `found`.
+Pose bent_as(const Skeleton& skeleton, const Pose& found, int bone, Pose pose) {
+  for (int k = 0; k < skeleton.n_dofs(); ++k)
+    if (hangs_on(skeleton, skeleton.dofs[k].bone, bone)) pose.angles_rad[k] = found.angles_rad[k];
+  return pose;
 }
 
 }  // namespace
@@ -96,21 +89,29 @@ std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera,
     if (hip < 0 || !(detections.keypoints[leg.ankle].confidence >= kTrustedDetection)) continue;
     if (distance_px(actor, camera, positions, detections, leg.ankle) >= least_px) strayed.push_back(hip);
   }
-  return bent_as_detected(actor, camera, pose, detections, options, strayed);
+  if (strayed.empty()) return std::nullopt;
+  const std::optional<Pose> found = initialize_pose(actor, camera, detections, options);
+  if (!found) return std::nullopt;
+  Pose bent = pose;
+  for (const int hip : strayed) bent = bent_as(actor.skeleton, *found, hip, bent);
+  return bent;
 }
 
 std::vector<Pose> with_detected_arms(const Actor& actor, const Camera& camera, const Pose& pose,
                                      const Detections& detections, const PoseOptions& options, double least_px) {
-  std::vector<Pose> poses;
-  if (!detections.person) return poses;
+  if (!detections.person) return {};
   const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
+  std::vector<int> strayed;  // shoulders
   for (const ArmPoints& arm : kArmPoints) {
     const int shoulder = actor.skeleton.bone_index(arm.shoulder);
     const auto distance = [&](Keypoint k) { return distance_px(actor, camera, positions, detections, k); };
-    if (shoulder < 0 || std::max(distance(arm.elbow), distance(arm.wrist)) < least_px) continue;
-    if (const auto bent = bent_as_detected(actor, camera, pose, detections, options, {shoulder}))
-      poses.push_back(*bent);
+    if (shoulder >= 0 && std::max(distance(arm.elbow), distance(arm.wrist)) >= least_px) strayed.push_back(shoulder);
   }
+  if (strayed.empty()) return {};
+  const std::optional<Pose> found = initialize_pose(actor, camera, detections, options);
+  if (!found) return {};
+  std::vector<Pose> poses;
+  for (const int shoulder : strayed) poses.push_back(bent_as(actor.skeleton, *found, shoulder, pose));
   return poses;
 }
 

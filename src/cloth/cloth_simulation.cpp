@@ -149,7 +149,8 @@ void ClothSimulation::set_up_links(ocl::DeviceContext& device, const Actor& acto
     return Eigen::Map<const Eigen::Vector3f>(actor.mesh.positions.data() + 3 * cloth.vertices[i]);
   };
   pulls_ = {device, graph_.per_entry(pull)};
-  shares_ = {device, graph_.per_entry([&](int i, int) { return cloth.held[i] ? 0 : kSmoothing / graph_.degree[i]; })};
+  smoothing_shares_ = {device,
+                       graph_.per_entry([&](int i, int) { return cloth.held[i] ? 0 : kSmoothing / graph_.degree[i]; })};
   const std::vector<float> lengths = graph_.per_entry([&](int i, int j) { return (place(i) - place(j)).norm(); });
   const double mean_mm = std::accumulate(lengths.begin(), lengths.end(), 0.0) / double(cloth.links.neighbors.size());
   if (mean_mm > 0) n_smoothings_ = int(std::min(std::pow(options_.smoothing_mm / mean_mm, 2), double(kMostSmoothings)));
@@ -244,8 +245,8 @@ void ClothSimulation::step(const PosedSkeleton& posed, double seconds, const Eig
     const ClothStep step = step_of(settles ? kSettlingFrame : seconds, up);
     simulate_.launch(groups_.n() * group_, group_, first_ ? 1 : 0, fabric_.steps, n_smoothings, graph_.n_rows,
                      graph_.stride, n_moved, groups_.arrived(), step, slice_offsets_, neighbors_, pulls_, lengths_,
-                     shares_, vertices_, is_free_, limbs_, reach_, moved_, particles_, weights_, before_, target_, x_,
-                     v_, ahead_, skinned, start, start_before, groups_.state());
+                     smoothing_shares_, vertices_, is_free_, limbs_, reach_, moved_, particles_, weights_, before_,
+                     target_, x_, v_, ahead_, skinned, start, start_before, groups_.state());
     groups_.launched(fabric_.steps + n_smoothings + 2);
     first_ = false;
   }

@@ -88,7 +88,7 @@ class ClothSimulation {
   int n_moved_ = 0;
   int n_smoothings_ = 0;
   ocl::Buffer<int32_t> slice_offsets_, neighbors_, vertices_, moved_, particles_;
-  ocl::Buffer<float> pulls_, lengths_, shares_, is_free_, reach_, weights_, limbs_;
+  ocl::Buffer<float> pulls_, lengths_, smoothing_shares_, is_free_, reach_, weights_, limbs_;
   ocl::Buffer<float> before_, target_, x_, v_;  // 3 planes each
   ocl::Buffer<float> ahead_;                    // 6
   ocl::GroupsTogether groups_;

@@ -26,23 +26,26 @@ inline Skeleton legs_only() {
 
 // Ring 0 is the seam, above the hips and of another garment; below it each ring is 30 mm lower and 6 mm wider, and its
 // leg weights grow from 0 by 0.1 a ring up to 0.8 (left and right by the side it is on). Triangles face outwards.
-inline Actor skirt_actor() {
+// finer: so many times as many vertices around it, and rings from one of these to the next.
+inline Actor skirt_actor(int finer = 1) {
   Actor actor;
   actor.skeleton = legs_only();
-  for (int ring = 0; ring < kRings; ++ring) {
-    for (int k = 0; k < kAround; ++k) {
-      const double angle = 2 * M_PI * k / kAround, radius = 180 + 6.0 * ring;
+  const int n_around = kAround * finer, n_rings = (kRings - 1) * finer + 1;
+  for (int ring = 0; ring < n_rings; ++ring) {
+    const float down = float(ring) / float(finer);
+    for (int k = 0; k < n_around; ++k) {
+      const double angle = 2 * M_PI * k / n_around, radius = 180 + 6.0 * down;
       const float x = float(radius * std::sin(angle)), z = float(radius * std::cos(angle));
-      actor.mesh.positions.insert(actor.mesh.positions.end(), {x, kSeamAboveHipsMm - kRingMm * float(ring), z});
-      const float legs = std::min(0.1f * float(ring), 0.8f);
+      actor.mesh.positions.insert(actor.mesh.positions.end(), {x, kSeamAboveHipsMm - kRingMm * down, z});
+      const float legs = std::min(0.1f * down, 0.8f);
       actor.skin.bones.insert(actor.skin.bones.end(), {x < 0 ? 4 : 1, 0, 0, 0});
       actor.skin.weights.insert(actor.skin.weights.end(), {legs, 1 - legs, 0, 0});
       actor.rigidity.push_back(ring == 0 ? 2.0f : 1.0f);
     }
   }
-  for (int ring = 0; ring + 1 < kRings; ++ring) {
-    for (int k = 0; k < kAround; ++k) {
-      const int a = ring * kAround + k, b = ring * kAround + (k + 1) % kAround, c = a + kAround, d = b + kAround;
+  for (int ring = 0; ring + 1 < n_rings; ++ring) {
+    for (int k = 0; k < n_around; ++k) {
+      const int a = ring * n_around + k, b = ring * n_around + (k + 1) % n_around, c = a + n_around, d = b + n_around;
       actor.mesh.triangles.insert(actor.mesh.triangles.end(), {a, c, b, b, c, d});
     }
   }

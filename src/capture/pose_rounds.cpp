@@ -185,6 +185,7 @@ PoseInput PoseRounds::round_input(const PoseStageInput& input, const Detections&
   return {.detections = detections,
           .initial = initial,
           .previous = round.free_legs ? nullptr : previous,
+          .holds_arms = input.detected,
           .frame = input.silhouette.empty() ? nullptr : &input.frame,
           .match_px = previous ? 1 : double(1 << round.level),  // who is seen first may be far from where matches are
           .floor = round.free_legs ? nullptr : floor_.floor(),

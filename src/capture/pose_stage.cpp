@@ -6,6 +6,7 @@
 
 #include "base/log.h"
 #include "capture/pose_shares.h"
+#include "pose/held_arms.h"
 #include "pose/mirrored_forearm.h"
 #include "pose/other_starts.h"
 #include "pose/person_height.h"
@@ -113,11 +114,11 @@ PoseResult PoseStage::solve_corrected(const PoseStageInput& input, const Pose& p
   try_detected_arms(input, previous, best);
   try_mirrored_forearms(input, previous, best);
   const bool insists = best.exchanged && exchanged_frames_ >= options_.starts.max_exchanged_frames;
-  if (insists) try_anew(input, best);
+  if (insists) try_anew(input, previous, best);
   const bool doubted = input.detected && !believable(best.pose, input.detections);
   if (std::exchange(doubted_, doubted) && doubted && !insists && rounds_.matches(input)) {
     make_comparable(input, previous, best);
-    try_anew(input, best);
+    try_anew(input, previous, best);
   }
   if (best.exchanged) ++exchanged_frames_;
   finish(input, previous, best);
@@ -144,13 +145,15 @@ void PoseStage::finish(const PoseStageInput& input, const Pose& previous, Soluti
 // A network that insists on the other legs may be right: silhouette and matches hold a leg where the other should be.
 // Or legs cross under a skirt and it needs longer: where there is a picture, that decides. So it does where two poses
 // on end are not believable: legs seen from the side may have been taken for each other, and hold themselves there; one
-// may be the network's mistake. E_temporal is the old pose's alone.
-void PoseStage::try_anew(const PoseStageInput& input, Solution& best) {
+// may be the network's mistake. E_temporal and what holds hidden arms are the old pose's alone.
+void PoseStage::try_anew(const PoseStageInput& input, const Pose& previous, Solution& best) {
   exchanged_frames_ = 0;
   Solution anew = solve_anew(input, {});
   if (anew.pose.status != SolveStatus::kOk) return;
-  const bool keeps = rounds_.matches(input) && best.pose.status == SolveStatus::kOk &&
-                     best.cost - best.pose.energy.temporal <= anew.cost;
+  double old_alone = best.pose.energy.temporal;
+  if (input.detected) old_alone += held_energy(actor_, input.detections, previous, options_.pose, best.pose.pose);
+  const bool keeps =
+      rounds_.matches(input) && best.pose.status == SolveStatus::kOk && best.cost - old_alone <= anew.cost;
   if (!keeps) best = std::move(anew);
 }
 
@@ -219,12 +222,13 @@ void PoseStage::try_detected_arms(const PoseStageInput& input, const Pose& previ
   if (!input.detected || !rounds_.matches(input) || best.pose.status != SolveStatus::kOk || best.exchanged) return;
   const double least_px = options_.starts.strayed_arm_share * keypoints_height_px(input.detections);
   if (!(least_px > 0)) return;
-  for (const Pose& bent :
-       with_detected_arms(actor_, camera_, best.pose.pose, input.detections, options_.pose, least_px)) {
+  const auto better_of = [&](const Pose& bent) {
     make_comparable(input, previous, best);
     Solution other = rounds_.solve(input, input.detections, bent, &previous, Rounds::kAll);
     if (other.pose.status == SolveStatus::kOk && covers_more(input, other, best)) best = std::move(other);
-  }
+    return best.pose.pose;
+  };
+  with_detected_arms(actor_, camera_, best.pose.pose, input.detections, options_.pose, least_px, better_of);
 }
 
 // A leg that crossed the other one may be left on its shoe. What the picture shows of it then is covered by nothing,

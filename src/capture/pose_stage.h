@@ -74,7 +74,7 @@ class PoseStage {
   Solution solve_anew(const PoseStageInput& input, std::span<const double> leans_rad);
   void make_comparable(const PoseStageInput& input, const Pose& previous, Solution& best);
   void finish(const PoseStageInput& input, const Pose& previous, Solution& best);
-  void try_anew(const PoseStageInput& input, Solution& best);
+  void try_anew(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_exchanged_legs(const PoseStageInput& input, const Pose& predicted, const Pose& previous,
                           const std::vector<KeypointDetections>& alternatives, Solution& best);
   void try_turned(const PoseStageInput& input, const Pose& previous, Solution& best);

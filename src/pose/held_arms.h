@@ -22,4 +22,8 @@ struct RestAngle {
 std::vector<RestAngle> rest_angles(const Actor& actor, const Detections& detections, const Pose* previous,
                                    const PoseOptions& options);
 
+// How much more E_rest of `pose` is with what is held after `previous` than with nothing held.
+double held_energy(const Actor& actor, const Detections& detections, const Pose& previous, const PoseOptions& options,
+                   const Pose& pose);
+
 }  // namespace livecap

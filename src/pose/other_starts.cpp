@@ -97,22 +97,23 @@ std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera,
   return bent;
 }
 
-std::vector<Pose> with_detected_arms(const Actor& actor, const Camera& camera, const Pose& pose,
-                                     const Detections& detections, const PoseOptions& options, double least_px) {
-  if (!detections.person) return {};
+void with_detected_arms(const Actor& actor, const Camera& camera, Pose pose, const Detections& detections,
+                        const PoseOptions& options, double least_px,
+                        const std::function<Pose(const Pose& bent)>& better_of) {
+  if (!detections.person) return;
   const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
   std::vector<int> strayed;  // shoulders
   for (const ArmPoints& arm : kArmPoints) {
     const int shoulder = actor.skeleton.bone_index(arm.shoulder);
-    const auto distance = [&](Keypoint k) { return distance_px(actor, camera, positions, detections, k); };
+    const auto distance = [&](Keypoint k) {
+      return detections.keypoints[k].confidence > 0 ? distance_px(actor, camera, positions, detections, k) : 0;
+    };
     if (shoulder >= 0 && std::max(distance(arm.elbow), distance(arm.wrist)) >= least_px) strayed.push_back(shoulder);
   }
-  if (strayed.empty()) return {};
+  if (strayed.empty()) return;
   const std::optional<Pose> found = initialize_pose(actor, camera, detections, options);
-  if (!found) return {};
-  std::vector<Pose> poses;
-  for (const int shoulder : strayed) poses.push_back(bent_as(actor.skeleton, *found, shoulder, pose));
-  return poses;
+  if (!found) return;
+  for (const int shoulder : strayed) pose = better_of(bent_as(actor.skeleton, *found, shoulder, pose));
 }
 
 }  // namespace livecap

@@ -5,8 +5,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
-#include <vector>
 
 #include "actor/actor.h"
 #include "base/detections.h"
@@ -34,9 +34,10 @@ Pose leant(const Pose& pose, double lean_rad);
 std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera, const Pose& pose,
                                        const Detections& detections, const PoseOptions& options, double least_px);
 
-// `pose` with one arm bent as initialize_pose would bend it, for each whose elbow or wrist lies at least least_px from
-// its detection.
-std::vector<Pose> with_detected_arms(const Actor& actor, const Camera& camera, const Pose& pose,
-                                     const Detections& detections, const PoseOptions& options, double least_px);
+// Asks better_of for the better one of `pose` and of `pose` with one arm bent as initialize_pose would bend it, for
+// each whose elbow or wrist lies at least least_px from its detection. The second arm is bent in what is better then.
+void with_detected_arms(const Actor& actor, const Camera& camera, Pose pose, const Detections& detections,
+                        const PoseOptions& options, double least_px,
+                        const std::function<Pose(const Pose& bent)>& better_of);
 
 }  // namespace livecap

@@ -58,6 +58,10 @@ void PoseOptions::validate() const {
     if (!(value >= 0) || !std::isfinite(value))
       throw ConfigError(format("pose option %s is %g; it must be finite and not negative", field, value));
   };
+  const auto share = [](const char* field, double value) {
+    if (!(value >= 0 && value <= 1))
+      throw ConfigError(format("pose option %s is %g; it must be from 0 to 1", field, value));
+  };
   const auto in_range = [](const char* field, int value, int low, int high) {
     if (value < low || value > high)
       throw ConfigError(format("pose option %s is %d; it must be in %d..%d", field, value, low, high));
@@ -83,8 +87,8 @@ void PoseOptions::validate() const {
   not_negative("shading_huber", shading_huber);
   not_negative("floor_huber_mm", floor_huber_mm);
   not_negative("temporal_doubt_mm", temporal_doubt_mm);
-  not_negative("least_stands", least_stands);
-  not_negative("hidden_confidence", hidden_confidence);
+  share("least_stands", least_stands);
+  share("hidden_confidence", hidden_confidence);
   not_negative("hidden_share", hidden_share);
   not_negative("max_predicted_turn_rad", max_predicted_turn_rad);
   not_negative("max_predicted_move_mm", max_predicted_move_mm);

@@ -93,7 +93,7 @@ struct PoseOptions {
   double max_predicted_turn_rad = 0.5;
   double max_predicted_move_mm = 250;
 
-  // Throws ConfigError naming the field when a value is negative, not finite, or a count is out of range.
+  // Throws ConfigError naming the field when a value is negative, not finite, or a share or a count is out of range.
   void validate() const;
 };
 

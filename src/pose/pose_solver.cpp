@@ -93,7 +93,7 @@ PoseResult PoseSolver::solve(const PoseInput& input, const Prepared& prepared) {
     system_.set_frame(targets, input.frame, input.contour_vertices, input.matches, input.shaded);
   }
   system_.set_floor(input.floor, prepared.stands);
-  system_.set_rest(rest_angles(actor_, input.detections, input.previous, options_));
+  system_.set_rest(rest_of(input));
   PoseResult result;
   result.pose = input.initial;
   const bool has_detections = has_observation(targets);
@@ -140,6 +140,10 @@ int PoseSolver::steps_of(const PoseInput& input) const {
   return input.n_steps > 0 ? input.n_steps : options_.steps;
 }
 
+std::vector<RestAngle> PoseSolver::rest_of(const PoseInput& input) const {
+  return rest_angles(actor_, input.detections, input.holds_arms ? input.previous : nullptr, options_);
+}
+
 // Doubt, t' and soles at rest of all rounds but the first are the device's to prepare.
 bool PoseSolver::begin_rounds(std::span<const Round> rounds, const SeenVertices& known) {
   const PoseInput& first = *rounds.front().input;
@@ -175,7 +179,7 @@ bool PoseSolver::begin_rounds(std::span<const Round> rounds, const SeenVertices&
     system_.forget_look();
     return false;
   }
-  system_.set_rest(rest_angles(actor_, first.detections, first.previous, options_));
+  system_.set_rest(rest_of(first));
   const PoseState start{first.initial, best_t_prime(prepared_.front().targets, prepared_.front().keypoints_mm)};
   system_.begin_rounds(int(rounds.size()), start, first.frame);
   return true;

@@ -23,6 +23,7 @@ struct PoseInput {
   const Detections& detections;
   const Pose& initial;                             // where to start; returned when the solve fails
   const Pose* previous = nullptr;                  // last frame's result; nullptr: no temporal term
+  bool holds_arms = true;                          // false: nobody was detected, so that no arm is hidden
   const DeviceFrame* frame = nullptr;              // nullptr (nobody segmented): no silhouette term
   std::span<const int32_t> contour_vertices = {};  // B of the frame, template vertex indices
   std::span<const VertexMatch> matches = {};       // where the picture shows vertices of the skinned template
@@ -123,6 +124,7 @@ class PoseSolver {
   KeypointPositions keypoints(const Pose& pose) const;
   void weigh_3d(Prepared& prepared, const PoseInput& input) const;
   int steps_of(const PoseInput& input) const;
+  std::vector<RestAngle> rest_of(const PoseInput& input) const;
   PoseSteps take_steps(const PoseState& start, int n_steps, double settled_px);
   void take(const PoseSteps& steps, const Prepared& prepared, PoseResult& result) const;
   void measure(const PoseState& state, std::span<const float> residuals, const Prepared& prepared,

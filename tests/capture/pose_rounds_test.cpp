@@ -171,6 +171,43 @@ TEST(PoseRounds, ALookThatIsGivenUpChangesNothing) {
   });
 }
 
+// How far the upper arm goes that the network does not see and puts where the other one is, while the picture has it
+// raised by 0.15, rad.
+double hidden_arm_rad(ocl::DeviceContext& device, bool ahead, double hidden_share) {
+  Seen seen(device);
+  TrackerOptions options;
+  options.pose.hidden_share = hidden_share;
+  PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
+  const auto& dofs = seen.actor.skeleton.dofs;
+  const auto raises = std::ranges::find(dofs, "left_shoulder_z", &Dof::name) - dofs.begin();
+  const Pose before = turned(seen.actor, 0);
+  Pose truth = turned(seen.actor, 1);
+  truth.angles_rad[raises] += 0.15;
+  const Silhouette silhouette = seen.take_picture(stage, truth);
+  Detections detections = test::exact_detections(seen.actor, seen.camera, truth, 0.97);
+  for (int left : {kLeftElbow, kLeftWrist}) {
+    detections.keypoints[left] = detections.keypoints[left + 1];
+    detections.keypoints[left].confidence = 0.1f;
+  }
+  const PoseStageInput input{detections, silhouette, seen.frame};
+  const FloorFinder floor(seen.actor, {}, {});
+  PoseRounds rounds(device, seen.actor, seen.camera, options, floor, seen.rasterizer, seen.visibility);
+  rounds.set_picture(input);
+  EXPECT_EQ(rounds.looks_ahead(input), ahead);
+  const PoseResult result = rounds.solve(input, detections, before, &before, PoseRounds::Rounds::kAll).pose;
+  EXPECT_EQ(result.status, SolveStatus::kOk);
+  return result.pose.angles_rad[raises] - before.angles_rad[raises];
+}
+
+TEST(PoseRounds, RoundsAheadHoldAHiddenArmAsTheHosts) {
+  test::on_every_gpu_body([](ocl::DeviceContext& device) {
+    ocl::DeviceContext one_by_one(without_sight(device.info()));
+    const double share = PoseOptions().hidden_share, waits = hidden_arm_rad(one_by_one, false, share);
+    EXPECT_NEAR(hidden_arm_rad(device, true, share), waits, test::kTurnedMatchRad);
+    EXPECT_GT(hidden_arm_rad(device, true, 0), waits + 2 * test::kTurnedMatchRad) << "that is not held";
+  });
+}
+
 // Of vertices that are not matched because they hang.
 int n_hanging_contour(ocl::DeviceContext& device, int refining_rounds) {
   Seen seen(device);

@@ -50,6 +50,9 @@ TEST(PoseShares, KneesThatClothHidesAreGuessedInThePicture) {
   }
   EXPECT_EQ(options.rounds.refined_doubt_3d_mm, given.hidden_knees.refined_doubt_3d_mm);
   EXPECT_EQ(options.pose.least_stands, given.hidden_knees.least_stands);
+  TrackerOptions stands = given;
+  stands.pose.least_stands = 0.4;
+  EXPECT_EQ(options_for(in_a_skirt(250), stands).pose.least_stands, 0.4) << "what is given is more";
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "capture/expected_detections.h"
 #include "capture/pose_stage_scene.h"
 #include "cloth/hanging_cloth.h"
 #include "support/test_device.h"
@@ -264,6 +265,53 @@ TEST(PoseStage, AnArmThatIsHeldAtTheTrunkIsFoundAgain) {
     };
     EXPECT_LT(wrist_off_mm(TrackerOptions().starts.strayed_arm_share), test::kFoundArmMm);
     EXPECT_GT(wrist_off_mm(0), 3 * test::kFoundArmMm);
+  });
+}
+
+// What draws a hidden arm to where it was is the old pose's alone: another one, found anew, is not better for it.
+TEST(PoseStage, AHiddenArmThatIsHeldIsNotFoundAnewForThat) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    Seen seen(device);
+    TrackerOptions options;
+    options.lost_error_fraction = 0;  // every frame is doubted
+    options.starts.strayed_arm_share = 0;
+    options.starts.leans_rad = {};
+    options.shares.foot_share = 1;  // nothing is solved once more in the end
+    PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
+    const Pose truth = reaching(seen.actor, 0.5), before = reaching(seen.actor, 0.15);
+    const Silhouette silhouette = seen.take_picture(stage, truth);
+    Detections detections = test::exact_detections(seen.actor, seen.camera, truth);
+    for (int k : {kLeftElbow, kLeftWrist, kLeftHand}) detections.keypoints[k].confidence = 0;
+    const PoseStageInput input{detections, silhouette, seen.frame};
+    stage.set_picture(input);
+    const PoseResult once = stage.solve_tracked(input, before, before);
+    const PoseResult twice = stage.solve_tracked(input, before, before), anew = stage.find(input);
+    EXPECT_EQ(twice.pose.angles_rad, once.pose.angles_rad);
+    EXPECT_NE(anew.pose.angles_rad, once.pose.angles_rad);
+    EXPECT_GT(once.energy.total() - once.energy.temporal, anew.energy.total()) << "it is dearer by what holds it";
+  });
+}
+
+// Where nobody is detected, what is expected is known with little confidence; nothing hides.
+TEST(PoseStage, NobodyDetectedHidesNoArm) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const auto angles_rad = [&](bool detected, double hidden_share) {
+      Seen seen(device);
+      TrackerOptions options;
+      options.pose.hidden_confidence = 1;
+      options.pose.hidden_share = hidden_share;
+      options.starts.strayed_arm_share = 0;
+      PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
+      const Pose before = reaching(seen.actor, 0), truth = reaching(seen.actor, 0.1);
+      const Silhouette silhouette = seen.take_picture(stage, truth);
+      const Detections expected = expected_detections(seen.actor, seen.camera, before, 0.3f);
+      const PoseStageInput input{expected, silhouette, seen.frame, detected};
+      stage.set_picture(input);
+      return stage.solve_tracked(input, before, before).pose.angles_rad;
+    };
+    const double share = PoseOptions().hidden_share;
+    EXPECT_EQ(angles_rad(false, share), angles_rad(false, 0));
+    EXPECT_NE(angles_rad(true, share), angles_rad(true, 0));
   });
 }
 

@@ -48,6 +48,8 @@ TEST(HeldArms, OnlyWhatIsHiddenKeepsItsAngles) {
   see_left_arm(detections, 0.1f, 0.2f);
   expect_held(rest_angles(actor, detections, &previous, options), "left_shoulder");
   expect_held(rest_angles(actor, detections, nullptr, options), nullptr);
+  see_left_arm(detections, NAN, NAN);
+  expect_held(rest_angles(actor, detections, &previous, options), "left_shoulder");
   see_left_arm(detections, 0.1f, 0.9f);
   expect_held(rest_angles(actor, detections, &previous, options), nullptr);
   see_left_arm(detections, 0.9f, 0.1f);
@@ -64,11 +66,12 @@ TEST(HeldArms, AHiddenArmGoesAlongWithTheTrunk) {
     for (const auto& [left, right] : {std::pair{kLeftElbow, kRightElbow}, {kLeftWrist, kRightWrist}})
       detections.keypoints[left] = detections.keypoints[right];
     see_left_arm(detections, 0.1f, 0.1f);
-    const auto most_turned_rad = [&](double hidden_share) {
+    const auto most_turned_rad = [&](double hidden_share, bool holds_arms = true) {
       PoseOptions options;
       options.hidden_share = hidden_share;
       PoseSolver solver(device, actor, camera, options);
-      const PoseResult result = solver.solve({.detections = detections, .initial = before, .previous = &before});
+      const PoseResult result =
+          solver.solve({.detections = detections, .initial = before, .previous = &before, .holds_arms = holds_arms});
       EXPECT_EQ(result.status, SolveStatus::kOk);
       double most = 0;
       for (int k = 0; k < actor.skeleton.n_dofs(); ++k)
@@ -78,6 +81,35 @@ TEST(HeldArms, AHiddenArmGoesAlongWithTheTrunk) {
     };
     EXPECT_LT(most_turned_rad(PoseOptions().hidden_share), test::kHiddenArmRad);
     EXPECT_GT(most_turned_rad(0), 5 * test::kHiddenArmRad);
+    EXPECT_EQ(most_turned_rad(PoseOptions().hidden_share, false), most_turned_rad(0));
+  });
+}
+
+// So that poses that follow none compete with one that does.
+TEST(HeldArms, WhatHoldsAnArmIsToldFromTheRestOfERest) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    Actor actor = test::make_test_actor();
+    for (int k = 0; k < actor.skeleton.n_dofs(); ++k) actor.skeleton.dofs[k].rest_share = 0.01 * (k + 1);
+    const Camera camera = test::portrait_camera();
+    const PoseOptions options;
+    const Pose before = test::standing_pose(actor, 0), truth = test::standing_pose(actor, 0.3);
+    Detections detections = test::exact_detections(actor, camera, truth);
+    PoseSolver solver(device, actor, camera, options);
+    EXPECT_EQ(held_energy(actor, detections, before, options, truth), 0) << "nothing is hidden";
+    detections.keypoints[kLeftWrist] = detections.keypoints[kRightWrist];
+    see_left_arm(detections, 0.1f, 0.1f);
+    const PoseResult result = solver.solve({.detections = detections, .initial = before, .previous = &before});
+    ASSERT_EQ(result.status, SolveStatus::kOk);
+    double not_held = 0, at_rest = 0;
+    for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
+      const double off_rad = result.pose.angles_rad[k] - actor.skeleton.dofs[k].rest_rad;
+      const double energy = options.weights.rest * actor.skeleton.dofs[k].rest_share * off_rad * off_rad;
+      at_rest += energy;
+      if (!hangs_on(actor, k, "left_shoulder")) not_held += energy;
+    }
+    EXPECT_GT(result.energy.rest, 1.1 * not_held);
+    EXPECT_NEAR(result.energy.rest - held_energy(actor, detections, before, options, result.pose), at_rest,
+                test::kPoseJacobian * result.energy.rest);
   });
 }
 

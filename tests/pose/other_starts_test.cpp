@@ -152,9 +152,17 @@ TEST(OtherStarts, EachArmFarFromItsElbowOrWristIsBentAnew) {
         if (actor.skeleton.dofs[k].name == name) pose.angles_rad[k] += 0.5;
     return pose;
   };
-  EXPECT_TRUE(with_detected_arms(actor, camera, truth, detections, as_detected(), 20).empty());
+  const auto all_bent = [&](const Pose& pose, const Detections& seen, bool are_better = false) {
+    std::vector<Pose> all;
+    with_detected_arms(actor, camera, pose, seen, as_detected(), 20, [&](const Pose& bent) {
+      all.push_back(bent);
+      return are_better ? bent : pose;
+    });
+    return all;
+  };
+  EXPECT_TRUE(all_bent(truth, detections).empty());
   const Pose left = with_turned({"left_shoulder_z", "left_hip_z"});
-  const std::vector<Pose> bent = with_detected_arms(actor, camera, left, detections, as_detected(), 20);
+  const std::vector<Pose> bent = all_bent(left, detections);
   ASSERT_EQ(bent.size(), 1u);
   EXPECT_GT((keypoints(left)[kLeftWrist] - keypoints(truth)[kLeftWrist]).norm(), 100);
   EXPECT_LT((keypoints(bent[0])[kLeftWrist] - keypoints(truth)[kLeftWrist]).norm(), test::kInitializedMm);
@@ -164,10 +172,25 @@ TEST(OtherStarts, EachArmFarFromItsElbowOrWristIsBentAnew) {
     EXPECT_EQ(bent[0].angles_rad[k], left.angles_rad[k]) << name;
   }
   const Pose both = with_turned({"left_shoulder_z", "right_shoulder_z"});
-  EXPECT_EQ(with_detected_arms(actor, camera, both, detections, as_detected(), 20).size(), 2u);
+  const std::vector<Pose> alone = all_bent(both, detections), after = all_bent(both, detections, true);
+  ASSERT_EQ(alone.size(), 2u);
+  ASSERT_EQ(after.size(), 2u);
+  EXPECT_EQ(after[0].angles_rad, alone[0].angles_rad);
+  for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
+    const std::string& name = actor.skeleton.dofs[k].name;
+    const bool of_left = name.starts_with("left_shoulder") || name.starts_with("left_elbow");
+    EXPECT_EQ(after[1].angles_rad[k], alone[of_left ? 0 : 1].angles_rad[k]) << name;
+  }
   Detections nobody = detections;
   nobody.person = false;
-  EXPECT_TRUE(with_detected_arms(actor, camera, both, nobody, as_detected(), 20).empty());
+  EXPECT_TRUE(all_bent(both, nobody).empty());
+  for (const float confidence : {0.0f, NAN}) {
+    Detections unknown = detections;
+    unknown.keypoints[kLeftWrist].confidence = confidence;
+    EXPECT_EQ(all_bent(both, unknown).size(), 2u) << "by its elbow";
+    unknown.keypoints[kLeftElbow].confidence = confidence;
+    EXPECT_EQ(all_bent(both, unknown).size(), 1u);
+  }
 }
 
 }  // namespace

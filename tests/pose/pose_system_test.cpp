@@ -337,6 +337,20 @@ TEST(PoseSystem, WrongInputsAreRefused) {
   });
 }
 
+TEST(PoseSystem, SharesAreFromNoneToAll) {
+  for (double PoseOptions::*share : {&PoseOptions::least_stands, &PoseOptions::hidden_confidence}) {
+    PoseOptions options;
+    for (const double right : {0.0, 1.0}) {
+      options.*share = right;
+      EXPECT_NO_THROW(options.validate());
+    }
+    for (const double wrong : {-0.01, 1.01, std::numeric_limits<double>::quiet_NaN()}) {
+      options.*share = wrong;
+      EXPECT_THROW(options.validate(), ConfigError);
+    }
+  }
+}
+
 // Matches of all vertices, so far from where they are in the scene's pose.
 std::vector<VertexMatch> matched_beside(ocl::DeviceContext& device, const SystemScene& scene, Eigen::Vector2d by_px) {
   Skinner skinner(device, scene.actor);

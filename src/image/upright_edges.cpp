@@ -20,13 +20,14 @@ constexpr double kRadPerDeg = std::numbers::pi / 180;
 constexpr int kMostRows = 1080;        // a larger picture is made smaller
 constexpr double kLeastLength = 0.02;  // of an edge, by the picture's height
 constexpr double kMostLeaning = 40 * kRadPerDeg;
+constexpr double kBlurPx = 1, kAlongPx = 1;  // of the smaller picture
 constexpr double kMostPitch = 35 * kRadPerDeg, kMostRoll = 10 * kRadPerDeg, kApart = 0.5 * kRadPerDeg;
 // Standard deviations: of an edge's direction, of its ends; and of up by all edges, whose lens and walls are not quite
 // straight either.
 constexpr double kEdgeDeviation = 0.25 * kRadPerDeg, kEndDeviationPx = 0.35, kUprightDeviation = 0.4 * kRadPerDeg;
 constexpr double kDoubtful = 1.5;  // deviations; beyond it an edge counts less (Geman and McClure)
 constexpr double kAgrees = 3;      // deviations
-constexpr int kLeastEdges = 8;
+constexpr int kLeastEdges = 6;
 constexpr double kLeastShare = 0.3;  // of the length of all that lean no further than kMostLeaning
 constexpr int kRefinements = 20;
 constexpr double kBesidePerson = 0.02;  // of the picture's height: edges so near a person are taken for their outline
@@ -41,6 +42,40 @@ Vector3d up_at(double pitch, double roll) {
   return {std::sin(roll) * std::cos(pitch), -std::cos(roll) * std::cos(pitch), std::sin(pitch)};
 }
 
+// Ends of the edges that lean no further than kMostLeaning and are long enough, px of `gray`.
+std::vector<cv::Vec4f> segments(const cv::Mat& gray) {
+  std::vector<cv::Vec4f> found;
+  cv::createLineSegmentDetector(cv::LSD_REFINE_STD)->detect(gray, found);
+  std::erase_if(found, [&](const cv::Vec4f& s) {
+    const double x = std::abs(s[2] - s[0]), y = std::abs(s[3] - s[1]);
+    return std::hypot(x, y) < kLeastLength * gray.rows || std::atan2(x, y) > kMostLeaning;
+  });
+  return found;
+}
+
+// Whether b runs where a does, of the same sense, along half of a.
+bool runs_along(const cv::Vec4f& a, const cv::Vec4f& b) {
+  if ((a[3] - a[1]) * (b[3] - b[1]) < 0) return false;
+  const auto x_at = [](const cv::Vec4f& s, double y) { return s[0] + (s[2] - s[0]) * (y - s[1]) / (s[3] - s[1]); };
+  const double top = std::max(std::min(a[1], a[3]), std::min(b[1], b[3]));
+  const double bottom = std::min(std::max(a[1], a[3]), std::max(b[1], b[3]));
+  if (bottom - top < std::abs(a[3] - a[1]) / 2) return false;
+  return std::abs(x_at(a, top) - x_at(b, top)) < kAlongPx && std::abs(x_at(a, bottom) - x_at(b, bottom)) < kAlongPx;
+}
+
+// Of fine stripes, edges follow columns of pixels instead of the stripes, and all of them alike. They are others in a
+// picture that is blurred a little, where edges of things stay.
+std::vector<cv::Vec4f> lasting_segments(const cv::Mat& gray) {
+  cv::Mat blurred;
+  cv::GaussianBlur(gray, blurred, {}, kBlurPx);
+  const std::vector<cv::Vec4f> last = segments(blurred);
+  std::vector<cv::Vec4f> found = segments(gray);
+  std::erase_if(found, [&](const cv::Vec4f& s) {
+    return std::none_of(last.begin(), last.end(), [&](const cv::Vec4f& other) { return runs_along(s, other); });
+  });
+  return found;
+}
+
 std::vector<Edge> leaning_edges(const ImageRgb& picture, const ImageGray& person, const Camera& camera) {
   const cv::Mat rgb(picture.height, picture.width, CV_8UC3, const_cast<uint8_t*>(picture.pixels.data()));
   cv::Mat gray;
@@ -50,8 +85,6 @@ std::vector<Edge> leaning_edges(const ImageRgb& picture, const ImageGray& person
     const cv::Size smaller(std::max(1, int(std::lround(scale * gray.cols))), kMostRows);
     cv::resize(gray, gray, smaller, 0, 0, cv::INTER_AREA);
   }
-  std::vector<cv::Vec4f> found;
-  cv::createLineSegmentDetector(cv::LSD_REFINE_STD)->detect(gray, found);
 
   ImageGray near_person = person;
   if (!person.pixels.empty()) grow_by_disc(near_person, int(std::ceil(kBesidePerson * person.height)));
@@ -65,13 +98,11 @@ std::vector<Edge> leaning_edges(const ImageRgb& picture, const ImageGray& person
     return Vector3d((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1);
   };
   std::vector<Edge> edges;
-  for (const cv::Vec4f& s : found) {
+  for (const cv::Vec4f& s : lasting_segments(gray)) {
     // Pixel centres are at integers in both pictures.
     const auto full = [&](float v) { return (v + 0.5) / scale - 0.5; };
     const double x0 = full(s[0]), y0 = full(s[1]), x1 = full(s[2]), y1 = full(s[3]);
     const double length = std::hypot(x1 - x0, y1 - y0);
-    if (length < kLeastLength * picture.height) continue;
-    if (std::atan2(std::abs(x1 - x0), std::abs(y1 - y0)) > kMostLeaning) continue;
     if (is_person(x0, y0) || is_person(x1, y1) || is_person((x0 + x1) / 2, (y0 + y1) / 2)) continue;
     edges.push_back({ray(x0, y0).cross(ray(x1, y1)).normalized(), length,
                      std::hypot(kEdgeDeviation, kEndDeviationPx / scale / length)});

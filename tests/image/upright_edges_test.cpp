@@ -49,6 +49,19 @@ struct Room {
     const cv::Point corners[] = {pixel(from), pixel(from + aside), pixel(to + aside), pixel(to)};
     cv::fillConvexPoly(picture, corners, 4, cv::Scalar::all(gray), cv::LINE_AA, 3);
   }
+  // Upright waves on a board that faces along z, between two of its corners.
+  void stripes(const Eigen::Vector3d& low, const Eigen::Vector3d& high, double apart_mm, double contrast) {
+    for (int y = 0; y < picture.rows; ++y) {
+      for (int x = 0; x < picture.cols; ++x) {
+        const Eigen::Vector3d ray((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1);
+        Eigen::Vector3d at = camera_from_room.transpose() * ray;
+        at *= low.z() / at.z();
+        if ((at - low).head<2>().minCoeff() < 0 || (high - at).head<2>().minCoeff() < 0) continue;
+        const double wave = std::sin(2 * std::numbers::pi * at.x() / apart_mm);
+        picture.at<cv::Vec3b>(y, x) = cv::Vec3b::all(uchar(std::lround(120 + contrast * wave)));
+      }
+    }
+  }
   // Posts on both sides, 5 m away.
   void posts(int n = 6) {
     for (int k = 0; k < n; ++k) {
@@ -81,6 +94,18 @@ TEST(UprightEdges, PostsTellHowTheCameraIsTurned) {
     EXPECT_LT(off.dot(upright->information * off), 9);
     EXPECT_GT(upright->information({0, 2}, {0, 2}).eval().eigenvalues().real().minCoeff(),
               std::pow(2 * kRadPerDeg, -2));
+  }
+}
+
+// Stripes a few pixels apart seem to run along columns of pixels: these point 4 to 9 degrees aside.
+TEST(UprightEdges, FineStripesDoNotCount) {
+  for (const auto& [apart_mm, contrast] : std::vector<std::pair<double, double>>{{16, 20}, {19, 10}, {22, 10}}) {
+    Room room(9, 0);
+    room.posts(3);
+    room.stripes({300, -600, -4900}, {1250, 600, -4900}, apart_mm, contrast);
+    const auto upright = room.found();
+    ASSERT_TRUE(upright) << apart_mm;
+    EXPECT_LT(angle_deg(upright->up, room.up), test::kUprightDeg) << apart_mm;
   }
 }
 

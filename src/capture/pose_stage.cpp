@@ -19,7 +19,7 @@ PoseStage::PoseStage(ocl::DeviceContext& device, const Actor& actor, const Camer
       camera_(camera),
       options_(options_for(actor, (options.validate(), options))),
       rasterizer_(rasterizer),
-      floor_(actor, options.floor, measured_floor(camera)),
+      floor_(actor, options_.floor, measured_floor(camera)),
       leg_bias_(options.leg_bias),
       rounds_(device, actor, camera, options_, floor_, rasterizer, visibility) {}
 

@@ -73,6 +73,7 @@ void HiddenKneesOptions::validate() const {
   share("hidden_knees.keypoint_2d", keypoint_2d);
   not_negative("hidden_knees.refined_doubt_3d_mm", refined_doubt_3d_mm);
   share("hidden_knees.least_stands", least_stands);
+  share("hidden_knees.balance_share", balance_share);
 }
 
 void OtherStartsOptions::validate() const {

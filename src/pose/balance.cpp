@@ -68,13 +68,28 @@ Eigen::Vector3d away_along_floor(const Eigen::Vector3d& up) {
   return (Eigen::Vector3d::UnitZ() - up * up.z()).normalized();
 }
 
+std::optional<double> support_beyond_mass_mm(const Actor& actor, const Positions& positions,
+                                             const Eigen::Vector3d& soles_mm, const Eigen::Vector3d& up,
+                                             double least_reach) {
+  if (leg_reach(actor, positions, up) < least_reach) return std::nullopt;
+  const std::optional<Eigen::Vector3d> mass = centre_of_mass(actor, positions);
+  if (!mass) return std::nullopt;
+  const Eigen::Vector3d ankles = (positions[kLeftAnkle] + positions[kRightAnkle]) / 2;
+  const Eigen::Vector3d support = ankles + kBeforeAnkles * (soles_mm - ankles);
+  return away_along_floor(up).dot(support - *mass);
+}
+
 void BalanceOptions::validate() const {
   if (!(most_mm >= 0) || !std::isfinite(most_mm))
     throw ConfigError(format("balance: most_mm is %g; it must be finite and at least 0", most_mm));
   if (!(frames >= 1) || !std::isfinite(frames))
     throw ConfigError(format("balance: frames is %g; it must be finite and at least 1", frames));
+  if (!(sole_frames >= 1) || !std::isfinite(sole_frames))
+    throw ConfigError(format("balance: sole_frames is %g; it must be finite and at least 1", sole_frames));
   if (!(least_reach >= 0 && least_reach <= 1))
     throw ConfigError(format("balance: least_reach is %g; it must be in 0..1", least_reach));
+  if (!(share >= 0 && share <= 1)) throw ConfigError(format("balance: share is %g; it must be in 0..1", share));
+  if (!std::isfinite(middle_mm)) throw ConfigError(format("balance: middle_mm is %g; it must be finite", middle_mm));
 }
 
 Balance::Balance(const BalanceOptions& options) : options_(options) {
@@ -83,13 +98,10 @@ Balance::Balance(const BalanceOptions& options) : options_(options) {
 
 bool Balance::learn(const Actor& actor, const Positions& positions, const Eigen::Vector3d& soles_mm,
                     const Eigen::Vector3d& up) {
-  if (leg_reach(actor, positions, up) < options_.least_reach) return false;
-  const std::optional<Eigen::Vector3d> mass = centre_of_mass(actor, positions);
-  if (!mass) return false;
+  const auto farther_mm = support_beyond_mass_mm(actor, positions, soles_mm, up, options_.least_reach);
+  if (!farther_mm) return false;
   n_frames_ = std::min(n_frames_ + 1, options_.frames);
-  const Eigen::Vector3d ankles = (positions[kLeftAnkle] + positions[kRightAnkle]) / 2;
-  const Eigen::Vector3d support = ankles + kBeforeAnkles * (soles_mm - ankles);
-  farther_mm_ += (away_along_floor(up).dot(support - *mass) - farther_mm_) / n_frames_;
+  farther_mm_ += (*farther_mm - farther_mm_) / n_frames_;
   return true;
 }
 
@@ -100,6 +112,29 @@ void Balance::forget() {
 
 double Balance::excess_mm() const {
   return std::copysign(std::max(0.0, std::abs(farther_mm_) - options_.most_mm), farther_mm_);
+}
+
+SoleInBalance::SoleInBalance(const BalanceOptions& options) : options_(options) {
+  options.validate();
+}
+
+void SoleInBalance::learn(const Actor& actor, const Positions& positions, const Eigen::Vector3d& soles_mm,
+                          const Eigen::Vector3d& lowest_mm, const Eigen::Vector3d& up) {
+  const auto farther_mm = support_beyond_mass_mm(actor, positions, soles_mm, up, options_.least_reach);
+  if (!farther_mm) return;
+  const double move = (*farther_mm - options_.middle_mm) / away_along_floor(up).dot(lowest_mm);
+  n_frames_ = std::min(n_frames_ + 1, options_.sole_frames);
+  place_mm_ += ((1 - move) * lowest_mm - place_mm_) / n_frames_;
+}
+
+void SoleInBalance::forget() {
+  n_frames_ = 0;
+  place_mm_.setZero();
+}
+
+std::optional<Eigen::Vector3d> SoleInBalance::place_mm() const {
+  if (n_frames_ == 0) return std::nullopt;
+  return place_mm_;
 }
 
 }  // namespace livecap

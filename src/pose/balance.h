@@ -24,6 +24,13 @@ std::optional<Eigen::Vector3d> centre_of_mass(const Actor& actor,
 double leg_reach(const Actor& actor, const std::array<Eigen::Vector3d, kKeypointCount>& positions,
                  const Eigen::Vector3d& up);
 
+// How much farther from the camera, along the floor, what bears the weight is than the centre of mass, mm: half way
+// from the ankles to the middle between both soles. nullopt for who does not stand (least_reach), or cannot be weighed.
+std::optional<double> support_beyond_mass_mm(const Actor& actor,
+                                             const std::array<Eigen::Vector3d, kKeypointCount>& positions,
+                                             const Eigen::Vector3d& soles_mm, const Eigen::Vector3d& up,
+                                             double least_reach);
+
 inline constexpr double kNoBalance = std::numeric_limits<double>::max();  // as most_mm: feet may be anywhere
 
 struct BalanceOptions {
@@ -32,6 +39,11 @@ struct BalanceOptions {
   double frames = 60;  // after so many a frame's say has fallen to 1/e; those before that count alike
   // Only of frames in which a leg reaches down by so much of its length: who sits or kneels has the feet elsewhere.
   double least_reach = 0.75;
+  // So much of a floor's height is told by balance: by where the captured feet, of which the picture may tell little
+  // (HiddenKneesOptions), would have to be. 0: the limit above alone.
+  double share = 0;
+  double middle_mm = -10;    // farther than the centre of mass is what bears the weight then, on average
+  double sole_frames = 120;  // as `frames`
 
   void validate() const;  // throws ConfigError
 };
@@ -54,6 +66,27 @@ class Balance {
   BalanceOptions options_;
   double n_frames_ = 0;
   double farther_mm_ = 0;  // what bears the weight than the centre of mass, mean
+};
+
+// Where the lower sole would rest on average if who stands on it was in balance: moved along its line of sight, which
+// the picture tells.
+class SoleInBalance {
+ public:
+  // Throws ConfigError.
+  explicit SoleInBalance(const BalanceOptions& options);
+
+  // A frame's keypoints, the middle between both soles and the lowest point of them.
+  void learn(const Actor& actor, const std::array<Eigen::Vector3d, kKeypointCount>& positions,
+             const Eigen::Vector3d& soles_mm, const Eigen::Vector3d& lowest_mm, const Eigen::Vector3d& up);
+  void forget();
+
+  // mm, camera frame; nullopt while nobody has stood.
+  std::optional<Eigen::Vector3d> place_mm() const;
+
+ private:
+  BalanceOptions options_;
+  double n_frames_ = 0;
+  Eigen::Vector3d place_mm_ = Eigen::Vector3d::Zero();
 };
 
 // Of the floor, away from the camera; unit.

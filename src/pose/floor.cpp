@@ -133,6 +133,7 @@ FloorFinder::FloorFinder(const Actor& actor, const FloorOptions& options, const 
       options_(options),
       soles_(sole_points(actor)),
       balance_(options.balance),
+      in_balance_(options.balance),
       is_measured_(measured.has_value()),
       floor_(measured) {
   options.validate();
@@ -141,6 +142,7 @@ FloorFinder::FloorFinder(const Actor& actor, const FloorOptions& options, const 
 void FloorFinder::forget() {
   if (is_measured_) return;
   balance_.forget();
+  in_balance_.forget();
   body_up_.setZero();
   products_.setZero();
   sums_.setZero();
@@ -174,6 +176,7 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet
   if (!(upright.y() < kUprightY)) return;
   body_up_ += upright;
   const Eigen::Vector3d up = this->up();
+  if (!is_measured_ && options_.balance.share > 0) learn_balance(posed, up, now);
   const auto believed = feet && !is_measured_ ? balanced(posed_feet, up, told) : told;
 
   struct Lowest {
@@ -213,9 +216,8 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet
   fit();
 }
 
-// Of who stands: the soles moved along their lines of sight, which the picture tells, to where balance ends.
-std::vector<Eigen::Vector3d> FloorFinder::balanced(const PosedSkeleton& feet, const Eigen::Vector3d& up,
-                                                   std::vector<Eigen::Vector3d> soles_mm) {
+// Between both feet; nullopt for a skeleton that lacks one.
+std::optional<Eigen::Vector3d> FloorFinder::middle_of(const std::vector<Eigen::Vector3d>& soles_mm) const {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const Foot& foot : kFeet) {
     const int bone = actor_.skeleton.bone_index(foot.bone);
@@ -226,14 +228,33 @@ std::vector<Eigen::Vector3d> FloorFinder::balanced(const PosedSkeleton& feet, co
       sum += soles_mm[i];
       ++n;
     }
-    if (n == 0) return soles_mm;
+    if (n == 0) return std::nullopt;
     middle += sum / n / 2;
   }
-  const bool stands = balance_.learn(actor_, keypoint_positions(actor_, feet), middle, up);
+  return middle;
+}
+
+// Of who stands: the soles moved along their lines of sight, which the picture tells, to where balance ends.
+std::vector<Eigen::Vector3d> FloorFinder::balanced(const PosedSkeleton& feet, const Eigen::Vector3d& up,
+                                                   std::vector<Eigen::Vector3d> soles_mm) {
+  const std::optional<Eigen::Vector3d> middle = middle_of(soles_mm);
+  if (!middle) return soles_mm;
+  const bool stands = balance_.learn(actor_, keypoint_positions(actor_, feet), *middle, up);
   const Eigen::Vector3d away = away_along_floor(up);
-  if (!stands || away.dot(middle) < kSteepest * middle.norm()) return soles_mm;
+  if (!stands || away.dot(*middle) < kSteepest * middle->norm()) return soles_mm;
   for (Eigen::Vector3d& p : soles_mm) p -= p * (balance_.excess_mm() / away.dot(p));
   return soles_mm;
+}
+
+// Feet that the floor holds are where it says, so that it is their balance that counts, not that of legs by the picture
+// alone: of these the lower foot tells the floor, and where legs hide that is the one which is taken for too far.
+void FloorFinder::learn_balance(const PosedSkeleton& posed, const Eigen::Vector3d& up,
+                                const std::vector<Eigen::Vector3d>& soles_mm) {
+  const std::optional<Eigen::Vector3d> middle = middle_of(soles_mm);
+  if (!middle || away_along_floor(up).dot(*middle) < kSteepest * middle->norm()) return;
+  const auto lowest = std::min_element(soles_mm.begin(), soles_mm.end(),
+                                       [&](const auto& a, const auto& b) { return up.dot(a) < up.dot(b); });
+  in_balance_.learn(actor_, keypoint_positions(actor_, posed), *middle, *lowest, up);
 }
 
 void FloorFinder::add(const Eigen::Vector3d& point_mm, double weight) {
@@ -279,6 +300,7 @@ void FloorFinder::fit() {
   if (!plane.allFinite()) return;
   const Eigen::Vector3d normal(plane[1], -1, plane[2]);
   floor_ = Floor{normal.normalized(), kMmPerM * plane[0] / normal.norm()};
+  if (const auto sole = in_balance_.place_mm()) floor_->offset_mm -= options_.balance.share * floor_->height_mm(*sole);
 }
 
 }  // namespace livecap

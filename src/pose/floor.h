@@ -91,8 +91,11 @@ class FloorFinder {
   const Floor* floor() const { return floor_ ? &*floor_ : nullptr; }
 
  private:
+  std::optional<Eigen::Vector3d> middle_of(const std::vector<Eigen::Vector3d>& soles_mm) const;
   std::vector<Eigen::Vector3d> balanced(const PosedSkeleton& feet, const Eigen::Vector3d& up,
                                         std::vector<Eigen::Vector3d> soles_mm);
+  void learn_balance(const PosedSkeleton& posed, const Eigen::Vector3d& up,
+                     const std::vector<Eigen::Vector3d>& soles_mm);
   void add(const Eigen::Vector3d& point_mm, double weight);
   void fit();
   struct Tilt {
@@ -106,6 +109,7 @@ class FloorFinder {
   std::vector<SolePoint> soles_;
   std::optional<Upright> upright_;
   Balance balance_;
+  SoleInBalance in_balance_;
   Eigen::Vector3d body_up_ = Eigen::Vector3d::Zero();   // sum
   Eigen::Matrix3d products_ = Eigen::Matrix3d::Zero();  // of (1, x, z), m
   Eigen::Vector3d sums_ = Eigen::Vector3d::Zero();      // of y (1, x, z)

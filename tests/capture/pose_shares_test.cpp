@@ -42,6 +42,7 @@ TEST(PoseShares, KneesThatClothHidesAreGuessedInThePicture) {
     EXPECT_EQ(options.pose.keypoint_2d_weights, told);
     EXPECT_EQ(options.rounds.refined_doubt_3d_mm, given.rounds.refined_doubt_3d_mm);
     EXPECT_EQ(options.pose.least_stands, given.pose.least_stands);
+    EXPECT_EQ(options.floor.balance.share, given.floor.balance.share);
   }
   const TrackerOptions options = options_for(in_a_skirt(250), given);
   for (int k = 0; k < kKeypointCount; ++k) {
@@ -50,6 +51,10 @@ TEST(PoseShares, KneesThatClothHidesAreGuessedInThePicture) {
   }
   EXPECT_EQ(options.rounds.refined_doubt_3d_mm, given.hidden_knees.refined_doubt_3d_mm);
   EXPECT_EQ(options.pose.least_stands, given.hidden_knees.least_stands);
+  EXPECT_EQ(options.floor.balance.share, given.hidden_knees.balance_share);
+  TrackerOptions unbalanced = given;
+  unbalanced.floor.balance.most_mm = kNoBalance;
+  EXPECT_EQ(options_for(in_a_skirt(250), unbalanced).floor.balance.share, 0);
   TrackerOptions stands = given;
   stands.pose.least_stands = 0.4;
   EXPECT_EQ(options_for(in_a_skirt(250), stands).pose.least_stands, 0.4) << "what is given is more";

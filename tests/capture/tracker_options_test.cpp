@@ -91,6 +91,7 @@ std::vector<Field> fields() {
       share(LC_FIELD(hidden_knees.keypoint_2d)),
       length(LC_FIELD(hidden_knees.refined_doubt_3d_mm)),
       share(LC_FIELD(hidden_knees.least_stands)),
+      share(LC_FIELD(hidden_knees.balance_share)),
       {"starts.leans_rad",
        [](TrackerOptions& o, double value) {
          o.starts.leans_rad = {0.1, value};

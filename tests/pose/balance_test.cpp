@@ -117,6 +117,28 @@ TEST(Balance, OnlyWhatIsBeyondItCounts) {
   EXPECT_NEAR(excess(200), 125, test::kDoubleExact);
 }
 
+TEST(SoleInBalance, IsWhereTheFeetWouldBearTheMass) {
+  const Actor actor = test::make_test_actor();
+  BalanceOptions options;
+  options.middle_mm = -10;
+  const Eigen::Vector3d lowest_mm(200, 1100, 3400);
+  SoleInBalance sole(options);
+  EXPECT_FALSE(sole.place_mm().has_value());
+  for (const double farther_mm : {60.0, 120.0}) {
+    const Stand stand = standing(actor, farther_mm);
+    sole.learn(actor, stand.positions, stand.soles_mm, lowest_mm, kUpright);
+  }
+  const Eigen::Vector3d place_mm = *sole.place_mm();
+  EXPECT_NEAR(place_mm.cross(lowest_mm).norm(), 0, test::kDoubleExact * lowest_mm.squaredNorm()) << "seen as before";
+  EXPECT_NEAR(lowest_mm.z() - place_mm.z(), 90 + 10, test::kHandComputed);
+  const Positions seated = positions_of(actor, sitting(actor));
+  SoleInBalance none(options);
+  none.learn(actor, seated, lowest_mm, lowest_mm, kUpright);
+  EXPECT_FALSE(none.place_mm().has_value()) << "who sits tells nothing";
+  sole.forget();
+  EXPECT_FALSE(sole.place_mm().has_value());
+}
+
 TEST(Balance, StepsAreNotItAndItIsForgotten) {
   const Actor actor = test::make_test_actor();
   const Stand before = standing(actor, 250), behind = standing(actor, -250), far = standing(actor, 300);

@@ -128,9 +128,10 @@ TEST(Floor, IsBelowWhoIsInBalance) {
     if (name == "left_knee_x" || name == "right_knee_x") seated.angles_rad[k] += 1.0;
   }
   // Of the soles above the floor learned from them.
-  const auto height_mm = [&](double most_mm, const Pose& pose) {
+  const auto height_mm = [&](double most_mm, const Pose& pose, double share = 0) {
     FloorOptions options;
     options.balance.most_mm = most_mm;
+    options.balance.share = share;
     FloorFinder finder(actor, options, {});
     finder.set_upright({kUp, Eigen::Matrix3d::Identity() * 1e6});
     for (int frame = 0; frame < 20; ++frame) finder.learn(pose, pose, &pose, seen(actor, pose));
@@ -143,6 +144,11 @@ TEST(Floor, IsBelowWhoIsInBalance) {
   // Feet are seen 0.34 down a unit along the floor, in their middle.
   EXPECT_NEAR(level - far, 100 * 0.34, 15);
   EXPECT_DOUBLE_EQ(height_mm(0, seated), height_mm(none, seated)) << "who sits tells nothing";
+  EXPECT_DOUBLE_EQ(height_mm(none, seated, 1), height_mm(none, seated));
+  // Told wholly by balance it is where feet below the mass are believed, but for what is the middle of it.
+  const double by_balance = height_mm(none, swung, 1);
+  EXPECT_NEAR(by_balance - level, -BalanceOptions{}.middle_mm * 0.34, 15);
+  EXPECT_NEAR(height_mm(none, swung, 0.25), as_seen + 0.25 * (by_balance - as_seen), 5);
 }
 
 // A lifted foot is as still where it is highest as one that stands; the other one stands meanwhile.

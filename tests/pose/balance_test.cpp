@@ -117,7 +117,7 @@ TEST(Balance, OnlyWhatIsBeyondItCounts) {
   EXPECT_NEAR(excess(200), 125, test::kDoubleExact);
 }
 
-TEST(SoleInBalance, IsWhereTheFeetWouldBearTheMass) {
+TEST(Balance, ASoleIsWhereItWouldBearTheMass) {
   const Actor actor = test::make_test_actor();
   BalanceOptions options;
   options.middle_mm = -10;

@@ -25,9 +25,9 @@ constexpr double kMostPitch = 35 * kRadPerDeg, kMostRoll = 10 * kRadPerDeg, kApa
 // Standard deviations: of an edge's direction, of its ends; and of up by all edges, whose lens and walls are not quite
 // straight either.
 constexpr double kEdgeDeviation = 0.25 * kRadPerDeg, kEndDeviationPx = 0.35, kUprightDeviation = 0.4 * kRadPerDeg;
-constexpr double kDoubtful = 1.5;  // deviations; beyond it an edge counts less (Geman and McClure)
-constexpr double kAgrees = 3;      // deviations
-constexpr int kLeastEdges = 6;
+constexpr double kDoubtful = 1.5;    // deviations; beyond it an edge counts less (Geman and McClure)
+constexpr double kAgrees = 3;        // deviations
+constexpr int kLeastEdges = 6;       // that last
 constexpr double kLeastShare = 0.3;  // of the length of all that lean no further than kMostLeaning
 constexpr int kRefinements = 20;
 constexpr double kBesidePerson = 0.02;  // of the picture's height: edges so near a person are taken for their outline

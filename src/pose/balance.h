@@ -40,7 +40,8 @@ struct BalanceOptions {
   // Only of frames in which a leg reaches down by so much of its length: who sits or kneels has the feet elsewhere.
   double least_reach = 0.75;
   // So much of a floor's height is told by balance: by where the captured feet, of which the picture may tell little
-  // (HiddenKneesOptions), would have to be. 0: the limit above alone.
+  // (HiddenKneesOptions), would have to be; the rest by feet at rest, which anchor it, since it holds the captured feet
+  // itself. 0: the limit above alone.
   double share = 0;
   double middle_mm = -10;    // farther than the centre of mass is what bears the weight then, on average
   double sole_frames = 120;  // as `frames`

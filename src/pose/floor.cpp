@@ -176,7 +176,9 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet
   if (!(upright.y() < kUprightY)) return;
   body_up_ += upright;
   const Eigen::Vector3d up = this->up();
-  if (!is_measured_ && options_.balance.share > 0) learn_balance(posed, up, now);
+  const bool both_seen = detections.keypoints[kLeftAnkle].confidence >= kTrusted &&
+                         detections.keypoints[kRightAnkle].confidence >= kTrusted;
+  if (!is_measured_ && floor_ && options_.balance.share > 0 && both_seen) learn_balance(posed, up, now);
   const auto believed = feet && !is_measured_ ? balanced(posed_feet, up, told) : told;
 
   struct Lowest {

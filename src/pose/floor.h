@@ -56,12 +56,14 @@ struct FloorOptions {
   // A foot so much higher than the other has half a say, however that one moves: the floor is below both, and a foot
   // that is lifted is as still where it is highest as one that stands.
   double higher_foot_mm = 25;
-  BalanceOptions balance;  // feet beyond it are believed to be where it ends, on their lines of sight
+  // Feet beyond it are believed to be where it ends, on their lines of sight; and how much of the height it tells.
+  BalanceOptions balance;
 
   void validate() const;  // throws ConfigError
 };
 
-// A plane through the resting feet of the frames so far, where balance has them; where they do not tell its tilt, below
+// A plane through the resting feet of the frames so far, where balance has them, and by BalanceOptions::share nearer to
+// where who stands on it would be in balance; where they do not tell its tilt, below
 // what is upright: the room's edges, and the body from ankles to neck, as that was on average. A floor that was
 // measured stays what it is.
 class FloorFinder {
@@ -71,7 +73,8 @@ class FloorFinder {
 
   // Whether the next learn() asks where the feet are.
   bool asks_for_feet() const;
-  // Two poses that are believed, a frame apart; feet whose ankles were not seen tell nothing. feet: `pose`, or one with
+  // Two poses that are believed, a frame apart; feet whose ankles were not seen tell nothing. `pose` tells what rests,
+  // and of balance once a floor holds it. feet: `pose`, or one with
   // the legs where the picture alone has them: a floor that holds feet would only learn where it holds them. nullptr:
   // not known.
   void learn(const Pose& previous, const Pose& pose, const Pose* feet, const Detections& detections);

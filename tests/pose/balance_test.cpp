@@ -183,7 +183,8 @@ TEST(Balance, TheFloorGoesAwayFromTheCamera) {
 TEST(Balance, BadOptionsAreNamed) {
   for (const auto& [field, member] :
        {std::pair("most_mm", &BalanceOptions::most_mm), std::pair("frames", &BalanceOptions::frames),
-        std::pair("least_reach", &BalanceOptions::least_reach)}) {
+        std::pair("least_reach", &BalanceOptions::least_reach), std::pair("share", &BalanceOptions::share),
+        std::pair("sole_frames", &BalanceOptions::sole_frames)}) {
     for (double bad : {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
       BalanceOptions options;
       options.*member = bad;
@@ -195,6 +196,9 @@ TEST(Balance, BadOptionsAreNamed) {
       }
     }
   }
+  BalanceOptions nowhere;
+  nowhere.middle_mm = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(SoleInBalance{nowhere}, ConfigError);
 }
 
 }  // namespace

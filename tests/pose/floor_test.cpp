@@ -148,7 +148,35 @@ TEST(Floor, IsBelowWhoIsInBalance) {
   // Told wholly by balance it is where feet below the mass are believed, but for what is the middle of it.
   const double by_balance = height_mm(none, swung, 1);
   EXPECT_NEAR(by_balance - level, -BalanceOptions{}.middle_mm * 0.34, 15);
+  EXPECT_GT(by_balance, as_seen + 20);
   EXPECT_NEAR(height_mm(none, swung, 0.25), as_seen + 0.25 * (by_balance - as_seen), 5);
+}
+
+// What balance tells is told by the captured feet, which the floor holds, not by those that the picture alone has.
+TEST(Floor, BalanceIsThatOfTheCapturedFeet) {
+  const Actor actor = test::make_test_actor();
+  const Floor truth{kUp, 1200};
+  const Pose stands = on_floor(actor, 100, 3200, truth);
+  Pose swung = stands;
+  for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
+    const std::string& name = actor.skeleton.dofs[k].name;
+    if (name == "left_hip_x" || name == "right_hip_x") swung.angles_rad[k] -= 0.4;
+    if (name == "left_knee_x" || name == "right_knee_x") swung.angles_rad[k] += 0.5;
+  }
+  FloorOptions options;
+  options.balance.most_mm = kNoBalance;
+  const auto offset_mm = [&](double share, const Pose& captured, const Pose& seen_alone, const Pose* before = nullptr) {
+    options.balance.share = share;
+    FloorFinder finder(actor, options, {});
+    finder.set_upright({kUp, Eigen::Matrix3d::Identity() * 1e6});
+    for (int frame = 0; before && frame < 20; ++frame) finder.learn(*before, *before, before, seen(actor, *before));
+    if (before) finder.forget();
+    for (int frame = 0; frame < 20; ++frame) finder.learn(captured, captured, &seen_alone, seen(actor, captured));
+    return finder.floor()->offset_mm;
+  };
+  EXPECT_GT(std::abs(offset_mm(1, swung, stands) - offset_mm(0, swung, stands)), 20);
+  EXPECT_NEAR(offset_mm(1, stands, swung), offset_mm(1, stands, stands), 1e-6);
+  EXPECT_DOUBLE_EQ(offset_mm(1, stands, stands, &swung), offset_mm(1, stands, stands)) << "forgotten";
 }
 
 // A lifted foot is as still where it is highest as one that stands; the other one stands meanwhile.

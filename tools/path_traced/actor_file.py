@@ -10,7 +10,8 @@ WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 BONES = ("Hips", "Spine", "Spine1", "Spine2", "Neck", "Head",
          *(f"{side}{part}" for side in ("Left", "Right")
            for part in ("Shoulder", "Arm", "ForeArm", "Hand", "UpLeg", "Leg", "Foot")))
-SKIRT_LABELS = (6, 12)  # LIP: dress, skirt
+LEAST_HEM_M = 0.08
+SKIRT_LABEL = 12  # LIP
 LEG_LABELS = (8, 16, 17, 18, 19)  # socks, legs, shoes
 
 
@@ -35,8 +36,11 @@ class ActorFile:
         if len(primitives) != 1 or "_LABEL" not in primitives[0]["attributes"]:
             raise ValueError("must have one primitive, with _LABEL")
         self.primitive = primitives[0]
-        if "TEXCOORD_0" not in self.primitive["attributes"] or not self.document.get("images"):
-            raise ValueError("it has no texture")
+        for key, what in (("skins", "skin"), ("images", "texture")):
+            if not self.document.get(key):
+                raise ValueError(f"it has no {what}")
+        if "TEXCOORD_0" not in self.primitive["attributes"] or "indices" not in self.primitive:
+            raise ValueError("it has no texture coordinates or no indices")
         attributes = {name: self._values(index) for name, index in self.primitive["attributes"].items()}
         self._weld(attributes["POSITION"])
         corners = self._values(self.primitive["indices"]).reshape(-1, 3).astype(int)
@@ -48,9 +52,15 @@ class ActorFile:
         if missing:
             raise ValueError(f"bones are missing: {', '.join(missing)}")
         if not self.skirt().any():
-            raise ValueError("it wears no skirt or dress (labels 12, 6)")
-        texture = self.document["images"][0]
-        view = self.document["bufferViews"][texture["bufferView"]]
+            raise ValueError(f"it wears no skirt (label {SKIRT_LABEL}); dresses are not made")
+        if not (self.weights.sum(axis=1) > 0).all():
+            raise ValueError("a vertex has no skinning weight")
+        material = self.document["materials"][self.primitive["material"]]
+        texture = self.document["textures"][material["pbrMetallicRoughness"]["baseColorTexture"]["index"]]
+        image = self.document["images"][texture["source"]]
+        if "bufferView" not in image:
+            raise ValueError("its texture must lie in the file")
+        view = self.document["bufferViews"][image["bufferView"]]
         start = view.get("byteOffset", 0)
         self.image = bytes(self.binary[start : start + view["byteLength"]])
 
@@ -88,17 +98,19 @@ class ActorFile:
         for k in range(4):
             np.add.at(self.weights, (np.arange(len(self.vertices)), back[attributes["JOINTS_0"][self.first, k]]),
                       weights[self.first, k])
-        self.weights /= self.weights.sum(axis=1, keepdims=True)
+        self.weights /= np.maximum(self.weights.sum(axis=1, keepdims=True), 1e-9)
 
     def skirt(self):
-        """[n] whether a vertex is of a skirt or dress."""
-        return np.isin(self.labels, SKIRT_LABELS)
+        """[n] whether a vertex is of a skirt."""
+        return self.labels == SKIRT_LABEL
 
     def reshape_skirt(self, length, width):
         """Stretches what hangs below the waist; normals stay as they are."""
         mask = self.skirt()
         waist = self.vertices[mask, 1].max()
         hem = self.vertices[mask, 1].min()
+        if waist - (waist - hem) * length < LEAST_HEM_M:
+            raise ValueError(f"a skirt {length:g} times as long would lie on the floor")
         axis = self.joints[self.names.index("Hips")][[0, 2]]
         drop = (waist - self.vertices[mask, 1]) / (waist - hem)  # 0 at the waist, 1 at the hem
         self.vertices[mask, 1] = waist - drop * (waist - hem) * length

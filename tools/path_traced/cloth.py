@@ -16,6 +16,7 @@ FABRICS = {  # per vertex kg; stiffness by Blender's scale
 }
 PINNED = (0.10, 0.22)  # of the way from waist to hem: held by the body, falls freely from there on
 GAP_M = 0.006  # between cloth and legs
+THINNEST_M = 0.01  # of a leg
 LINING_M = 0.02  # what is so near to the cloth at rest counts as much as all neighbours
 
 
@@ -76,7 +77,7 @@ def capsule(ends, radii, rings=10, sides=16):
     points = []
     for k in range(2 * rings):
         end = k // rings
-        latitude = np.pi / 2 * ((k % rings) / (rings - 0.5) - 1 + 0.05) if end == 0 else np.pi / 2 * (k % rings) / (rings - 0.5)
+        latitude = np.pi / 2 * ((k % rings) / (rings - 0.5) - (0.95 if end == 0 else 0))
         for turn in 2 * np.pi * np.arange(sides) / sides:
             ring = np.cos(latitude) * (np.cos(turn) * u + np.sin(turn) * v) + np.sin(latitude) * w
             points.append(ends[end] + radii[end] * ring)
@@ -176,6 +177,8 @@ class Skirt:
             far, along = distance_to_segment(sheet, rest[a], rest[b])
             near = [far[along < 0.5].min(initial=1), far[along >= 0.5].min(initial=1)]
             radii = [min(tall * thick[k], near[k] - 1.5 * GAP_M) for k in (0, 1)]  # cloth at rest is outside
+            if min(radii) < THINNEST_M:
+                raise ValueError("its skirt is too narrow for the legs in it")
             shapes = [capsule(frame[[a, b]], radii) for frame in joints]
             limb = MovingMesh("-".join(names), np.array([points for points, _ in shapes]), shapes[0][1], folder)
             limb.thing.modifiers.new("collision", "COLLISION")

@@ -4,9 +4,9 @@
     blender -b --python-exit-code 1 --python tools/path_traced/make_sequence.py -- \\
         --actor V/actor.glb --motion walk --seed 1 --out V2
 
-Any actor with _LABEL, Mixamo's bones and a skirt or dress will do, so V may be what `livecap synth` made. Writes what
+Any actor with _LABEL, a texture, Mixamo's bones and a skirt will do, so V may be what `livecap synth` made. Writes what
 `livecap synth` writes (docs/formats.md: A sequence). Same options, same sequence on the same machine. Two cores take
-some 20 seconds for a frame of 540x960 with 32 paths a pixel, and a minute or two for the cloth.
+some 20 seconds for a frame of 540x960 with 32 paths a pixel, one a minute or two for the cloth of a sequence.
 """
 
 import argparse
@@ -24,7 +24,8 @@ try:
     import numpy as np
     from PIL import Image
 except ModuleNotFoundError as missing:
-    sys.exit(f"error: {missing.name} is missing: run this in Blender, with python3-numpy and python3-pil installed")
+    print(f"error: {missing.name} is missing: run this in Blender, with python3-numpy and python3-pil", file=sys.stderr)
+    sys.exit(2)
 
 import cloth
 import motions
@@ -38,17 +39,27 @@ SETTLING_FRAMES = 30  # cloth falls from its rest shape, nobody sees it
 NOISE_LEVELS = 1.6  # sensor noise, standard deviation of 8 bits
 
 
+def fail(text):
+    print(f"error: {text}", file=sys.stderr)
+    sys.exit(2)
+
+
+class Parser(argparse.ArgumentParser):
+    def error(self, message):  # one line, without the usage
+        fail(message)
+
+
 def parse_arguments():
-    parser = argparse.ArgumentParser(prog="make_sequence.py", description=__doc__.split("\n")[0])
+    parser = Parser(prog="make_sequence.py", description=__doc__.split("\n")[0])
     parser.add_argument("--actor", type=Path, required=True, help="GLB")
     parser.add_argument("--out", type=Path, required=True, help="folder, made when missing")
     parser.add_argument("--motion", choices=sorted(motions.MOVEMENTS), default="walk")
     parser.add_argument("--pace", type=float, default=1.0, help="2: twice as fast")
-    parser.add_argument("--crouch", type=float, default=0.04, help="metres that the hips are low")
+    parser.add_argument("--crouch", type=float, default=0.04, help="metres that the hips are low, 0.04 or more: legs reach the floor")
     parser.add_argument("--fabric", choices=sorted(cloth.FABRICS), default="cotton")
     parser.add_argument("--skirt-length", type=float, default=1.0, help="by that of the actor's")
     parser.add_argument("--skirt-width", type=float, default=1.0, help="at the hem, by that of the actor's")
-    parser.add_argument("--frames", type=int, default=0, help="with a person; 0: until the movement ends")
+    parser.add_argument("--frames", type=int, default=0, help="at most, with a person; 0: until the movement ends")
     parser.add_argument("--width", type=int, default=540)
     parser.add_argument("--height", type=int, default=960)
     parser.add_argument("--samples", type=int, default=32, help="paths per pixel")
@@ -58,12 +69,16 @@ def parse_arguments():
     for size in (arguments.width, arguments.height):
         if size < 64 or size % 2:
             parser.error(f"a picture's side must be even and at least 64, not {size}")
-    for name, low, high in (("pace", 0.25, 4), ("crouch", 0, 0.3), ("skirt_length", 0.5, 2), ("skirt_width", 0.5, 2),
-                            ("samples", 1, 10000), ("frames", 0, 100000)):
+    for name, low, high in (("pace", 0.25, 4), ("crouch", 0.04, 0.3), ("skirt_length", 0.5, 2), ("skirt_width", 0.5, 2),
+                            ("samples", 1, 10000), ("frames", 0, 100000), ("seed", 0, 2**32)):
         if not low <= getattr(arguments, name) <= high:
             parser.error(f"--{name.replace('_', '-')} {getattr(arguments, name)}: must be in {low} .. {high}")
     if not arguments.actor.is_file():
         parser.error(f"--actor {arguments.actor}: no such file")
+    if arguments.actor.resolve() == (arguments.out / "actor.glb").resolve():
+        parser.error(f"--out {arguments.out}: the actor lies there and would be written over")
+    if bpy.app.version >= (4, 0, 0):
+        parser.error(f"Blender {bpy.app.version_string}: its shaders have other names; 3.x is needed")
     if not shutil.which("ffmpeg"):
         parser.error("ffmpeg is missing: apt-get install ffmpeg")
     return arguments
@@ -107,7 +122,7 @@ def place_camera(joints, arguments, random):
 
 def write_camera(arguments, camera, focal):
     values = dict(width=arguments.width, height=arguments.height, fx=focal, fy=focal, cx=(arguments.width - 1) / 2,
-                  cy=(arguments.height - 1) / 2, distortion=[0] * 5, fps=FPS, first_person_frame=EMPTY_FRAMES)
+                  cy=(arguments.height - 1) / 2, distortion=[0] * 5)
     if arguments.floor:
         up = camera[:3, :3].T @ posing.Y * [1, -1, -1]  # OpenCV's axes
         values["floor"] = dict(normal=up.tolist(), distance_mm=1000 * camera[1, 3])
@@ -127,13 +142,16 @@ class Sensor:
     def see(self, picture):
         gain = 1 + 0.015 * np.sin(self.phase + 0.05 * self.frame)
         levels = 255 * gain * picture + self.random.normal(0, NOISE_LEVELS, picture.shape)
-        self.encoder.stdin.write(np.clip(np.rint(levels), 0, 255).astype(np.uint8).tobytes())
+        try:
+            self.encoder.stdin.write(np.clip(np.rint(levels), 0, 255).astype(np.uint8).tobytes())
+        except BrokenPipeError:
+            fail("ffmpeg stopped; it must have libx264")
         self.frame += 1
 
     def close(self):
         self.encoder.stdin.close()
         if self.encoder.wait():
-            sys.exit("error: ffmpeg failed")
+            fail("ffmpeg failed")
 
 
 def write_truth(folder, vertices, joints, actor):
@@ -146,21 +164,31 @@ def write_truth(folder, vertices, joints, actor):
 
 
 def main():
-    arguments = parse_arguments()
+    try:
+        make(parse_arguments())
+    except OSError as wrong:
+        fail(wrong)
+
+
+def make(arguments):
     random = np.random.default_rng(arguments.seed)
     try:
         actor = ActorFile(arguments.actor)
         if (arguments.skirt_length, arguments.skirt_width) != (1, 1):
             actor.reshape_skirt(arguments.skirt_length, arguments.skirt_width)
     except (ValueError, KeyError, IndexError, TypeError, struct.error) as wrong:
-        print(f"error: {arguments.actor} is no actor for this: {wrong}", file=sys.stderr)
-        sys.exit(2)
+        fail(f"{arguments.actor} is no actor for this: {wrong}")
     masks = arguments.out / "truth" / "masks"
     masks.mkdir(parents=True, exist_ok=True)
+    for old in masks.glob("*.png"):
+        old.unlink()
     actor.write(arguments.out / "actor.glb")
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    vertices, joints = moved_person(actor, arguments)
+    try:
+        vertices, joints = moved_person(actor, arguments)
+    except ValueError as wrong:
+        fail(f"{arguments.actor} is no actor for this: {wrong}")
     camera, focal = place_camera(joints, arguments, random)
     seen = lambda points: (points - camera[:3, 3]) @ camera[:3, :3]
     write_truth(masks.parent, seen(vertices), seen(joints), actor)

@@ -6,8 +6,8 @@ metres, angles in degrees here, radians in what postures() returns.
 
 import numpy as np
 
-REST = dict(x=0, z=0, yaw=0, lean=0, tilt=0, dip=0, bend=0, twist=0, side=0, look=0, nod=0,
-            la=14, lf=4, lt=0, le=18, ra=14, rf=4, rt=0, re=18)  # left and right arm: abduction, flexion, twist, elbow
+REST = dict(x=0, z=0, yaw=0, lean=0, tilt=0, dip=0, bend=0, twist=0, look=0,
+            la=14, lf=4, le=18, ra=14, rf=4, re=18)  # left and right arm: abduction, flexion, elbow
 ANGLES = set(REST) - {"x", "z", "dip"}
 STEP_S = 0.46  # from one foot's step to the next one's
 LIFT_M = 0.07
@@ -19,24 +19,31 @@ def key(t, **changes):
 
 MOVEMENTS = {
     "walk": [  # an arc, and once around
-        key(0, x=-0.45, z=-0.9, yaw=30), key(0.6), key(1.6, x=-0.25, z=-0.4, yaw=35, twist=6), key(2.6, x=0.1, z=0, yaw=50),
+        key(0, x=-0.45, z=-0.9, yaw=30), key(0.6), key(1.6, x=-0.25, z=-0.4, yaw=35, twist=6),
+        key(2.6, x=0.1, z=0, yaw=50),
         key(3.0, x=0.2, z=0.05, yaw=80, twist=10), key(5.2, x=0.25, z=0, yaw=390, la=35, ra=35), key(5.8, yaw=395)],
     "sway": [  # half squats and turns both ways, arms out
         key(0), key(0.7, x=0.06, tilt=3, la=40, ra=40), key(1.4, x=-0.06, tilt=-3, dip=0.06, la=60, le=40, ra=50),
-        key(2.1, x=0.04, dip=0.16, bend=14, yaw=25, lf=40, rf=40, le=60, re=60), key(2.9, x=0, yaw=50, twist=15, la=75, ra=70),
-        key(3.7, yaw=-20, twist=-15, dip=0.05, la=30, ra=30), key(4.4, yaw=-45, x=-0.03, ra=110, re=50), key(5.2, yaw=0)],
+        key(2.1, x=0.04, dip=0.16, bend=14, yaw=25, lf=40, rf=40, le=60, re=60),
+        key(2.9, x=0, yaw=50, twist=15, la=75, ra=70),
+        key(3.7, yaw=-20, twist=-15, dip=0.05, la=30, ra=30), key(4.4, yaw=-45, x=-0.03, ra=110, re=50),
+        key(5.2, yaw=0)],
     "turn": [  # steps aside and turns by 180 degrees, fast back
         key(0), key(0.8, x=0.3, la=25), key(1.3, x=0.35, yaw=0, ra=60, re=70), key(2.6, x=0.1, yaw=180, la=45, ra=20),
         key(3.2, yaw=185), key(4.2, x=-0.1, yaw=360, la=50, ra=50), key(4.8, x=-0.1, yaw=360)],
     "squat": [  # squats, a lunge
-        key(0), key(0.5), key(1.3, dip=0.3, lean=28, bend=8, lf=75, rf=75, le=20, re=20), key(2.1, dip=0, lean=0, bend=0, lf=10, rf=10),
+        key(0), key(0.5), key(1.3, dip=0.3, lean=28, bend=8, lf=75, rf=75, le=20, re=20),
+        key(2.1, dip=0, lean=0, bend=0, lf=10, rf=10),
         key(2.9, z=0.32, dip=0.1, lf=-20, rf=50, re=80), key(3.5, z=0.3, dip=0.12), key(4.3, z=0, lf=4, rf=4)],
     "wave": [  # arms overhead, waves, hips swing
-        key(0), key(0.9, la=120, ra=30), key(1.5, la=160, le=30, x=0.05, tilt=4, ra=150, re=25), key(2.1, x=-0.06, tilt=-4, la=130, le=60),
-        key(2.7, x=0.05, tilt=4, la=160, le=20, ra=60, re=90, yaw=20), key(3.3, la=30, x=-0.04, tilt=-3, ra=45, re=110, rf=25),
+        key(0), key(0.9, la=120, ra=30), key(1.5, la=160, le=30, x=0.05, tilt=4, ra=150, re=25),
+        key(2.1, x=-0.06, tilt=-4, la=130, le=60),
+        key(2.7, x=0.05, tilt=4, la=160, le=20, ra=60, re=90, yaw=20),
+        key(3.3, la=30, x=-0.04, tilt=-3, ra=45, re=110, rf=25),
         key(4.0, x=0, yaw=-25, twist=-12, la=60, lf=50, le=70), key(4.8, yaw=0)],
     "stroll": [  # to the camera and back in slow steps, looking around
-        key(0, z=-0.7), key(0.5, z=-0.7), key(2.4, z=0.15, x=0.1, look=20, yaw=8, twist=5), key(3.0, yaw=-15, look=-25, re=70, rf=30),
+        key(0, z=-0.7), key(0.5, z=-0.7), key(2.4, z=0.15, x=0.1, look=20, yaw=8, twist=5),
+        key(3.0, yaw=-15, look=-25, re=70, rf=30),
         key(4.6, z=-0.6, x=-0.1, yaw=-20, look=0), key(5.2, z=-0.62, yaw=0)],
 }
 
@@ -58,8 +65,8 @@ def curve(times, values, t):
 
 
 def postures(name, fps, crouch, pace=1.0):
-    """Postures of all frames of a movement (posing.py), those before standing still left out. crouch: metres that the
-    hips are lower than on straight legs; pace: 2 is twice as fast."""
+    """Postures of all frames of a movement (posing.py). crouch: metres that the hips are lower than on straight legs;
+    pace: 2 is twice as fast."""
     keys = MOVEMENTS[name]
     times = [t / pace for t, _ in keys]
     state, columns = dict(REST), {field: [] for field in REST}
@@ -71,7 +78,7 @@ def postures(name, fps, crouch, pace=1.0):
     for t in np.arange(0, times[-1] + 0.5 / fps, 1 / fps):
         posture = {f: curve(times, columns[f], t) * (np.pi / 180 if f in ANGLES else 1) for f in REST}
         posture["dip"] += crouch
-        posture["arms"] = [[posture[side + part] for part in "afte"] for side in "lr"]
+        posture["arms"] = [[posture[side + part] for part in "afe"] for side in "lr"]
         result.append(posture)
     return result
 

@@ -51,12 +51,12 @@ class Poser:
         place = np.array([posture["x"], self.hips_height - posture["dip"], posture["z"]])
         turned[at["Hips"]] = hips
         trunk = hips
-        third = rotation(Y, posture["twist"] / 3) @ rotation(X, posture["bend"] / 3) @ rotation(Z, posture["side"] / 3)
+        third = rotation(Y, posture["twist"] / 3) @ rotation(X, posture["bend"] / 3)
         for name in ("Spine", "Spine1", "Spine2"):
             trunk = trunk @ third
             turned[at[name]] = trunk
         turned[at["Neck"]] = trunk @ rotation(Y, posture["look"] / 2)
-        turned[at["Head"]] = trunk @ rotation(Y, posture["look"]) @ rotation(X, posture["nod"])
+        turned[at["Head"]] = trunk @ rotation(Y, posture["look"])
         for side, name in enumerate(("Left", "Right")):
             self._turn_arm(name, 1 - 2 * side, posture["arms"][side], trunk, turned)
             hip = place + hips @ (actor.joints[at[f"{name}UpLeg"]] - actor.joints[at["Hips"]])
@@ -64,13 +64,13 @@ class Poser:
         return self._chain(turned, place)
 
     def _turn_arm(self, name, sign, arm, trunk, turned):
-        abduction, flexion, twist, elbow = arm
+        abduction, flexion, elbow = arm
         rest = lambda part: self.actor.joints[self.at[name + part]]
         upper, lower = rest("ForeArm") - rest("Arm"), rest("Hand") - rest("ForeArm")
         collar = trunk @ rotation(Z, sign * 0.25 * max(abduction - 1.2, 0))
         turned[self.at[f"{name}Shoulder"]] = collar
         at_rest = rotation(Z, sign * np.arctan2(abs(upper[0]), -upper[1]))
-        wanted = rotation(X, -flexion) @ rotation(Z, sign * abduction) @ rotation(Y, sign * twist)
+        wanted = rotation(X, -flexion) @ rotation(Z, sign * abduction)
         down, hinge = -Y, -X
         turn = turn_between(upper, at_rest @ hinge, wanted @ down, wanted @ hinge)
         turned[self.at[f"{name}Arm"]] = trunk @ turn

@@ -29,7 +29,7 @@ def material(name, color, color_b=None, pattern=None, scale=5.0):
     links.new(where.outputs["Object"], texture.inputs["Vector"])
     mix = nodes.new("ShaderNodeMixRGB")
     mix.inputs["Color1"].default_value = (*color, 1)
-    mix.inputs["Color2"].default_value = (*(color_b or color), 1)
+    mix.inputs["Color2"].default_value = (*color_b, 1)
     links.new(texture.outputs["Fac"], mix.inputs["Fac"])
     links.new(mix.outputs["Color"], shader.inputs["Color"])
     return made
@@ -42,7 +42,6 @@ def box(name, low, high, of):
     mesh.materials.append(of)
     thing = bpy.data.objects.new(name, mesh)
     bpy.context.scene.collection.objects.link(thing)
-    return thing
 
 
 def lamp(place, towards, watts, size, color=(1, 0.95, 0.88)):
@@ -74,15 +73,16 @@ def build_room(random):
     for i in range(7):  # cupboards, shelves and pictures along the back wall
         x = -1.7 + 0.55 * i + random.uniform(-0.15, 0.15)
         width, depth = random.uniform(0.2, 0.5), random.uniform(0.05, 0.4)
-        paint = material(f"paint{i}", tone(0.05, 0.6), tone(0.05, 0.6), random.choice(["NOISE", "CHECKER", "WAVE", None]),
-                         random.uniform(3, 12))
+        pattern = random.choice(["NOISE", "CHECKER", "WAVE", None])
+        paint = material(f"paint{i}", tone(0.05, 0.6), tone(0.05, 0.6), pattern, random.uniform(3, 12))
         low = 0 if random.random() < 0.6 else random.uniform(0.9, 1.5)
         high = low + random.uniform(0.4, 1.1)
         box(f"thing{i}", (x, low, back), (x + width, high, back + (depth if low == 0 else 0.04)), paint)
     lamp((random.uniform(-1.6, 1.6), 2.7, random.uniform(0.5, 2.2)), (0, 1, 0), random.uniform(60, 110),
          random.uniform(0.5, 1.4))
     if random.random() < 0.6:
-        lamp((random.uniform(-2, 2), 2.2, random.uniform(2.5, 4)), (0, 1, -0.5), random.uniform(25, 60), 0.8, (0.9, 0.95, 1))
+        place = (random.uniform(-2, 2), 2.2, random.uniform(2.5, 4))
+        lamp(place, (0, 1, -0.5), random.uniform(25, 60), 0.8, (0.9, 0.95, 1))
     world = bpy.data.worlds.new("world")
     world.use_nodes = True
     world.node_tree.nodes["Background"].inputs[0].default_value = (0.75, 0.85, 1, 1)

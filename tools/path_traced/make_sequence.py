@@ -55,7 +55,8 @@ def parse_arguments():
     parser.add_argument("--out", type=Path, required=True, help="folder, made when missing")
     parser.add_argument("--motion", choices=sorted(motions.MOVEMENTS), default="walk")
     parser.add_argument("--pace", type=float, default=1.0, help="2: twice as fast")
-    parser.add_argument("--crouch", type=float, default=0.04, help="metres that the hips are low, 0.04 or more: legs reach the floor")
+    parser.add_argument("--crouch", type=float, default=0.04,
+                        help="metres that the hips are low; legs reach the floor from 0.04 on")
     parser.add_argument("--fabric", choices=sorted(cloth.FABRICS), default="cotton")
     parser.add_argument("--skirt-length", type=float, default=1.0, help="by that of the actor's")
     parser.add_argument("--skirt-width", type=float, default=1.0, help="at the hem, by that of the actor's")

@@ -73,8 +73,9 @@ def build_room(random):
     for i in range(7):  # cupboards, shelves and pictures along the back wall
         x = -1.7 + 0.55 * i + random.uniform(-0.15, 0.15)
         width, depth = random.uniform(0.2, 0.5), random.uniform(0.05, 0.4)
+        colors = tone(0.05, 0.6), tone(0.05, 0.6)
         pattern = random.choice(["NOISE", "CHECKER", "WAVE", None])
-        paint = material(f"paint{i}", tone(0.05, 0.6), tone(0.05, 0.6), pattern, random.uniform(3, 12))
+        paint = material(f"paint{i}", *colors, pattern, random.uniform(3, 12))
         low = 0 if random.random() < 0.6 else random.uniform(0.9, 1.5)
         high = low + random.uniform(0.4, 1.1)
         box(f"thing{i}", (x, low, back), (x + width, high, back + (depth if low == 0 else 0.04)), paint)

@@ -56,6 +56,10 @@ std::vector<Limb> limbs_of(const PosedSkeleton& posed, const std::array<std::arr
   return limbs;
 }
 
+Eigen::Vector3f moved(const Eigen::Isometry3d& by, const float* point) {
+  return (by * Eigen::Map<const Eigen::Vector3f>(point).cast<double>()).cast<float>();
+}
+
 // Semi-implicit Euler.
 bool is_stable(const ClothOptions::Fabric& fabric) {
   const double small = kLongestStep / fabric.steps;
@@ -187,6 +191,10 @@ void ClothSimulation::set_up_links(ocl::DeviceContext& device, const Actor& acto
 void ClothSimulation::set_up_limbs(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth) {
   const PosedSkeleton rest = forward_kinematics(actor.skeleton, rest_pose(actor.skeleton));
   thigh_mm_ = float((origin(rest, legs_[0][1]) - origin(rest, legs_[0][0])).norm());
+  base_ = actor.skeleton.bones[legs_[0][0]].parent;
+  rest_mm_ = actor.mesh.positions;
+  limbs_rest_ = limbs_at(rest);
+  hung_ = ocl::Buffer<float>(device, rest_mm_.size());
   std::vector<float> reach(size_t(LC_CLOTH_LIMBS) * graph_.stride, 0.0f);
   const std::vector<Limb> limbs = limbs_of(rest, legs_, {});
   for (int r = 0; r < graph_.n; ++r) {
@@ -227,31 +235,57 @@ ClothStep ClothSimulation::step_of(double seconds, const Eigen::Vector3d& up) co
           float(falls.z())};
 }
 
+// For the next frame: from where they were in the one before.
+void ClothSimulation::set_limbs(const std::vector<float>& now) {
+  std::vector<float> limbs;
+  for (int k = 0; k < LC_CLOTH_LIMBS; ++k) {
+    const auto of = (kEnds + kRadii) * k;
+    limbs.insert(limbs.end(), limbs_before_.begin() + of, limbs_before_.begin() + of + kEnds);
+    limbs.insert(limbs.end(), now.begin() + of, now.begin() + of + kEnds + kRadii);
+  }
+  limbs_.write_later(limbs);
+  limbs_before_ = now;
+}
+
 void ClothSimulation::step(const PosedSkeleton& posed, double seconds, const Eigen::Vector3d& up,
                            ocl::Buffer<float>& skinned, ocl::Buffer<float>& start, ocl::Buffer<float>& start_before) {
   if (!has_cloth()) return;
   if (!(seconds > 0)) throw LogicError("cloth: a frame takes " + std::to_string(seconds) + " s");
-  const std::vector<float> now = limbs_at(posed), &before = first_ ? now : limbs_before_;
-  std::vector<float> limbs;
-  for (int k = 0; k < LC_CLOTH_LIMBS; ++k) {
-    const auto of = (kEnds + kRadii) * k;
-    limbs.insert(limbs.end(), before.begin() + of, before.begin() + of + kEnds);
-    limbs.insert(limbs.end(), now.begin() + of, now.begin() + of + kEnds + kRadii);
-  }
-  limbs_.write_later(limbs);
-  for (int left = first_ ? options_.settling_frames : 0; left >= 0; --left) {
-    const bool settles = left > 0;  // meanwhile the surface stays where it is
+  const std::vector<float> now = limbs_at(posed);
+  const auto frame = [&](double frame_seconds, bool settles, ocl::Buffer<float>& places) {
     const int n_moved = settles ? 0 : n_moved_, n_smoothings = settles ? 0 : n_smoothings_;
-    const ClothStep step = step_of(settles ? kSettlingFrame : seconds, up);
     simulate_.launch(groups_.n() * group_, group_, first_ ? 1 : 0, fabric_.steps, n_smoothings, graph_.n_rows,
-                     graph_.stride, n_moved, groups_.arrived(), step, slice_offsets_, neighbors_, pulls_, lengths_,
-                     smoothing_shares_, vertices_, is_free_, limbs_, reach_, moved_, particles_, weights_, before_,
-                     target_, x_, v_, ahead_, skinned, start, start_before, groups_.state());
+                     graph_.stride, n_moved, groups_.arrived(), step_of(frame_seconds, up), slice_offsets_, neighbors_,
+                     pulls_, lengths_, smoothing_shares_, vertices_, is_free_, limbs_, reach_, moved_, particles_,
+                     weights_, before_, target_, x_, v_, ahead_, places, start, start_before, groups_.state());
     groups_.launched(fabric_.steps + n_smoothings + 2);
     first_ = false;
+  };
+  // Cloth that starts on bent legs may be on the wrong side of a knee, and bunch there. So it starts as in the rest
+  // pose, where the hips are, and the legs bend meanwhile.
+  if (first_ && options_.settling_frames > 0) {
+    const Eigen::Isometry3d& hips = posed.camera_from_rest[base_];
+    std::vector<float> hung = rest_mm_, straight = limbs_rest_;
+    for (size_t i = 0; i < hung.size(); i += 3) Eigen::Map<Eigen::Vector3f>{&hung[i]} = moved(hips, &rest_mm_[i]);
+    for (size_t limb = 0; limb < straight.size(); limb += kEnds + kRadii)
+      for (size_t i = limb; i < limb + kEnds; i += 3)
+        Eigen::Map<Eigen::Vector3f>{&straight[i]} = moved(hips, &limbs_rest_[i]);
+    hung_.write_later(hung);
+    limbs_before_ = straight;
+    set_limbs(straight);
+    frame(kSettlingFrame, true, hung_);
+    for (int k = 1; k <= options_.settling_frames; ++k) {
+      const float share = float(k) / float(options_.settling_frames);
+      std::vector<float> bent = straight;
+      for (size_t i = 0; i < bent.size(); ++i) bent[i] = std::lerp(straight[i], now[i], share);
+      set_limbs(bent);
+      frame(kSettlingFrame, true, skinned);
+    }
   }
+  if (first_) limbs_before_ = now;
+  set_limbs(now);
+  frame(seconds, false, skinned);
   if (groups_.n() > 1) groups_.read_later();
-  limbs_before_ = now;
 }
 
 bool ClothSimulation::gave_up() {

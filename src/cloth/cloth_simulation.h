@@ -38,7 +38,7 @@ struct ClothOptions {
   // mm. What stage II is given of the cloth's displacement is smoothed over about so much, or not where links are
   // longer: cloth that is pushed together buckles as finely as its mesh is. The simulation goes on without.
   float smoothing_mm = 70;
-  int settling_frames = 10;  // of a 30th of a second, in which it falls before the first
+  int settling_frames = 10;  // of a 30th of a second, in which legs bend and it falls before the first
   // Radii of hips, thighs at their upper ends, knees and ankles, by the length of a thigh: how near cloth may come. For
   // what is nearer in the rest pose no limb is thicker than that.
   std::array<float, 4> limb_radii = {0.3f, 0.3f, 0.2f, 0.2f};
@@ -56,8 +56,8 @@ class ClothSimulation {
   // False for an actor without hanging cloth: step() does nothing then.
   bool has_cloth() const { return graph_.n > 0; }
 
-  // Forgets how the cloth moves: the next step begins where it has fallen from rest on the skinned surface for
-  // settling_frames, and may still swing.
+  // Forgets how the cloth moves: the next step begins where it has fallen for settling_frames, from the rest pose at
+  // the hips, while the legs went from there to where they are; it may still swing.
   void reset() { first_ = true; }
 
   // One frame, seconds after the last. up: unit, camera frame; it falls the other way. skinned: [3n] mm, camera frame,
@@ -73,6 +73,7 @@ class ClothSimulation {
  private:
   ClothStep step_of(double seconds, const Eigen::Vector3d& up) const;  // seconds: of a frame
   std::vector<float> limbs_at(const PosedSkeleton& posed) const;
+  void set_limbs(const std::vector<float>& now);
   void set_up_links(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth, float looseness);
   void set_up_limbs(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth);
 
@@ -84,6 +85,9 @@ class ClothSimulation {
   float thigh_mm_ = 0;
   bool first_ = true;
   std::vector<float> limbs_before_;
+  int base_ = 0;                   // the bone the legs hang from
+  std::vector<float> rest_mm_;     // [3n] the template
+  std::vector<float> limbs_rest_;  // as limbs_at() has them, in the rest pose
   size_t group_ = 1;
   int n_moved_ = 0;
   int n_smoothings_ = 0;
@@ -91,6 +95,7 @@ class ClothSimulation {
   ocl::Buffer<float> pulls_, lengths_, smoothing_shares_, is_free_, reach_, weights_, limbs_;
   ocl::Buffer<float> before_, target_, x_, v_;  // 3 planes each
   ocl::Buffer<float> ahead_;                    // 6
+  ocl::Buffer<float> hung_;                     // [3n] the template where the hips are
   ocl::GroupsTogether groups_;
   ocl::Kernel simulate_;
 };

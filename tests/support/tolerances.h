@@ -360,6 +360,8 @@ inline constexpr double kClothMm = 0.05;
 // How deep smoothed cloth is in a limb: over 70 mm a quarter to a third is smoothed away of the 95 mm that a thigh with
 // a radius of 80 to 120 lifts it; seen 22 with edges of 30 mm, 33 with edges of 10.
 inline constexpr double kSmoothedClothMm = 40;
+// Mean of a skirt that falls for ten frames beside a skinned place 400 mm away, whose springs pull it: seen 20 to 24.
+inline constexpr double kStartedElsewhereMm = 35;
 // An oscillator in 200 first-order steps a frame, in float, against the midpoint rule in 20000, of swings of 100 mm.
 inline constexpr double kOscillatorMm = 0.3;
 

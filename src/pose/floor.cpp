@@ -178,7 +178,7 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet
   const Eigen::Vector3d up = this->up();
   const bool both_seen = detections.keypoints[kLeftAnkle].confidence >= kTrusted &&
                          detections.keypoints[kRightAnkle].confidence >= kTrusted;
-  if (!is_measured_ && floor_ && options_.balance.share > 0 && both_seen) learn_balance(posed, up, now);
+  if (!is_measured_ && floor_ && options_.balance.share > 0 && both_seen) learn_balance(joints, up, now);
   const auto believed = feet && !is_measured_ ? balanced(posed_feet, up, told) : told;
 
   struct Lowest {
@@ -250,13 +250,13 @@ std::vector<Eigen::Vector3d> FloorFinder::balanced(const PosedSkeleton& feet, co
 
 // Feet that the floor holds are where it says, so that it is their balance that counts, not that of legs by the picture
 // alone: of these the lower foot tells the floor, and where legs hide that is the one which is taken for too far.
-void FloorFinder::learn_balance(const PosedSkeleton& posed, const Eigen::Vector3d& up,
+void FloorFinder::learn_balance(const std::array<Eigen::Vector3d, kKeypointCount>& joints, const Eigen::Vector3d& up,
                                 const std::vector<Eigen::Vector3d>& soles_mm) {
   const std::optional<Eigen::Vector3d> middle = middle_of(soles_mm);
   if (!middle || away_along_floor(up).dot(*middle) < kSteepest * middle->norm()) return;
   const auto lowest = std::min_element(soles_mm.begin(), soles_mm.end(),
                                        [&](const auto& a, const auto& b) { return up.dot(a) < up.dot(b); });
-  in_balance_.learn(actor_, keypoint_positions(actor_, posed), *middle, *lowest, up);
+  in_balance_.learn(actor_, joints, *middle, *lowest, up);
 }
 
 void FloorFinder::add(const Eigen::Vector3d& point_mm, double weight) {

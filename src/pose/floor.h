@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -97,7 +98,7 @@ class FloorFinder {
   std::optional<Eigen::Vector3d> middle_of(const std::vector<Eigen::Vector3d>& soles_mm) const;
   std::vector<Eigen::Vector3d> balanced(const PosedSkeleton& feet, const Eigen::Vector3d& up,
                                         std::vector<Eigen::Vector3d> soles_mm);
-  void learn_balance(const PosedSkeleton& posed, const Eigen::Vector3d& up,
+  void learn_balance(const std::array<Eigen::Vector3d, kKeypointCount>& joints, const Eigen::Vector3d& up,
                      const std::vector<Eigen::Vector3d>& soles_mm);
   void add(const Eigen::Vector3d& point_mm, double weight);
   void fit();

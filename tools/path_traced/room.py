@@ -5,10 +5,10 @@ import numpy as np
 from mathutils import Matrix
 from PIL import Image
 
-from cloth import to_blender
+from cloth import mesh_object, to_blender
 
 Y_UP_TO_Z_UP = Matrix(((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, 0, 0, 1)))
-FACES_OF_A_BOX = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+FACES_OF_A_BOX = np.array([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
 
 
 def material(name, color, color_b=None, pattern=None, scale=5.0):
@@ -37,11 +37,7 @@ def material(name, color, color_b=None, pattern=None, scale=5.0):
 
 def box(name, low, high, of):
     corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(to_blender(corners).tolist(), [], FACES_OF_A_BOX)
-    mesh.materials.append(of)
-    thing = bpy.data.objects.new(name, mesh)
-    bpy.context.scene.collection.objects.link(thing)
+    mesh_object(name, corners, FACES_OF_A_BOX).data.materials.append(of)
 
 
 def lamp(place, towards, watts, size, color=(1, 0.95, 0.88)):
@@ -93,8 +89,8 @@ def build_room(random):
 
 def build_person(actor, folder):
     """The welded mesh with its texture; show() moves it."""
-    mesh = bpy.data.meshes.new("person")
-    mesh.from_pydata(to_blender(actor.vertices).tolist(), [], actor.faces.tolist())
+    person = mesh_object("person", actor.vertices, actor.faces)
+    mesh = person.data
     uvs = actor.corner_uvs.reshape(-1, 2) * [1, -1] + [0, 1]  # glTF counts v downwards
     mesh.uv_layers.new().data.foreach_set("uv", uvs.reshape(-1))
     mesh.polygons.foreach_set("use_smooth", [True] * len(actor.faces))
@@ -108,8 +104,6 @@ def build_person(actor, folder):
     texture.image = bpy.data.images.load(str(image))
     paint.node_tree.links.new(texture.outputs["Color"], shader.inputs["Base Color"])
     mesh.materials.append(paint)
-    person = bpy.data.objects.new("person", mesh)
-    bpy.context.scene.collection.objects.link(person)
     return person
 
 

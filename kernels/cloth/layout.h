@@ -25,4 +25,15 @@ typedef struct {
   float falls_x, falls_y, falls_z;  // mm/s: gravity, times seconds
 } ClothStep;
 
+// How far cloth goes to its skinned place, which counts by `trusted`, and to the axis; a point of that, mm; up.
+typedef struct {
+  float trusted, clings, narrows;
+  float axis_x, axis_y, axis_z;
+  float up_x, up_y, up_z;
+} DrapeStep;
+
+// By a: to the skinned place, b: to the axis, off: to the match, mm^2 by weight: aa, ab, bb, a off, b off, off off, the
+// sum of the weights.
+#define LC_DRAPE_TOLD 8
+
 #endif

@@ -29,7 +29,7 @@ const std::vector<std::string>& component_names() {
     std::vector<std::string> list;
     for (const Term& term : term_table()) list.emplace_back(term.name);
     for (const char* name :
-         {"face", "warping", "part_mask", "snapping", "cloth", "cloth_behind", "cloth_anew", "confidence",
+         {"face", "warping", "part_mask", "snapping", "cloth", "cloth_behind", "cloth_anew", "drape", "confidence",
           kMaskGating.data(), kFixedLag.data(), kUpright.data(), "balance", "hidden_arms", "pose_solver"})
       list.emplace_back(name);
     return list;
@@ -68,6 +68,8 @@ void switch_off(const std::string& name, TrackerOptions& options) {
     options.behind_share = 0;
   } else if (name == "cloth_anew") {
     options.anew_share = 0;
+  } else if (name == "drape") {
+    options.learn_drape = false;
   } else if (name == "confidence") {
     options.ignore_confidence = true;
   } else if (name == "balance") {

@@ -69,11 +69,14 @@ SurfaceStage::SurfaceStage(ocl::DeviceContext& device, const Actor& actor, const
   }
   if (cloth_matcher_ && options.anew_share > 0 && options.warp_displacements)
     cloth_anew_.emplace(device, actor.n_vertices(), options.anew_share);
+  if (cloth_matcher_ && cloth_ && cloth_->has_cloth() && options.learn_drape)
+    drape_.emplace(device, actor, cloth_->cloth(), looseness_, camera, options.drape);
 }
 
 void SurfaceStage::reset() {
   n_history_ = 0;
   if (cloth_) cloth_->reset();
+  if (drape_) drape_->reset();
   displacement_rest_.fill(0);
   before_displacement_rest_.fill(0);
 }
@@ -151,12 +154,15 @@ void SurfaceStage::snap(const SurfaceInput& solved) {
                 vertices_);
 }
 
-// Puts the template and the last displacements where the pose is; hanging cloth swings there.
+// Puts the template and the last displacements where the pose is; hanging cloth swings there, and drapes as it was
+// seen to.
 void SurfaceStage::place(const PosedSkeleton& posed, double seconds, const Eigen::Vector3d& up) {
   skinner_.skin(zero_, skinned_);
   skinner_.skin(displacement_rest_, start_);
   if (n_history_ >= 2) skinner_.skin(before_displacement_rest_, before_);
+  if (drape_) drape_->keep(skinned_);
   if (cloth_) cloth_->step(posed, seconds, up, skinned_, start_, before_);
+  if (drape_) drape_->move(posed, up, skinned_, start_, before_);
 }
 
 double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* picture, const PixelBox& person,
@@ -178,11 +184,13 @@ double SurfaceStage::solve(const Pose& pose, double time_s, const DeviceFrame* p
   std::optional<SurfaceResult> surface;
   for (bool whole = false; !whole;) {
     launch(*picture, person);
+    if (drape_) drape_->look(visibility_.visible(), skinned_, cloth_matcher_->matches());
     surface = solver_.result();
     const bool cloth_gave_up = cloth_ && cloth_->gave_up();
     if (cloth_gave_up) place(posed, seconds, up);
     whole = !snapper_.gave_up() && surface && !cloth_gave_up;
   }
+  if (drape_) drape_->learn(seconds);
   if (surface->status != SurfaceStatus::kOk) vertices_.copy_from(start_);  // and not what a step made of it
   // The temporal terms compare displacements, not positions (docs/paper_map.md): `previous` is the warped start itself.
   if (options_.warp_displacements) {

@@ -8,6 +8,7 @@
 #include "actor/skinner.h"
 #include "capture/tracker_options.h"
 #include "cloth/cloth_simulation.h"
+#include "cloth/drape.h"
 #include "cloth/hanging_cloth.h"
 #include "image/device_frame.h"
 #include "image/person_gate.h"
@@ -58,6 +59,7 @@ class SurfaceStage {
   const float looseness_;  // of what hangs
   HangingCloth hanging_;
   std::optional<ClothSimulation> cloth_;  // where it is simulated
+  std::optional<Drape> drape_;            // where that is matched
   double last_time_s_ = 0;
   Skinner skinner_;           // of the template with hanging cloth
   Skinner template_skinner_;  // of the template as it is

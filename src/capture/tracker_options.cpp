@@ -92,6 +92,7 @@ void OtherStartsOptions::validate() const {
 void TrackerOptions::validate() const {
   shares.validate();
   rounds.validate();
+  drape.validate();
   guessed.validate();
   hidden_knees.validate();
   starts.validate();

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "cloth/cloth_simulation.h"
+#include "cloth/drape.h"
 #include "cloth/hanging_cloth.h"
 #include "match/harmonic_light.h"
 #include "match/skin_shading.h"
@@ -150,11 +151,13 @@ struct TrackerOptions {
   // back follows them (docs/experiments.md).
   HangingClothOptions hanging;
   ClothOptions cloth;
+  DrapeOptions drape;
 
   bool solve_pose = true;          // false: stage I ends with its initialisation from each frame's detections alone
   bool enable_surface = true;      // false: the result is the skinned template of stage I
   bool ignore_confidence = false;  // true: every keypoint the network knows counts fully
   bool simulate_cloth = true;      // V^S of hanging cloth in stage II is where it swings to, not where skinning puts it
+  bool learn_drape = true;         // where simulated cloth is matched, how it drapes is learned from that
   bool part_mask = true;           // b_i = 0 on another body part's region
   bool snapping = true;
   bool warp_displacements = true;  // carry the non-rigid displacement to the next frame

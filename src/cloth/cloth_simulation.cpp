@@ -6,6 +6,7 @@
 #include <numeric>
 #include <ranges>
 #include <string>
+#include <utility>
 
 #include "base/log.h"
 #include "base/round_up.h"
@@ -105,7 +106,7 @@ ClothSimulation::ClothSimulation(ocl::DeviceContext& device, const Actor& actor,
                                  float looseness)
     : device_(&device), options_(options), fabric_((options.validate(), options.fabric(looseness))) {
   if (!is_stable(fabric_)) throw ConfigError("cloth: between taut and loose it is too stiff for its steps");
-  const ClothGraph cloth = make_cloth_graph(actor, fabric_.max_held_leg_weight);
+  ClothGraph cloth = make_cloth_graph(actor, fabric_.max_held_leg_weight);
   const Skeleton& skeleton = actor.skeleton;
   const char* sides[] = {"left_", "right_"};
   for (int k = 0; k < 2; ++k)
@@ -120,9 +121,10 @@ ClothSimulation::ClothSimulation(ocl::DeviceContext& device, const Actor& actor,
                " is not simulated: it hangs from nothing above the hips, or the skeleton has no legs");
     return;
   }
-  graph_ = make_sell_graph(cloth.links);
-  set_up_links(device, actor, cloth, looseness);
-  set_up_limbs(device, actor, cloth);
+  cloth_ = std::move(cloth);
+  graph_ = make_sell_graph(cloth_.links);
+  set_up_links(device, actor, looseness);
+  set_up_limbs(device, actor);
   for (ocl::Buffer<float>* planes : {&before_, &target_, &x_, &v_, &ahead_}) {
     *planes = ocl::Buffer<float>(device, size_t(planes == &ahead_ ? 6 : 3) * graph_.stride);
     planes->fill(0);
@@ -133,52 +135,51 @@ ClothSimulation::ClothSimulation(ocl::DeviceContext& device, const Actor& actor,
   simulate_ = {device, kProgram, kKernel};
 }
 
-void ClothSimulation::set_up_links(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth,
-                                   float looseness) {
-  const int n = cloth.n_particles();
-  const auto share = [&](int at) { return cloth.across[at] ? options_.bending_share : 1.0f; };
+void ClothSimulation::set_up_links(ocl::DeviceContext& device, const Actor& actor, float looseness) {
+  const int n = cloth_.n_particles();
+  const auto share = [&](int at) { return cloth_.across[at] ? options_.bending_share : 1.0f; };
   std::vector<double> shares(n, 0);
   for (int i = 0; i < n; ++i)
-    for (int at = cloth.links.offsets[i]; at < cloth.links.offsets[i + 1]; ++at) shares[i] += share(at);
+    for (int at = cloth_.links.offsets[i]; at < cloth_.links.offsets[i + 1]; ++at) shares[i] += share(at);
   const auto link = [&](int i, int j) {
-    const auto begin = cloth.links.neighbors.begin();
-    return int(std::lower_bound(begin + cloth.links.offsets[i], begin + cloth.links.offsets[i + 1], j) - begin);
+    const auto begin = cloth_.links.neighbors.begin();
+    return int(std::lower_bound(begin + cloth_.links.offsets[i], begin + cloth_.links.offsets[i + 1], j) - begin);
   };
   // Of a link that is too long the free ends move, half each or the only one by all.
   const auto pull = [&](int i, int j) {
-    if (cloth.held[i] || shares[i] == 0) return 0.0;
-    return options_.relaxation * share(link(i, j)) / shares[i] / (cloth.held[j] ? 1 : 2);
+    if (cloth_.held[i] || shares[i] == 0) return 0.0;
+    return options_.relaxation * share(link(i, j)) / shares[i] / (cloth_.held[j] ? 1 : 2);
   };
   const auto place = [&](int i) {
-    return Eigen::Map<const Eigen::Vector3f>(actor.mesh.positions.data() + 3 * cloth.vertices[i]);
+    return Eigen::Map<const Eigen::Vector3f>(actor.mesh.positions.data() + 3 * cloth_.vertices[i]);
   };
   pulls_ = {device, graph_.per_entry(pull)};
-  smoothing_shares_ = {device,
-                       graph_.per_entry([&](int i, int) { return cloth.held[i] ? 0 : kSmoothing / graph_.degree[i]; })};
+  smoothing_shares_ = {
+      device, graph_.per_entry([&](int i, int) { return cloth_.held[i] ? 0 : kSmoothing / graph_.degree[i]; })};
   const std::vector<float> lengths = graph_.per_entry([&](int i, int j) { return (place(i) - place(j)).norm(); });
-  const double mean_mm = std::accumulate(lengths.begin(), lengths.end(), 0.0) / double(cloth.links.neighbors.size());
+  const double mean_mm = std::accumulate(lengths.begin(), lengths.end(), 0.0) / double(cloth_.links.neighbors.size());
   if (mean_mm > 0) n_smoothings_ = int(std::min(std::pow(options_.smoothing_mm / mean_mm, 2), double(kMostSmoothings)));
   lengths_ = {device, lengths};
   slice_offsets_ = {device, graph_.slice_offsets};
   neighbors_ = {device, graph_.neighbors};
 
-  std::vector<int32_t> vertices(graph_.n_rows, cloth.vertices[0]);
+  std::vector<int32_t> vertices(graph_.n_rows, cloth_.vertices[0]);
   std::vector<float> is_free(graph_.n_rows, 0.0f);
   std::vector<int32_t> moved, particles;
   std::vector<float> weights;
   for (int r = 0; r < n; ++r) {
     const int i = graph_.order[r];
-    vertices[r] = cloth.vertices[i];
-    is_free[r] = cloth.held[i] ? 0.0f : 1.0f;
-    if (cloth.held[i]) continue;
-    moved.push_back(cloth.vertices[i]);
+    vertices[r] = cloth_.vertices[i];
+    is_free[r] = cloth_.held[i] ? 0.0f : 1.0f;
+    if (cloth_.held[i]) continue;
+    moved.push_back(cloth_.vertices[i]);
     particles.insert(particles.end(), 4, r);
     weights.insert(weights.end(), {1, 0, 0, 0});
   }
-  moved.insert(moved.end(), cloth.followers.begin(), cloth.followers.end());
-  for (const int p : cloth.followed) particles.push_back(graph_.row[p]);
-  for (size_t k = 0; k < cloth.followed_weights.size(); ++k)
-    weights.push_back(std::lerp(cloth.follower_shares[k / 4], 1.0f, looseness) * cloth.followed_weights[k]);
+  moved.insert(moved.end(), cloth_.followers.begin(), cloth_.followers.end());
+  for (const int p : cloth_.followed) particles.push_back(graph_.row[p]);
+  for (size_t k = 0; k < cloth_.followed_weights.size(); ++k)
+    weights.push_back(std::lerp(cloth_.follower_shares[k / 4], 1.0f, looseness) * cloth_.followed_weights[k]);
   n_moved_ = int(moved.size());
   vertices_ = {device, vertices};
   is_free_ = {device, is_free};
@@ -188,7 +189,7 @@ void ClothSimulation::set_up_links(ocl::DeviceContext& device, const Actor& acto
 }
 
 // In the rest pose nothing is pushed: a limb is for a particle no thicker than it is far away then.
-void ClothSimulation::set_up_limbs(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth) {
+void ClothSimulation::set_up_limbs(ocl::DeviceContext& device, const Actor& actor) {
   const PosedSkeleton rest = forward_kinematics(actor.skeleton, rest_pose(actor.skeleton));
   thigh_mm_ = float((origin(rest, legs_[0][1]) - origin(rest, legs_[0][0])).norm());
   base_ = actor.skeleton.bones[legs_[0][0]].parent;
@@ -199,9 +200,9 @@ void ClothSimulation::set_up_limbs(ocl::DeviceContext& device, const Actor& acto
   const std::vector<Limb> limbs = limbs_of(rest, legs_, {});
   for (int r = 0; r < graph_.n; ++r) {
     const int i = graph_.order[r];
-    const float* p = actor.mesh.positions.data() + 3 * cloth.vertices[i];
+    const float* p = actor.mesh.positions.data() + 3 * cloth_.vertices[i];
     for (size_t k = 0; k < limbs.size(); ++k)
-      if (!cloth.held[i]) reach[k * graph_.stride + r] = float(distance_to(limbs[k], Vector3(p[0], p[1], p[2])));
+      if (!cloth_.held[i]) reach[k * graph_.stride + r] = float(distance_to(limbs[k], Vector3(p[0], p[1], p[2])));
   }
   reach_ = {device, reach};
   limbs_ = ocl::Buffer<float>(device, LC_CLOTH_LIMBS * LC_CLOTH_LIMB_SIZE);

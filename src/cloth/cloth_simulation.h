@@ -55,6 +55,7 @@ class ClothSimulation {
 
   // False for an actor without hanging cloth: step() does nothing then.
   bool has_cloth() const { return graph_.n > 0; }
+  const ClothGraph& cloth() const { return cloth_; }  // empty without
 
   // Forgets how the cloth moves: the next step begins where it has fallen for settling_frames, from the rest pose at
   // the hips, while the legs went from there to where they are; it may still swing.
@@ -74,12 +75,13 @@ class ClothSimulation {
   ClothStep step_of(double seconds, const Eigen::Vector3d& up) const;  // seconds: of a frame
   std::vector<float> limbs_at(const PosedSkeleton& posed) const;
   void set_limbs(const std::vector<float>& now);
-  void set_up_links(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth, float looseness);
-  void set_up_limbs(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth);
+  void set_up_links(ocl::DeviceContext& device, const Actor& actor, float looseness);
+  void set_up_limbs(ocl::DeviceContext& device, const Actor& actor);
 
   ocl::DeviceContext* device_;
   ClothOptions options_;
   ClothOptions::Fabric fabric_;
+  ClothGraph cloth_;
   SellGraph graph_;                           // of particles
   std::array<std::array<int, 3>, 2> legs_{};  // hip, knee and ankle
   float thigh_mm_ = 0;

@@ -515,6 +515,7 @@ TEST(ClothSimulation, SelfTestPasses) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
     for (const auto& result : cloth_self_test(device)) EXPECT_TRUE(result.ok) << result.kernel << ": " << result.detail;
     test::expect_every_kernel_launched(device.info(), "cloth/cloth.cl", cloth_self_test);
+    test::expect_every_kernel_launched(device.info(), "cloth/drape.cl", cloth_self_test);
   });
 }
 

@@ -357,7 +357,7 @@ cases=$((cases + 1))
 if ! "$livecap" eval --ablate --truth seq/truth --video seq/video.mp4 --camera seq/camera.json \
   --actor seq/actor.glb --height 1.7 --smooth \
   --background seq/background.png --model lite --view view.json seq/truth/masks --out table --html table.html \
-  >out.txt 2>err.txt || [[ $(grep -cE ' [0-9.]+ +[0-9.]+ +[0-9.]+ +[-+][0-9.]+ %' out.txt) -ne 27 ]] ||
+  >out.txt 2>err.txt || [[ $(grep -cE ' [0-9.]+ +[0-9.]+ +[0-9.]+ +[-+][0-9.]+ %' out.txt) -ne 28 ]] ||
   ! grep -q '"height_mm": 1700' table/full/report.json || ! grep -q '"smooth": true' table/full/report.json ||
   [[ ! -s table/ablation.json ]] || ! grep -q '</html>' table.html || grep -qE 'https?:|<script' table.html; then
   echo "FAILED: eval --ablate"

@@ -354,6 +354,10 @@ inline constexpr double kUnchangedActorMm = 6;
 // Centre of a dot of five pixels whose own place is rounded to a pixel, through undistortion and JPEG.
 inline constexpr double kDotPx = 0.8;
 
+// Shares of a drape: sums in float with a doubt of a thousandth of a mm, and from matches in px of an exact drape,
+// whose ways are not straight in the picture.
+inline constexpr double kDrapeShare = 1e-6;
+inline constexpr double kDrapeMatched = 0.02;
 // Three frames of 40 to 51 small steps of cloth in float against double, mm: positions of some 400 mm, velocities from
 // their differences over 0.7 ms.
 inline constexpr double kClothMm = 0.05;

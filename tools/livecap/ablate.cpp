@@ -58,6 +58,7 @@ const std::vector<Variant>& variants() {
       {"no_surface_match", "matching of hanging cloth", kParts, {"surface_match"}},
       {"no_cloth_behind", "cloth behind moved as that before it", kParts, {"cloth_behind"}},
       {"no_cloth_anew", "cloth matched from its simulation as well", kParts, {"cloth_anew"}},
+      {"no_drape", "drape of cloth learned", kParts, {"drape"}},
       {"no_match", "texture matching", kParts, {"match"}},
       {"no_shading", "skin shading", kParts, {"shading"}},
       {"no_floor", "floor under the feet", kParts, {"floor"}},

@@ -1,4 +1,4 @@
-"""Lets a skirt fall by Blender's cloth simulation, over legs that are cones. Metres; arrays are glTF's (Y up)."""
+"""Lets a skirt fall by Blender's cloth simulation, over hips of rings and legs that are cones. Metres; arrays are glTF's (Y up)."""
 
 import struct
 import tempfile
@@ -15,6 +15,11 @@ FABRICS = {  # per vertex kg; stiffness by Blender's scale
     "stiff": dict(mass=0.4, tension_stiffness=30, compression_stiffness=30, shear_stiffness=30, bending_stiffness=15),
 }
 PINNED = (0.10, 0.22)  # of the way from waist to hem: held by the body, falls freely from there on
+# What the hips fill: heights above the hip joints, and how far it is to the back, the front and the sides, all by the
+# height of the person. A skirt lies on the buttocks and the belly and hangs from there.
+HIPS = np.array([(0.085, 0.055, 0.066, 0.080), (0.05, 0.072, 0.062, 0.090), (0.01, 0.082, 0.052, 0.098),
+                 (-0.025, 0.080, 0.035, 0.098), (-0.05, 0.068, 0.020, 0.090)])
+RING_SIDES = 24
 GAP_M = 0.006  # between cloth and legs
 THINNEST_M = 0.01  # of a leg
 LINING_M = 0.02  # what is so near to the cloth at rest counts as much as all neighbours
@@ -87,6 +92,18 @@ def capsule(ends, radii, rings=10, sides=16):
     return np.array(points), quads
 
 
+def ring_faces(rings, sides):
+    """Triangles of a closed body of rings, from the top downwards."""
+    grid = np.arange(rings * sides).reshape(rings, sides)
+    a, b = grid[:-1], grid[1:]
+    after_a, after_b = np.roll(a, -1, 1), np.roll(b, -1, 1)
+    walls = np.concatenate([np.stack(corners, -1).reshape(-1, 3) for corners in ((a, b, after_a), (after_a, b, after_b))])
+    second = np.arange(1, sides - 1)
+    first = np.zeros_like(second)
+    lid = np.stack([first, second, second + 1], -1)
+    return np.concatenate([walls, lid, grid[-1, 0] + lid[:, ::-1]])
+
+
 def distance_to_segment(points, a, b):
     """Distances, and where along the segment (0..1)."""
     t = np.clip((points - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)
@@ -126,8 +143,9 @@ class Skirt:
                 return reached
             reached = grown
 
-    def simulate(self, skinned, joints, fabric):
-        """skinned [frames x n x 3], joints [frames x bones x 3] -> [frames x n x 3]."""
+    def simulate(self, skinned, joints, hips, fabric):
+        """skinned [frames x n x 3], joints [frames x bones x 3], hips [frames x 3 x 3] how they are turned ->
+        [frames x n x 3]."""
         faces = self.actor.faces
         used_faces = faces[self.sheet[faces].any(axis=1) & ~self.lid[faces].any(axis=1)]
         used = np.unique(used_faces)
@@ -136,7 +154,7 @@ class Skirt:
         result = skinned.copy()
         with tempfile.TemporaryDirectory() as name:
             sheet = MovingMesh("sheet", skinned[:, used], place[used_faces], Path(name))
-            limbs = self._limbs(joints, Path(name))
+            limbs = [self._hips(joints, hips, Path(name)), *self._limbs(joints, Path(name))]
             self._set_up(sheet.thing, fabric, used, len(skinned))
             for frame in range(len(skinned)):
                 bpy.context.scene.frame_set(frame + 1)
@@ -165,6 +183,35 @@ class Skirt:
         cloth.collision_settings.self_distance_min = GAP_M / 2
         cloth.point_cache.frame_start, cloth.point_cache.frame_end = 1, n_frames
 
+    def _hips(self, joints, turned, folder):
+        """Elliptic rings around the middle of the hip joints, nowhere nearer to the cloth at rest than it may be."""
+        at = self.actor.names.index
+        middle = (self.actor.joints[at("LeftUpLeg")] + self.actor.joints[at("RightUpLeg")]) / 2
+        tall = self.actor.vertices[:, 1].max()
+        sheet = self.actor.vertices[self.sheet | (self.pin > 0)] - middle
+        far = np.hypot(sheet[:, 0], sheet[:, 2])
+        towards = np.arctan2(sheet[:, 0], sheet[:, 2])
+        points = []
+        for height, back, front, sides in tall * HIPS:
+            level = np.abs(sheet[:, 1] - height) < 0.03
+            for angle in 2 * np.pi * np.arange(RING_SIDES) / RING_SIDES:
+                depth = front if np.cos(angle) > 0 else back
+                body = 1 / np.hypot(np.sin(angle) / sides, np.cos(angle) / depth)
+                beside = level & (np.abs(np.angle(np.exp(1j * (towards - angle)))) < 0.3)
+                reach = min(body, far[beside].min(initial=1) - 1.5 * GAP_M)
+                points.append((reach * np.sin(angle), height, reach * np.cos(angle)))
+        points = np.array(points) + middle - self.actor.joints[at("Hips")]
+        frames = np.einsum("fij,pj->fpi", turned, points) + joints[:, None, at("Hips")]
+        return self._obstacle("hips", frames, ring_faces(len(HIPS), RING_SIDES), 0.5, folder)
+
+    @staticmethod
+    def _obstacle(name, frames, faces, friction, folder):
+        body = MovingMesh(name, frames, faces, folder)
+        body.thing.modifiers.new("collision", "COLLISION")
+        body.thing.collision.thickness_outer = GAP_M / 2
+        body.thing.collision.cloth_friction = friction
+        return body
+
     def _limbs(self, joints, folder):
         rest, at = self.actor.joints, self.actor.names.index
         sheet = self.actor.vertices[self.sheet]
@@ -180,11 +227,8 @@ class Skirt:
             if min(radii) < THINNEST_M:
                 raise ValueError("its skirt is too narrow for the legs in it")
             shapes = [capsule(frame[[a, b]], radii) for frame in joints]
-            limb = MovingMesh("-".join(names), np.array([points for points, _ in shapes]), shapes[0][1], folder)
-            limb.thing.modifiers.new("collision", "COLLISION")
-            limb.thing.collision.thickness_outer = GAP_M / 2
-            limb.thing.collision.cloth_friction = 3
-            limbs.append(limb)
+            points = np.array([points for points, _ in shapes])
+            limbs.append(self._obstacle("-".join(names), points, shapes[0][1], 3, folder))
         return limbs
 
     def _with_lid(self, fallen, skinned):

@@ -12,6 +12,7 @@ some 20 seconds for a frame of 540x960 with 32 paths a pixel, one a minute or tw
 import argparse
 import json
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -27,6 +28,7 @@ except ModuleNotFoundError as missing:
     print(f"error: {missing.name} is missing: run this in Blender, with python3-numpy and python3-pil", file=sys.stderr)
     sys.exit(2)
 
+import balance
 import cloth
 import motions
 import posing
@@ -85,20 +87,22 @@ def parse_arguments():
     return arguments
 
 
-def moved_person(actor, arguments):
+def moved_person(actor, arguments, random):
     """[frames x n x 3] vertices, [frames x bones x 3] joints, room frame."""
     poser = posing.Poser(actor)
     sequence = motions.postures(arguments.motion, FPS, arguments.crouch, arguments.pace)
     feet = motions.Feet(poser, sequence, FPS)
+    balance.balance(poser, sequence, feet, FPS, random)
     sequence = sequence[: arguments.frames or len(sequence)]
     settling = [dict(sequence[0], dip=sequence[0]["dip"] * min(i / 20, 1)) for i in range(SETTLING_FRAMES)]
-    vertices, joints = [], []
+    vertices, joints, hips = [], [], []
     for i, posture in enumerate(settling + sequence):
         rotations, places = poser.pose(posture, feet.at(max(i - SETTLING_FRAMES, 0)))
         vertices.append(poser.skinned(rotations, places))
         joints.append(places)
+        hips.append(rotations[poser.at["Hips"]])
     vertices, joints = np.array(vertices), np.array(joints)
-    fallen = cloth.Skirt(actor).simulate(vertices, joints, arguments.fabric)
+    fallen = cloth.Skirt(actor).simulate(vertices, joints, np.array(hips), arguments.fabric)
     return fallen[SETTLING_FRAMES:], joints[SETTLING_FRAMES:]
 
 
@@ -187,7 +191,7 @@ def make(arguments):
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
     try:
-        vertices, joints = moved_person(actor, arguments)
+        vertices, joints = moved_person(actor, arguments, np.random.default_rng([arguments.seed, 1]))
     except ValueError as wrong:
         fail(f"{arguments.actor} is no actor for this: {wrong}")
     camera, focal = place_camera(joints, arguments, random)
@@ -206,14 +210,17 @@ def make(arguments):
     for frame in range(EMPTY_FRAMES):
         sensor.see(empty)
         Image.fromarray(nothing).save(masks / f"{frame:06d}.png")
-    for frame, points in enumerate(vertices):
-        room.show(person, points)
-        sensor.see(room.render(scratch, arguments.samples)[..., :3])
-        covered = room.render(scratch, 8, only=person)[..., 3]
-        Image.fromarray(np.rint(255 * covered).astype(np.uint8)).save(masks / f"{frame + EMPTY_FRAMES:06d}.png")
-        print(f"frame {frame + 1} of {len(vertices)}", flush=True)
-    sensor.close()
-    (arguments.out / "texture.bin").unlink()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
+    try:
+        for frame, points in enumerate(vertices):
+            room.show(person, points)
+            sensor.see(room.render(scratch, arguments.samples)[..., :3])
+            covered = room.render(scratch, 8, only=person)[..., 3]
+            Image.fromarray(np.rint(255 * covered).astype(np.uint8)).save(masks / f"{frame + EMPTY_FRAMES:06d}.png")
+            print(f"frame {frame + 1} of {len(vertices)}", flush=True)
+    finally:  # a run that is ended leaves a video of what there is
+        sensor.close()
+        (arguments.out / "texture.bin").unlink()
 
 
 if __name__ == "__main__":

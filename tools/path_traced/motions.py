@@ -111,6 +111,10 @@ class Feet:
         t = frame / self.fps
         return [self._foot(side, t) for side in (0, 1)]
 
+    def lifts(self, frame):
+        """How far both ankles are above where they stand."""
+        return [ankle[1] - self.poser.ankles[side][1] for side, (ankle, _, _) in enumerate(self.at(frame))]
+
     def _foot(self, side, t):
         begin, end, (place, yaw), (to_place, to_yaw) = [s for s in self.steps[side] if s[0] <= t][-1]
         if t >= end:

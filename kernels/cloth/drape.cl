@@ -15,8 +15,9 @@ static inline void move_by(Vec3 by, global float* points, int i) {
 }
 
 // vertices, levels [n]: of cloth, and how much nearer to the axis they go, 0 at the hips and 1 at the hem. only_skinned
-// [3*n_all]: where skinning has every vertex, skinned: where cloth is simulated. Both ways are kept: ways [6*n];
-// skinned, start and start_before go along them. Over n.
+// [3*n_all]: where skinning has every vertex, skinned: where cloth is simulated. Both ways are kept: ways [6*n].
+// skinned goes along them by the shares of this frame, start and start_before, which have the displacements of the
+// frames before, by those of these. Over n.
 kernel void drape_cloth(int n, DrapeStep step, global const int* restrict vertices, global const float* restrict levels,
                         global const float* restrict only_skinned, global float* restrict skinned,
                         global float* restrict start, global float* restrict start_before,
@@ -30,18 +31,17 @@ kernel void drape_cloth(int n, DrapeStep step, global const int* restrict vertic
   const Vec3 narrows = scale3(sub3(from, scale3(up, dot3(from, up))), -levels[k]);
   vstore3((float3)(clings.x, clings.y, clings.z), 2 * k, ways);
   vstore3((float3)(narrows.x, narrows.y, narrows.z), 2 * k + 1, ways);
-  const Vec3 by = add3(scale3(clings, step.clings), scale3(narrows, step.narrows));
-  move_by(by, skinned, i);
-  move_by(by, start, i);
-  move_by(by, start_before, i);
+  move_by(add3(scale3(clings, step.clings), scale3(narrows, step.narrows)), skinned, i);
+  move_by(add3(scale3(clings, step.clings_1), scale3(narrows, step.narrows_1)), start, i);
+  move_by(add3(scale3(clings, step.clings_2), scale3(narrows, step.narrows_2)), start_before, i);
 }
 
-// How far a pixel is from a point in the picture, as mm at that point's depth.
-static inline Vec2 aside_mm(Vec3 from, Vec2 to_px, Pinhole cam) {
-  const Vec2 px = project_point(from, cam).uv;
+// What a match makes of a difference in the picture, px, by its directions (src/geometry/vertex_match.h): as mm.
+static inline Vec2 judged_mm(Vec2 from, Vec2 to, global const float* match, float mm_per_px) {
+  const float u = to.x - from.x, v = to.y - from.y;
   Vec2 mm;
-  mm.x = (to_px.x - px.x) * from.z / cam.fx;
-  mm.y = (to_px.y - px.y) * from.z / cam.fy;
+  mm.x = mm_per_px * (match[2] * u + match[3] * v);
+  mm.y = mm_per_px * match[4] * v;
   return mm;
 }
 
@@ -61,13 +61,17 @@ kernel void look_at_drape(int n, Pinhole cam, global const int* restrict vertice
     const int i = vertices[k];
     const Vec3 at = point(skinned, i), clings = add3(at, point(ways, 2 * k)),
                narrows = add3(at, point(ways, 2 * k + 1));
-    const float weight = matches[LC_MATCH * i + LC_MATCH_WEIGHT_PX];
+    global const float* match = matches + LC_MATCH * i;
+    const float weight = match[LC_MATCH_WEIGHT_PX];
     if (!visible[i] || !(weight > 0.0f) || !(fmin(at.z, fmin(clings.z, narrows.z)) > LC_MIN_DEPTH_MM)) continue;
-    Vec2 match;
-    match.x = matches[LC_MATCH * i];
-    match.y = matches[LC_MATCH * i + 1];
-    const Vec2 a = aside_mm(at, project_point(clings, cam).uv, cam);
-    const Vec2 b = aside_mm(at, project_point(narrows, cam).uv, cam), off = aside_mm(at, match, cam);
+    Vec2 target;
+    target.x = match[0];
+    target.y = match[1];
+    const Vec2 px = project_point(at, cam).uv;
+    const float mm_per_px = at.z / cam.fx;
+    const Vec2 a = judged_mm(px, project_point(clings, cam).uv, match, mm_per_px);
+    const Vec2 b = judged_mm(px, project_point(narrows, cam).uv, match, mm_per_px);
+    const Vec2 off = judged_mm(px, target, match, mm_per_px);
     mine +=
         weight * (float8)(dot2(a, a), dot2(a, b), dot2(b, b), dot2(a, off), dot2(b, off), dot2(off, off), 1.0f, 0.0f);
   }

@@ -25,15 +25,17 @@ typedef struct {
   float falls_x, falls_y, falls_z;  // mm/s: gravity, times seconds
 } ClothStep;
 
-// How far cloth goes to its skinned place, which counts by `trusted`, and to the axis; a point of that, mm; up.
+// How far cloth goes to its skinned place, which counts by `trusted`, and to the axis, in this frame and the two
+// before; a point of the axis, mm; up.
 typedef struct {
-  float trusted, clings, narrows;
+  float trusted;
+  float clings, narrows, clings_1, narrows_1, clings_2, narrows_2;
   float axis_x, axis_y, axis_z;
   float up_x, up_y, up_z;
 } DrapeStep;
 
-// By a: to the skinned place, b: to the axis, off: to the match, mm^2 by weight: aa, ab, bb, a off, b off, off off, the
-// sum of the weights.
+// With a: to the skinned place, b: to the axis, off: to the match, mm, sums by the matches' weights, px^2: aa, ab, bb,
+// a off, b off, off off, the weights; the last is 0.
 #define LC_DRAPE_TOLD 8
 
 #endif

@@ -15,7 +15,7 @@
 namespace livecap {
 namespace {
 
-static_assert(sizeof(DrapeStep) == 36, "as the kernel has it");
+static_assert(sizeof(DrapeStep) == 52, "as the kernel has it");
 
 constexpr const char* kDrapeProgram = "cloth/drape.cl";
 constexpr size_t kDrapeGroup = 64;  // of GPUs
@@ -69,7 +69,7 @@ void DrapeOptions::validate() const {
   above_0(memory_s, "memory_s");
   above_0(clings_doubt_mm, "clings_doubt_mm");
   above_0(narrows_doubt_mm, "narrows_doubt_mm");
-  above_0(parts, "parts");
+  above_0(independent_parts, "independent_parts");
   require(narrows_from > -1 && narrows_from <= 0, "narrows_from", narrows_from, "above -1 and at most 0");
   require(narrows_to >= 0 && narrows_to < 1, "narrows_to", narrows_to, "at least 0 and below 1");
   require(lifted_from_deg >= 0 && lifted_from_deg < lifted_to_deg && lifted_to_deg <= 180, "lifted_from_deg",
@@ -77,6 +77,7 @@ void DrapeOptions::validate() const {
 }
 
 void DrapeEvidence::add(const std::array<float, LC_DRAPE_TOLD>& told, const DrapeShares& moved, double seconds) {
+  if (!std::all_of(told.begin(), told.end(), [](float sum) { return std::isfinite(sum); })) return;
   const double kept = std::exp(-seconds / options_.memory_s);
   const Eigen::Vector2d off(told[3], told[4]), by(moved.clings, moved.narrows);
   Eigen::Matrix2d ways;
@@ -85,20 +86,26 @@ void DrapeEvidence::add(const std::array<float, LC_DRAPE_TOLD>& told, const Drap
   ways_ways_ = kept * ways_ways_ + ways;
   ways_off_ = kept * ways_off_ + off + ways * by;
   off_off_ = kept * off_off_ + told[5] + 2 * by.dot(off) + by.dot(ways * by);
-  weight_ = told[6];
+  weight_ = std::max(kept * weight_, double(told[6]));
 }
 
 DrapeShares DrapeEvidence::shares() const {
   const Eigen::Vector2d doubt(options_.clings_doubt_mm, options_.narrows_doubt_mm);
   const Eigen::Matrix2d left = ways_ways_ + Eigen::Matrix2d((weight_ * doubt.cwiseAbs2()).asDiagonal());
   if (!(left.determinant() > 0)) return {};
+  const Eigen::Vector2d least(0, options_.narrows_from), most(1, options_.narrows_to);
   Eigen::Vector2d shares = left.ldlt().solve(ways_off_);
-  if (const double within = std::clamp(shares[0], 0.0, 1.0); within != shares[0])
-    shares = {within, (ways_off_[1] - left(1, 0) * within) / left(1, 1)};
-  shares[1] = std::clamp(shares[1], double(options_.narrows_from), double(options_.narrows_to));
+  // A share out of its bounds stays at the nearer one, the other is the best with it.
+  for (int k = 0; k < 2; ++k) {
+    const double within = std::clamp(shares[k], least[k], most[k]);
+    if (within == shares[k]) continue;
+    shares[k] = within;
+    shares[1 - k] = (ways_off_[1 - k] - left(0, 1) * within) / left(1 - k, 1 - k);
+  }
+  shares = shares.cwiseMax(least).cwiseMin(most);
   const double explained = 2 * shares.dot(ways_off_) - shares.dot(ways_ways_ * shares);
   if (!(explained > 0)) return {};
-  shares *= std::max(0.0, 1 - (off_off_ - explained) / (options_.parts * explained));
+  shares *= std::max(0.0, 1 - (off_off_ - explained) / (options_.independent_parts * explained));
   return {shares[0], shares[1]};
 }
 
@@ -135,6 +142,10 @@ DrapeStep Drape::step_of(const PosedSkeleton& posed, const Eigen::Vector3d& up) 
   return {float(std::clamp(trusted, 0.0, 1.0)),
           float(shares_.clings),
           float(shares_.narrows),
+          float(before_[0].clings),
+          float(before_[0].narrows),
+          float(before_[1].clings),
+          float(before_[1].narrows),
           float(axis.x()),
           float(axis.y()),
           float(axis.z()),
@@ -145,13 +156,16 @@ DrapeStep Drape::step_of(const PosedSkeleton& posed, const Eigen::Vector3d& up) 
 
 void Drape::move(const PosedSkeleton& posed, const Eigen::Vector3d& up, ocl::Buffer<float>& skinned,
                  ocl::Buffer<float>& start, ocl::Buffer<float>& start_before) {
+  for (const ocl::Buffer<float>* points : {&skinned, &start, &start_before})
+    if (points->size() != only_skinned_.size()) throw LogicError("drape: vertices of another mesh");
   drape_.launch(round_up(size_t(n_), group_), group_, n_, step_of(posed, up), vertices_, levels_, only_skinned_,
                 skinned, start, start_before, ways_);
 }
 
 void Drape::look(const ocl::Buffer<int32_t>& visible, const ocl::Buffer<float>& skinned,
                  const ocl::Buffer<float>& matches) {
-  if (skinned.size() != only_skinned_.size() || visible.size() * LC_MATCH != matches.size())
+  if (skinned.size() != only_skinned_.size() || 3 * visible.size() != skinned.size() ||
+      matches.size() != LC_MATCH * visible.size())
     throw LogicError("drape: a buffer is of another mesh");
   look_.launch(group_, group_, n_, camera_, vertices_, visible, skinned, matches, ways_, told_,
                ocl::LocalMemory{group_ * LC_DRAPE_TOLD * sizeof(float)});
@@ -160,12 +174,14 @@ void Drape::look(const ocl::Buffer<int32_t>& visible, const ocl::Buffer<float>& 
 
 void Drape::learn(double seconds) {
   evidence_.add(told_last_, shares_, seconds);
+  before_ = {shares_, before_[0]};
   shares_ = evidence_.shares();
 }
 
 void Drape::reset() {
   evidence_ = DrapeEvidence(options_);
   shares_ = {};
+  before_ = {};
 }
 
 }  // namespace livecap

@@ -19,14 +19,14 @@
 namespace livecap {
 
 struct DrapeOptions {
-  float memory_s = 1;  // what was seen so long ago counts by 1 / e
+  float memory_s = 1;  // what was seen so long ago counts by 1 / e; a frame is at most 0.1 s
   // mm. How far apart the places must be for one frame to count as much as the doubt that cloth is anywhere but where
   // it is simulated.
   float clings_doubt_mm = 40, narrows_doubt_mm = 100;
   float narrows_from = -0.3f, narrows_to = 0.4f;  // of the distance to the axis, at the hem
-  // Cloth that is seen moves in so many parts independent of each other: shares that explain little are shrunk by that
-  // (James and Stein's estimator, its positive part).
-  float parts = 12.5f;
+  // Shares are shrunk by how little they explain, 1 - unexplained / (independent_parts * explained) of them, as if
+  // cloth that is seen moved in so many parts independent of each other; none where that is below 0.
+  float independent_parts = 12.5f;
   // Degrees by which the thigh that is lifted more is off straight down: skinning, which carries cloth along with it,
   // is trusted below the first, and not at all from the second on.
   float lifted_from_deg = 30, lifted_to_deg = 55;
@@ -39,12 +39,13 @@ struct DrapeShares {
   double clings = 0, narrows = 0;
 };
 
-// What frames have told, each LC_DRAPE_TOLD sums of look_at_drape.
+// The normal equations of both shares, from the LC_DRAPE_TOLD sums of look_at_drape, frame by frame.
 class DrapeEvidence {
  public:
   explicit DrapeEvidence(const DrapeOptions& options) : options_(options) {}
 
-  // told: how far matches were from where cloth was moved to by `moved`, `seconds` after the last.
+  // told: how far matches were from where cloth was moved to by `moved`, `seconds` after the last. Sums that are not
+  // finite do not count.
   void add(const std::array<float, LC_DRAPE_TOLD>& told, const DrapeShares& moved, double seconds);
   // Nothing told: none.
   DrapeShares shares() const;
@@ -53,20 +54,22 @@ class DrapeEvidence {
   DrapeOptions options_;
   Eigen::Matrix2d ways_ways_ = Eigen::Matrix2d::Zero();
   Eigen::Vector2d ways_off_ = Eigen::Vector2d::Zero();
-  double off_off_ = 0, weight_ = 0;
+  double off_off_ = 0, weight_ = 0;  // weight: of one frame, the largest that is remembered
 };
 
 class Drape {
  public:
   // cloth: of the actor, simulated with this looseness (cloth/cloth_simulation.h). Keeps no reference to them; the
-  // device must outlive it. Throws ConfigError.
+  // device must outlive it. Throws ConfigError, and LogicError when nothing hangs.
   Drape(ocl::DeviceContext& device, const Actor& actor, const ClothGraph& cloth, float looseness, const Camera& camera,
         const DrapeOptions& options);
 
-  // Once a frame, in this order; all is enqueued. Buffers are [3n] mm, camera frame.
+  // In this order; all is enqueued, and the last look of a frame counts. Buffers are [3n] mm, camera frame; LogicError
+  // for others.
   // skinned: V^S by skinning alone.
   void keep(const ocl::Buffer<float>& skinned);
-  // skinned: V^S with cloth simulated; it, start and start_before are moved alike. up: unit, camera frame.
+  // skinned: V^S with cloth simulated, which is moved. start, start_before: with the displacements from V^S of the last
+  // two frames, moved by the shares of these. up: unit, camera frame.
   void move(const PosedSkeleton& posed, const Eigen::Vector3d& up, ocl::Buffer<float>& skinned,
             ocl::Buffer<float>& start, ocl::Buffer<float>& start_before);
   // skinned: as moved; matches: [LC_MATCH*n] of a TextureMatcher.
@@ -92,6 +95,7 @@ class Drape {
   std::array<float, LC_DRAPE_TOLD> told_last_{};
   DrapeEvidence evidence_;
   DrapeShares shares_;
+  std::array<DrapeShares, 2> before_;  // of the last move and the one before
 };
 
 }  // namespace livecap

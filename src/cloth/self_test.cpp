@@ -58,6 +58,7 @@ double drape_error_mm(ocl::DeviceContext& device, const Actor& actor, const Pose
     const float* p = simulated.data() + 3 * i;
     matches[LC_MATCH * i] = float(camera.fx) * (p[0] + kMatched) / p[2] + float(camera.cx);
     matches[LC_MATCH * i + 1] = float(camera.fy) * p[1] / p[2] + float(camera.cy);
+    matches[LC_MATCH * i + 2] = matches[LC_MATCH * i + 4] = 1;  // certain in all directions
     matches[LC_MATCH * i + LC_MATCH_WEIGHT_PX] = 1;
   }
   const ocl::Buffer<int32_t> visible(device, std::vector<int32_t>(actor.n_vertices(), 1));
@@ -74,8 +75,12 @@ double drape_error_mm(ocl::DeviceContext& device, const Actor& actor, const Pose
   const std::vector<float> got = moved.read_all();
   double worst = 0;
   for (int p = 0; p < graph.n_particles(); ++p) {
-    const int at = 3 * graph.vertices[p];
-    if (!graph.held[p]) worst = std::max(worst, double(std::abs(got[at] - simulated[at] - kMatched)));
+    if (graph.held[p]) continue;
+    for (int a = 0; a < 3; ++a) {
+      const int at = 3 * graph.vertices[p] + a;
+      const double off = std::abs(got[at] - simulated[at] - (a == 0 ? kMatched : 0));
+      if (!(off <= worst)) worst = off;
+    }
   }
   return worst;
 }

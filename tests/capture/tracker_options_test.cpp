@@ -62,7 +62,7 @@ std::vector<Field> fields() {
       LC_FIELD(shares.foot_share, {1, most_share}, {0.9, most_share + 0.5, nan}),
       LC_FIELD(shares.rough_foot_share, {1, most_share}, {0.9, most_share + 0.5, nan}),
       LC_FIELD(drape.memory_s, {0.1, 10}, {0, -1, nan}),
-      LC_FIELD(drape.parts, {1, 1000}, {0, infinite}),
+      LC_FIELD(drape.independent_parts, {1, 1000}, {0, infinite}),
       {"rounds.match_levels",
        [](TrackerOptions& o, double value) {
          o.rounds.match_levels = {0, int(value)};

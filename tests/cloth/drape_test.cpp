@@ -24,7 +24,7 @@ constexpr double kSeconds = 1 / 30.0;
 DrapeOptions sure() {
   DrapeOptions options;
   options.clings_doubt_mm = options.narrows_doubt_mm = 1e-3f;
-  options.parts = 1e9f;
+  options.independent_parts = 1e9f;
   return options;
 }
 
@@ -58,7 +58,7 @@ TEST(Drape, DoubtHalves) {
 // 148 mm^2, of which 0.4^2 * 900 + 0.1^2 * 400 = 148 are explained; 100 more are not: 1 - 100 / (4 * 148).
 TEST(Drape, WhatExplainsLittleIsShrunk) {
   DrapeOptions options = sure();
-  options.parts = 4;
+  options.independent_parts = 4;
   Told seen = kSeen;
   seen[5] += 2 * 100;
   DrapeEvidence evidence(options);
@@ -100,6 +100,38 @@ TEST(Drape, SharesHaveBounds) {
   swinging.add({900, 0, 400, -9e4f, -9e4f, 1e7f, 1, 0}, {}, kSeconds);
   EXPECT_EQ(swinging.shares().clings, 0);
   EXPECT_NEAR(swinging.shares().narrows, sure().narrows_from, test::kDrapeShare);
+}
+
+// A frame in which nothing is matched changes nothing, and neither does one whose sums are none.
+TEST(Drape, WhatIsNotSeenIsNotForgotten) {
+  DrapeOptions options = sure();
+  options.clings_doubt_mm = 30;
+  options.narrows_doubt_mm = 20;
+  DrapeEvidence evidence(options);
+  evidence.add(kSeen, {}, kSeconds);
+  evidence.add({}, {}, kSeconds);
+  Told none{};
+  none[3] = NAN;
+  evidence.add(none, {}, kSeconds);
+  EXPECT_NEAR(evidence.shares().clings, 0.2, test::kDrapeShare);
+  EXPECT_NEAR(evidence.shares().narrows, 0.05, test::kDrapeShare);
+}
+
+// Ways that are not at right angles: with one share at its bound the other is the best there. 20 mm along the second of
+// ways (30, 0) and (20, 20): without bounds -0.67 and 1.
+TEST(Drape, TheOtherShareIsTheBestAtABound) {
+  DrapeOptions options = sure();
+  options.narrows_to = 0.5f;
+  DrapeEvidence evidence(options);
+  evidence.add({900, 600, 800, 0, 400, 400, 1, 0}, {}, kSeconds);
+  EXPECT_EQ(evidence.shares().clings, 0);
+  EXPECT_NEAR(evidence.shares().narrows, 0.5, test::kDrapeShare);
+  DrapeOptions narrow = sure();
+  narrow.narrows_to = 0;
+  DrapeEvidence bounded(narrow);
+  bounded.add({900, 600, 800, 300, 400, 200, 1, 0}, {}, kSeconds);  // 10 mm along both axes
+  EXPECT_NEAR(bounded.shares().clings, 1 / 3.0, test::kDrapeShare);
+  EXPECT_EQ(bounded.shares().narrows, 0);
 }
 
 // A skirt before a camera, hanging straight down its negative y, whose simulated place is beside its skinned one.
@@ -147,8 +179,12 @@ class DrapeScene {
            shares.narrows * level * Eigen::Vector3d(from.x(), 0, from.z());
   }
 
+  struct Moved {
+    std::vector<float> skinned, start, start_before;
+  };
+
   // One frame, in which matches show cloth draped by `shares`. Returns where it was moved to before.
-  std::vector<float> see(const DrapeShares& shares) {
+  Moved see(const DrapeShares& shares) {
     const int n = actor_.n_vertices();
     std::vector<float> matches(size_t(LC_MATCH) * n, 0.0f);
     for (int i = 0; i < n; ++i) {
@@ -156,7 +192,12 @@ class DrapeScene {
       const Camera c = camera();
       matches[LC_MATCH * i] = float(c.fx * p.x() / p.z() + c.cx);
       matches[LC_MATCH * i + 1] = float(c.fy * p.y() / p.z() + c.cy);
+      matches[LC_MATCH * i + 2] = matches[LC_MATCH * i + 4] = 1;
       matches[LC_MATCH * i + LC_MATCH_WEIGHT_PX] = i % 5 == 0 ? 0.0f : float(1 + i % 3);
+      if (i % 4 == 0) {  // certain across alone
+        matches[LC_MATCH * i + 1] += 100;
+        matches[LC_MATCH * i + 4] = 0;
+      }
       if (i % 7 == 0) matches[LC_MATCH * i] += 1000;  // not visible: does not count
     }
     std::vector<int32_t> visible(n);
@@ -166,9 +207,7 @@ class DrapeScene {
     skinned.write(simulated_);
     drape_.move(posed_, up(), skinned, start, before);
     drape_.look({device_, visible}, skinned, {device_, matches});
-    const std::vector<float> moved = skinned.read_all();
-    EXPECT_EQ(start.read_all(), moved);
-    EXPECT_EQ(before.read_all(), moved);
+    const Moved moved{skinned.read_all(), start.read_all(), before.read_all()};
     drape_.learn(kSeconds);
     return moved;
   }
@@ -203,15 +242,22 @@ TEST(Drape, LearnsFromMatchesAndMovesSo) {
   test::on_every_device_and_body([](ocl::DeviceContext& device) {
     DrapeScene scene(device);
     const DrapeShares truth{0.4, 0.15};
-    scene.expect_draped(scene.see(truth), {});
+    scene.expect_draped(scene.see(truth).skinned, {});
+    std::array<DrapeShares, 2> before;
     for (int frame = 0; frame < 3; ++frame) {
       EXPECT_NEAR(scene.drape().shares().clings, truth.clings, test::kDrapeMatched);
       EXPECT_NEAR(scene.drape().shares().narrows, truth.narrows, test::kDrapeMatched);
       const DrapeShares known = scene.drape().shares();
-      scene.expect_draped(scene.see(truth), known);
+      const auto moved = scene.see(truth);
+      scene.expect_draped(moved.skinned, known);
+      scene.expect_draped(moved.start, before[0]);
+      scene.expect_draped(moved.start_before, before[1]);
+      before = {known, before[0]};
     }
     scene.drape().reset();
-    scene.expect_draped(scene.see(truth), {});
+    const auto anew = scene.see(truth);
+    scene.expect_draped(anew.skinned, {});
+    scene.expect_draped(anew.start, {});
   });
 }
 
@@ -224,7 +270,7 @@ TEST(Drape, SkinningIsNotTrustedOnLiftedThighs) {
     lifted.see({0.2, 0});
     const DrapeShares known = lifted.drape().shares();
     EXPECT_NEAR(known.clings, 0.4, test::kDrapeMatched) << "of a way that is half as long";
-    lifted.expect_draped(lifted.see({0.2, 0}), known, 0.5);
+    lifted.expect_draped(lifted.see({0.2, 0}).skinned, known, 0.5);
     folded.see({0.4, 0});
     EXPECT_EQ(folded.drape().shares().clings, 0);
   });
@@ -239,7 +285,7 @@ TEST(Drape, RefusesWhatMakesNoSense) {
   refused([](DrapeOptions& o) { o.memory_s = 0; });
   refused([](DrapeOptions& o) { o.clings_doubt_mm = NAN; });
   refused([](DrapeOptions& o) { o.narrows_doubt_mm = -1; });
-  refused([](DrapeOptions& o) { o.parts = 0; });
+  refused([](DrapeOptions& o) { o.independent_parts = 0; });
   refused([](DrapeOptions& o) { o.narrows_from = 0.1f; });
   refused([](DrapeOptions& o) { o.narrows_to = 1; });
   refused([](DrapeOptions& o) { o.lifted_from_deg = 60; });
@@ -252,7 +298,10 @@ TEST(Drape, RefusesBuffersOfAnotherMesh) {
     DrapeScene scene(device);
     ocl::Buffer<float> few(device, size_t(6)), matches(device, size_t(2 * LC_MATCH));
     ocl::Buffer<int32_t> visible(device, size_t(2));
+    ocl::Buffer<float> all(device, test::skirt_actor().mesh.positions);
     EXPECT_THROW(scene.drape().look(visible, few, matches), LogicError);
+    EXPECT_THROW(scene.drape().look(visible, all, matches), LogicError);
+    EXPECT_THROW(scene.drape().move({}, Eigen::Vector3d::UnitY(), all, few, all), LogicError);
   });
 }
 

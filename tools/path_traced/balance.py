@@ -10,6 +10,8 @@ LIMBS = [(0.0255, "Arm", "ForeArm", 0.5754), (0.0138, "ForeArm", "Hand", 0.4559)
 AHEAD = 0.028  # of the height: where the mass is above a foot, in front of its ankle
 SPREAD_M = 0.012  # standard deviation of that, from person to person
 SMOOTH_S = 0.25  # standard deviation in time: nobody balances every moment of a step
+LIFTED_M = 0.03  # a foot that is so high does not stand
+LEAST_SHARE = 0.05  # of a foot in the support
 ROUNDS = 3  # the legs and feet do not go along with the hips
 
 
@@ -38,7 +40,7 @@ def balance(poser, sequence, feet, fps, random):
     ahead = AHEAD * tall + random.normal(0, SPREAD_M)
     supports = []
     for frame in range(len(sequence)):
-        stands = [0.05 + max(0.0, 1 - lift / 0.03) for lift in feet.lifts(frame)]
+        stands = [LEAST_SHARE + max(0.0, 1 - lift / LIFTED_M) for lift in feet.lifts(frame)]
         points = [ankle + ahead * np.array([np.sin(yaw), 0, np.cos(yaw)]) for ankle, yaw, _ in feet.at(frame)]
         supports.append(sum(s * p for s, p in zip(stands, points)) / sum(stands))
     for _ in range(ROUNDS):

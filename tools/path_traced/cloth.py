@@ -20,8 +20,8 @@ PINNED = (0.10, 0.22)  # of the way from waist to hem: held by the body, falls f
 HIPS = np.array([(0.085, 0.055, 0.066, 0.080), (0.05, 0.072, 0.062, 0.090), (0.01, 0.082, 0.052, 0.098),
                  (-0.025, 0.080, 0.035, 0.098), (-0.05, 0.068, 0.020, 0.090)])
 RING_SIDES = 24
-GAP_M = 0.006  # between cloth and legs
-THINNEST_M = 0.01  # of a leg
+GAP_M = 0.006  # between cloth and hips or legs
+THINNEST_M = 0.01  # of hips or a leg
 LINING_M = 0.02  # what is so near to the cloth at rest counts as much as all neighbours
 
 
@@ -97,7 +97,8 @@ def ring_faces(rings, sides):
     grid = np.arange(rings * sides).reshape(rings, sides)
     a, b = grid[:-1], grid[1:]
     after_a, after_b = np.roll(a, -1, 1), np.roll(b, -1, 1)
-    walls = np.concatenate([np.stack(corners, -1).reshape(-1, 3) for corners in ((a, b, after_a), (after_a, b, after_b))])
+    walls = np.concatenate([np.stack(corners, -1).reshape(-1, 3)
+                            for corners in ((a, b, after_a), (after_a, b, after_b))])
     second = np.arange(1, sides - 1)
     first = np.zeros_like(second)
     lid = np.stack([first, second, second + 1], -1)
@@ -188,7 +189,7 @@ class Skirt:
         at = self.actor.names.index
         middle = (self.actor.joints[at("LeftUpLeg")] + self.actor.joints[at("RightUpLeg")]) / 2
         tall = self.actor.vertices[:, 1].max()
-        sheet = self.actor.vertices[self.sheet | (self.pin > 0)] - middle
+        sheet = self.actor.vertices[self.actor.skirt() & ~self.lid] - middle
         far = np.hypot(sheet[:, 0], sheet[:, 2])
         towards = np.arctan2(sheet[:, 0], sheet[:, 2])
         points = []
@@ -199,6 +200,8 @@ class Skirt:
                 body = 1 / np.hypot(np.sin(angle) / sides, np.cos(angle) / depth)
                 beside = level & (np.abs(np.angle(np.exp(1j * (towards - angle)))) < 0.3)
                 reach = min(body, far[beside].min(initial=1) - 1.5 * GAP_M)
+                if reach < THINNEST_M:
+                    raise ValueError("its skirt is too narrow for the hips in it")
                 points.append((reach * np.sin(angle), height, reach * np.cos(angle)))
         points = np.array(points) + middle - self.actor.joints[at("Hips")]
         frames = np.einsum("fij,pj->fpi", turned, points) + joints[:, None, at("Hips")]

@@ -67,7 +67,7 @@ def parse_arguments():
     parser.add_argument("--height", type=int, default=960)
     parser.add_argument("--samples", type=int, default=32, help="paths per pixel")
     parser.add_argument("--floor", action="store_true", help="camera.json says where the floor is")
-    parser.add_argument("--seed", type=int, default=1, help="of room, lamps, camera and noise")
+    parser.add_argument("--seed", type=int, default=1, help="of room, lamps, camera, balance and noise")
     arguments = parser.parse_args(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else [])
     for size in (arguments.width, arguments.height):
         if size < 64 or size % 2:
@@ -142,7 +142,7 @@ class Sensor:
         self.encoder = subprocess.Popen(
             ["ffmpeg", "-v", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s",
              f"{arguments.width}x{arguments.height}", "-r", str(FPS), "-i", "-", "-c:v", "libx264", "-crf", "18",
-             "-pix_fmt", "yuv420p", str(path)], stdin=subprocess.PIPE)
+             "-pix_fmt", "yuv420p", str(path)], stdin=subprocess.PIPE, start_new_session=True)
 
     def see(self, picture):
         gain = 1 + 0.015 * np.sin(self.phase + 0.05 * self.frame)
@@ -210,17 +210,20 @@ def make(arguments):
     for frame in range(EMPTY_FRAMES):
         sensor.see(empty)
         Image.fromarray(nothing).save(masks / f"{frame:06d}.png")
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
-    try:
-        for frame, points in enumerate(vertices):
-            room.show(person, points)
-            sensor.see(room.render(scratch, arguments.samples)[..., :3])
-            covered = room.render(scratch, 8, only=person)[..., 3]
-            Image.fromarray(np.rint(255 * covered).astype(np.uint8)).save(masks / f"{frame + EMPTY_FRAMES:06d}.png")
-            print(f"frame {frame + 1} of {len(vertices)}", flush=True)
-    finally:  # a run that is ended leaves a video of what there is
-        sensor.close()
-        (arguments.out / "texture.bin").unlink()
+    ended = []  # a run that is ended leaves a video of what there is
+    signal.signal(signal.SIGTERM, lambda number, _: ended.append(number))
+    for frame, points in enumerate(vertices):
+        if ended:
+            break
+        room.show(person, points)
+        sensor.see(room.render(scratch, arguments.samples)[..., :3])
+        covered = room.render(scratch, 8, only=person)[..., 3]
+        Image.fromarray(np.rint(255 * covered).astype(np.uint8)).save(masks / f"{frame + EMPTY_FRAMES:06d}.png")
+        print(f"frame {frame + 1} of {len(vertices)}", flush=True)
+    (arguments.out / "texture.bin").unlink()
+    sensor.close()
+    if ended:
+        sys.exit(1)
 
 
 if __name__ == "__main__":

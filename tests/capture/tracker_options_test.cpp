@@ -61,8 +61,6 @@ std::vector<Field> fields() {
       share(LC_FIELD(shares.refined_hanging_share)),
       LC_FIELD(shares.foot_share, {1, most_share}, {0.9, most_share + 0.5, nan}),
       LC_FIELD(shares.rough_foot_share, {1, most_share}, {0.9, most_share + 0.5, nan}),
-      LC_FIELD(drape.memory_s, {0.1, 10}, {0, -1, nan}),
-      LC_FIELD(drape.independent_parts, {1, 1000}, {0, infinite}),
       {"rounds.match_levels",
        [](TrackerOptions& o, double value) {
          o.rounds.match_levels = {0, int(value)};
@@ -148,6 +146,12 @@ TEST(TrackerOptions, AnActorWithoutRoundsIsAllowed) {
   options.rounds.match_levels.clear();
   EXPECT_NO_THROW(options.validate());
   options.cloth_match_levels = {2, 1, 1, 0};  // more than there are steps
+  EXPECT_THROW(options.validate(), ConfigError);
+}
+
+TEST(TrackerOptions, ADrapeThatMakesNoSenseIsRefused) {
+  TrackerOptions options;
+  options.drape.memory_s = 0;
   EXPECT_THROW(options.validate(), ConfigError);
 }
 

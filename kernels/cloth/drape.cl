@@ -2,7 +2,7 @@
 // towards its skinned one, and towards the vertical axis that it hangs around (src/cloth/drape.h).
 #include "cloth/layout.h"
 #include "match/layout.h"
-#include "shared/camera.h"
+#include "terms/match.cl"
 
 static inline Vec3 point(global const float* points, int i) {
   return vec3(points[3 * i], points[3 * i + 1], points[3 * i + 2]);
@@ -36,12 +36,13 @@ kernel void drape_cloth(int n, DrapeStep step, global const int* restrict vertic
   move_by(add3(scale3(clings, step.clings_2), scale3(narrows, step.narrows_2)), start_before, i);
 }
 
-// What a match makes of a difference in the picture, px, by its directions (src/geometry/vertex_match.h): as mm.
-static inline Vec2 judged_mm(Vec2 from, Vec2 to, global const float* match, float mm_per_px) {
-  const float u = to.x - from.x, v = to.y - from.y;
+// How far a point is in the picture from another place, by the directions a match is certain in: as mm at its depth.
+// All three of look_at_drape are from there to the point, so that their signs do not matter.
+static inline Vec2 judged_mm(Vec3 at, Vec2 place_px, Pinhole cam, global const float* match) {
+  const MatchRow row = match_row(at, cam, place_px, match[2], match[3], match[4]);
   Vec2 mm;
-  mm.x = mm_per_px * (match[2] * u + match[3] * v);
-  mm.y = mm_per_px * match[4] * v;
+  mm.x = at.z / cam.fx * row.r[0];
+  mm.y = at.z / cam.fx * row.r[1];
   return mm;
 }
 
@@ -67,11 +68,8 @@ kernel void look_at_drape(int n, Pinhole cam, global const int* restrict vertice
     Vec2 target;
     target.x = match[0];
     target.y = match[1];
-    const Vec2 px = project_point(at, cam).uv;
-    const float mm_per_px = at.z / cam.fx;
-    const Vec2 a = judged_mm(px, project_point(clings, cam).uv, match, mm_per_px);
-    const Vec2 b = judged_mm(px, project_point(narrows, cam).uv, match, mm_per_px);
-    const Vec2 off = judged_mm(px, target, match, mm_per_px);
+    const Vec2 a = judged_mm(at, project_point(clings, cam).uv, cam, match);
+    const Vec2 b = judged_mm(at, project_point(narrows, cam).uv, cam, match), off = judged_mm(at, target, cam, match);
     mine +=
         weight * (float8)(dot2(a, a), dot2(a, b), dot2(b, b), dot2(a, off), dot2(b, off), dot2(off, off), 1.0f, 0.0f);
   }

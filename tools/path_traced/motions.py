@@ -10,7 +10,9 @@ REST = dict(x=0, z=0, yaw=0, lean=0, tilt=0, dip=0, bend=0, twist=0, look=0,
             la=14, lf=4, le=18, ra=14, rf=4, re=18)  # left and right arm: abduction, flexion, elbow
 ANGLES = set(REST) - {"x", "z", "dip"}
 STEP_S = 0.46  # from one foot's step to the next one's
-LIFT_M = 0.07
+LIFT_M = 0.07  # of the ankle
+TOES_DOWN = 0.4  # rad, half way
+PIVOTS = 0.5  # rad: a foot that the hips turn farther from pivots along
 
 
 def key(t, **changes):
@@ -41,6 +43,12 @@ MOVEMENTS = {
         key(2.7, x=0.05, tilt=4, la=160, le=20, ra=60, re=90, yaw=20),
         key(3.3, la=30, x=-0.04, tilt=-3, ra=45, re=110, rf=25),
         key(4.0, x=0, yaw=-25, twist=-12, la=60, lf=50, le=70), key(4.8, yaw=0)],
+    "dance": [  # hips swing wide and fast, once around
+        key(0), key(0.5, x=0.06, tilt=4, yaw=12, twist=8, la=70, ra=50, re=40),
+        key(0.9, x=-0.1, tilt=-5, dip=0.05, yaw=-20, twist=-10, la=120, ra=60, re=80),
+        key(1.3, x=0.12, z=0.1, tilt=5, dip=0, yaw=10, twist=6, la=60, le=80, lf=40, ra=80),
+        key(2.8, x=0, z=0, tilt=0, yaw=-350, twist=0, la=70, le=30, lf=0, ra=65, re=30),
+        key(3.3, x=-0.08, tilt=-4, dip=0.06, yaw=-380, la=40, ra=110), key(3.9, x=0, tilt=0, dip=0, yaw=-360)],
     "stroll": [  # to the camera and back in slow steps, looking around
         key(0, z=-0.7), key(0.5, z=-0.7), key(2.4, z=0.15, x=0.1, look=20, yaw=8, twist=5),
         key(3.0, yaw=-15, look=-25, re=70, rf=30),
@@ -84,7 +92,7 @@ def postures(name, fps, crouch, pace=1.0):
 
 
 class Feet:
-    """Plants the feet and lets them step in turns wherever the hips go."""
+    """Plants the feet and lets them step in turns wherever the hips go, and pivot where those turn too far."""
 
     def __init__(self, poser, sequence, fps):
         self.poser, self.fps, self.sequence = poser, fps, sequence
@@ -108,8 +116,9 @@ class Feet:
 
     def at(self, frame):
         """(ankle [3], yaw, toes_down) of both feet."""
-        t = frame / self.fps
-        return [self._foot(side, t) for side in (0, 1)]
+        hips_yaw = self.sequence[min(frame, len(self.sequence) - 1)]["yaw"]
+        feet = [self._foot(side, frame / self.fps) for side in (0, 1)]
+        return [(ankle, np.clip(yaw, hips_yaw - PIVOTS, hips_yaw + PIVOTS), toes) for ankle, yaw, toes in feet]
 
     def lifts(self, frame):
         """How far both ankles are above where they stand."""
@@ -122,4 +131,5 @@ class Feet:
         s = (t - begin) / (end - begin)
         eased = s * s * (3 - 2 * s)
         lifted = place + eased * (to_place - place) + np.array([0, LIFT_M * np.sin(np.pi * s), 0])
-        return lifted, yaw + eased * (to_yaw - yaw), 0.5 * np.sin(np.pi * s) * (1 - s) - 0.25 * np.sin(np.pi * s) * s
+        toes_down = TOES_DOWN * np.sin(np.pi * s) * (1.3 - 0.6 * s)  # the toes leave last, 15 mm above the floor half way
+        return lifted, yaw + eased * (to_yaw - yaw), toes_down

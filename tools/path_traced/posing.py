@@ -84,7 +84,7 @@ class Poser:
         a, b = np.linalg.norm(thigh), np.linalg.norm(shin)
         reach = min(np.linalg.norm(ankle - hip), 0.9995 * (a + b))
         down = unit(ankle - hip)
-        knee_forward = 0.5 * (hips @ rotation(Y, sign * 0.15) @ Z + rotation(Y, yaw) @ Z)
+        knee_forward = 0.2 * hips @ rotation(Y, sign * 0.15) @ Z + 0.8 * rotation(Y, yaw) @ Z
         hinge = unit(np.cross(knee_forward, down))
         along = (a * a - b * b + reach * reach) / (2 * reach)
         out = np.sqrt(max(a * a - along * along, 0))

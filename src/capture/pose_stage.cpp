@@ -57,7 +57,7 @@ std::optional<Pose> PoseStage::with_free_legs(const PoseStageInput& input, const
 }
 
 // The contour found on a rough pose is only a start: once more from where that solve ends, and from there with the body
-// leant by each of leans_rad.
+// leant by each of leans_rad, or with the pelvis turned back.
 PoseStage::Solution PoseStage::solve_anew(const PoseStageInput& input, std::span<const double> leans_rad) {
   const std::optional<Pose> initial = initialize_pose(actor_, camera_, input.detections, options_.pose);
   Solution best;
@@ -71,6 +71,9 @@ PoseStage::Solution PoseStage::solve_anew(const PoseStageInput& input, std::span
   const Pose rough = best.pose.pose;
   best = solve_from(rough);
   for (double lean_rad : leans_rad) keep_better(solve_from(leant(rough, lean_rad)), best);
+  if (!rounds_.matches(input) || best.pose.status != SolveStatus::kOk) return best;
+  const auto untwisted = untwisted_pelvis(actor_, best.pose.pose, options_.starts.least_found_twist_rad);
+  if (untwisted) keep_better(solve_from(*untwisted), best);
   return best;
 }
 

@@ -81,6 +81,7 @@ void OtherStartsOptions::validate() const {
     require(std::abs(lean) <= kMostLeanRad, "starts.leans_rad", lean, format("at most %g either way", kMostLeanRad));
   not_negative("starts.least_turn_rad", least_turn_rad);
   not_negative("starts.least_twist_rad", least_twist_rad);
+  not_negative("starts.least_found_twist_rad", least_found_twist_rad);
   not_negative("starts.strayed_share", strayed_share);
   not_negative("starts.strayed_arm_share", strayed_arm_share);
   not_negative("starts.cost_of_covering", cost_of_covering);

@@ -111,6 +111,8 @@ struct OtherStartsOptions {
   // A spine twisted by so much (pi: never) is also solved from the pelvis turned back under the chest
   // (pose/other_starts.h).
   double least_twist_rad = 0.35;
+  // The same of who is seen for the first time, or again: no frame before tells where the pelvis was.
+  double least_found_twist_rad = 0.08;
   // A body with an ankle so far from its detection, as a share of the person's height in the picture, is solved from
   // legs bent to the detections as well (pose/other_starts.h). 0: never.
   double strayed_share = 0.04;

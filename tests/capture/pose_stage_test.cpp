@@ -315,6 +315,14 @@ TEST(PoseStage, NobodyDetectedHidesNoArm) {
   });
 }
 
+// With the pelvis turned under a chest that is as it was.
+Pose twisted(const Actor& actor, Pose pose, double twist_rad) {
+  pose.root_rotation = rotation_from_vector(Eigen::Vector3d(0, twist_rad, 0)) * pose.root_rotation;
+  for (int k = 0; k < actor.skeleton.n_dofs(); ++k)
+    if (actor.skeleton.dofs[k].name == "chest_y") pose.angles_rad[k] = twist_rad;
+  return pose;
+}
+
 // Tracked from a pelvis that is a stripe too far round under a chest that is right.
 TEST(PoseStage, ATwistedSpineIsAlsoSolvedStraight) {
   test::on_every_device([&](ocl::DeviceContext& device) {
@@ -327,16 +335,36 @@ TEST(PoseStage, ATwistedSpineIsAlsoSolvedStraight) {
       options.rounds.match_levels = {0};
       PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
       const Pose truth = test::standing_pose(seen.actor, 0.3);
-      Pose before = truth;
-      before.root_rotation = rotation_from_vector(Eigen::Vector3d(0, kTwistRad, 0)) * truth.root_rotation;
-      for (int k = 0; k < seen.actor.skeleton.n_dofs(); ++k)
-        if (seen.actor.skeleton.dofs[k].name == "chest_y") before.angles_rad[k] = kTwistRad;
-      const Pose found = seen.track(stage, before, truth).pose;
+      const Pose found = seen.track(stage, twisted(seen.actor, truth, kTwistRad), truth).pose;
       return vector_from_rotation(found.root_rotation * truth.root_rotation.transpose()).norm();
     };
     // (Stiff feet turn it back by half in one step, which is less than an actor's own twist may be.)
     EXPECT_LT(facing_error(0.1), test::kUntwistedRad);
     EXPECT_GT(facing_error(std::numbers::pi), test::kStillTwistedRad);
+  });
+}
+
+// Seen for the first time by a network that has the pelvis turned under the chest.
+TEST(PoseStage, WhoIsFoundTwistedIsAlsoSolvedStraight) {
+  test::on_every_device([&](ocl::DeviceContext& device) {
+    const auto facing_error = [&](double least_found_twist_rad) {
+      Seen seen(device);
+      TrackerOptions options;
+      options.starts.least_found_twist_rad = least_found_twist_rad;
+      options.pose.weights.keypoint_3d *= 30;  // it insists, and
+      options.pose.weights.rest = 0;           // nothing but the picture
+      options.pose.first_steps = 1;            // turns it back, in steps that are not enough
+      options.rounds.match_levels = {0};
+      PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
+      const Pose truth = test::standing_pose(seen.actor, 0.3);
+      const Silhouette silhouette = seen.take_picture(stage, truth);
+      const Detections detections = test::exact_detections(seen.actor, seen.camera, twisted(seen.actor, truth, -0.7));
+      const PoseStageInput input{detections, silhouette, seen.frame};
+      stage.set_picture(input);
+      const Pose found = stage.find(input).pose;
+      return vector_from_rotation(found.root_rotation * truth.root_rotation.transpose()).norm();
+    };
+    EXPECT_LT(facing_error(TrackerOptions().starts.least_found_twist_rad), facing_error(std::numbers::pi) / 2);
   });
 }
 

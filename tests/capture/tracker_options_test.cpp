@@ -100,6 +100,7 @@ std::vector<Field> fields() {
        {-1.6, 1.6, nan, infinite}},
       length(LC_FIELD(starts.least_turn_rad)),
       length(LC_FIELD(starts.least_twist_rad)),
+      length(LC_FIELD(starts.least_found_twist_rad)),
       length(LC_FIELD(starts.strayed_share)),
       length(LC_FIELD(starts.strayed_arm_share)),
       length(LC_FIELD(starts.cost_of_covering)),

@@ -73,7 +73,7 @@ void switch_off(const std::string& name, TrackerOptions& options) {
   } else if (name == "confidence") {
     options.ignore_confidence = true;
   } else if (name == "balance") {
-    options.floor.balance.most_mm = kNoBalance;
+    options.floor.balance = no_balance();
   } else if (name == "hidden_arms") {
     options.pose.hidden_share = 0;
     options.starts.strayed_arm_share = 0;

@@ -80,7 +80,7 @@ TrackerOptions options_for(const Actor& actor, TrackerOptions options) {
     for (int k : {kLeftKnee, kRightKnee}) options.pose.keypoint_2d_weights[k] *= options.hidden_knees.keypoint_2d;
     options.pose.least_stands = std::max(options.pose.least_stands, options.hidden_knees.least_stands);
     BalanceOptions& balance = options.floor.balance;
-    if (balance.most_mm < kNoBalance) balance.share = std::max(balance.share, options.hidden_knees.balance_share);
+    if (balance.share > 0) balance.share = std::max(balance.share, options.hidden_knees.balance_share);
     double& doubt_mm = options.rounds.refined_doubt_3d_mm;
     if (doubt_mm > 0) doubt_mm = options.hidden_knees.refined_doubt_3d_mm;
   }

@@ -17,7 +17,7 @@ constexpr int kLowestSamples = 60;  // rows that tell which vertex is the lowest
 // of a room, which a capture does not hold, and below the captured feet, in balance or not.
 std::optional<Floor> learned_floor(const CaptureFolder& capture) {
   FloorOptions options;
-  options.balance.most_mm = kNoBalance;
+  options.balance = no_balance();
   FloorFinder finder(capture.actor, options, std::nullopt);
   Detections seen;
   for (int ankle : {kLeftAnkle, kRightAnkle}) seen.keypoints[ankle].confidence = 1;

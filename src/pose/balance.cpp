@@ -92,6 +92,13 @@ void BalanceOptions::validate() const {
   if (!std::isfinite(middle_mm)) throw ConfigError(format("balance: middle_mm is %g; it must be finite", middle_mm));
 }
 
+BalanceOptions no_balance() {
+  BalanceOptions options;
+  options.most_mm = kNoBalance;
+  options.share = 0;
+  return options;
+}
+
 Balance::Balance(const BalanceOptions& options) : options_(options) {
   options.validate();
 }

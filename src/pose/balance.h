@@ -31,7 +31,7 @@ std::optional<double> support_beyond_mass_mm(const Actor& actor,
                                              const Eigen::Vector3d& soles_mm, const Eigen::Vector3d& up,
                                              double least_reach);
 
-inline constexpr double kNoBalance = std::numeric_limits<double>::max();  // as most_mm: feet may be anywhere
+inline constexpr double kNoBalance = std::numeric_limits<double>::max();  // as most_mm
 
 struct BalanceOptions {
   // How far, on average, what bears the weight may lie nearer or farther than the centre of mass, along the floor, mm.
@@ -39,15 +39,18 @@ struct BalanceOptions {
   double frames = 60;  // after so many a frame's say has fallen to 1/e; those before that count alike
   // Only of frames in which a leg reaches down by so much of its length: who sits or kneels has the feet elsewhere.
   double least_reach = 0.75;
-  // So much of a floor's height is told by balance: by where the captured feet, of which the picture may tell little
-  // (HiddenKneesOptions), would have to be; the rest by feet at rest, which anchor it, since it holds the captured feet
-  // itself. 0: the limit above alone.
-  double share = 0;
+  // So much of a floor's height is told by balance: by where the captured feet would have to be, the more where the
+  // picture tells little of them (HiddenKneesOptions); the rest by feet at rest, which anchor it, since it holds the
+  // captured feet itself. 0: the limit above alone.
+  double share = 0.4;
   double middle_mm = -10;    // farther than the centre of mass is what bears the weight then, on average
   double sole_frames = 120;  // as `frames`
 
   void validate() const;  // throws ConfigError
 };
+
+// Feet may be anywhere, and it tells nothing of a floor.
+BalanceOptions no_balance();
 
 class Balance {
  public:

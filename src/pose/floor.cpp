@@ -70,6 +70,11 @@ std::vector<Eigen::Vector3d> positions(std::span<const SolePoint> soles, const P
   return points;
 }
 
+// From here on a foot is not on this floor.
+double far_mm(const FloorOptions& options) {
+  return 3 * options.outlier_mm;
+}
+
 // How far a point went across the line of sight: along it, captured points tremble.
 double move_across_mm(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   const Eigen::Vector3d ray = to.normalized(), move = to - from;
@@ -206,7 +211,7 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet
     still = still || rests;
     if (floor_) {
       const double height = floor_->height_mm(believed[lowest.point]);
-      near = near || (rests && std::abs(floor_->height_mm(told[lowest.point])) < 3 * options_.outlier_mm);
+      near = near || (rests && std::abs(floor_->height_mm(told[lowest.point])) < far_mm(options_));
       weight /= cauchy_doubt(height * height, options_.outlier_mm);
     }
     weight /= cauchy_doubt(std::pow(up.dot(believed[lowest.point]) - lower_mm, 2), options_.higher_foot_mm);
@@ -249,13 +254,15 @@ std::vector<Eigen::Vector3d> FloorFinder::balanced(const PosedSkeleton& feet, co
 }
 
 // Feet that the floor holds are where it says, so that it is their balance that counts, not that of legs by the picture
-// alone: of these the lower foot tells the floor, and where legs hide that is the one which is taken for too far.
+// alone: of these the lower foot tells the floor, and where legs hide that is the one which is taken for too far. Not
+// of who jumps, or stands on something.
 void FloorFinder::learn_balance(const std::array<Eigen::Vector3d, kKeypointCount>& joints, const Eigen::Vector3d& up,
                                 const std::vector<Eigen::Vector3d>& soles_mm) {
   const std::optional<Eigen::Vector3d> middle = middle_of(soles_mm);
   if (!middle || away_along_floor(up).dot(*middle) < kSteepest * middle->norm()) return;
   const auto lowest = std::min_element(soles_mm.begin(), soles_mm.end(),
                                        [&](const auto& a, const auto& b) { return up.dot(a) < up.dot(b); });
+  if (!(std::abs(floor_->height_mm(*lowest)) < far_mm(options_))) return;
   in_balance_.learn(actor_, joints, *middle, *lowest, up);
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "actor/labels.h"
+#include "capture/components.h"
 #include "support/builtin_actor.h"
 
 namespace livecap {
@@ -53,7 +54,7 @@ TEST(PoseShares, KneesThatClothHidesAreGuessedInThePicture) {
   EXPECT_EQ(options.pose.least_stands, given.hidden_knees.least_stands);
   EXPECT_EQ(options.floor.balance.share, given.hidden_knees.balance_share);
   TrackerOptions unbalanced = given;
-  unbalanced.floor.balance.most_mm = kNoBalance;
+  switch_off("balance", unbalanced);
   EXPECT_EQ(options_for(in_a_skirt(250), unbalanced).floor.balance.share, 0);
   TrackerOptions stands = given;
   stands.pose.least_stands = 0.4;

@@ -69,10 +69,17 @@ TEST(Floor, SolesLieOnWhatTheLowestPointsOfTheFeetTouch) {
   EXPECT_TRUE(sole_points(no_feet).empty());
 }
 
+// As feet alone tell it.
+FloorOptions unbalanced() {
+  FloorOptions options;
+  options.balance = no_balance();
+  return options;
+}
+
 TEST(Floor, IsLearnedFromWhoWalksOnIt) {
   const Actor actor = test::make_test_actor();
   const Floor truth{kUp, 1200};
-  FloorFinder finder(actor, {}, {});
+  FloorFinder finder(actor, unbalanced(), {});
   std::mt19937 rng(5);
   std::normal_distribution<double> trembles(0, 8);
   for (int place = 0; place < 12; ++place) {
@@ -94,7 +101,7 @@ TEST(Floor, IsWhereThePictureHasTheFeetOfTheFramesAskedFor) {
   const Actor actor = test::make_test_actor();
   const Floor truth{kUp, 1200};
   const Pose stands = on_floor(actor, 100, 3200, truth), held = on_floor(actor, 100, 3200, {kUp, 1250});
-  FloorOptions options;
+  const FloorOptions options = unbalanced();
   FloorFinder finder(actor, options, {});
   int n_asked = 0, first_not_asked = -1;
   for (int frame = 0; frame < 100; ++frame) {

@@ -96,7 +96,7 @@ struct HiddenKneesOptions {
   double keypoint_2d = 0.3;         // E_2D of knees counts so much of what it counts elsewhere
   double refined_doubt_3d_mm = 60;  // of all keypoints, unless none is doubted: little else tells of legs
   double least_stands = 0.1;        // of PoseOptions: a leg that is lifted towards the camera looks as one that is not
-  double balance_share = 0.8;       // BalanceOptions::share: legs by the picture alone are 20 to 60 mm off up or down
+  double balance_share = 0.8;       // BalanceOptions::share: legs by the picture alone are 20 to 60 mm off, up or down
 
   void validate() const;  // throws ConfigError
 };
@@ -111,7 +111,7 @@ struct OtherStartsOptions {
   // A spine twisted by so much (pi: never) is also solved from the pelvis turned back under the chest
   // (pose/other_starts.h).
   double least_twist_rad = 0.35;
-  // The same of who is seen for the first time, or again: no frame before tells where the pelvis was.
+  // The same of who is found anew: no frame before tells where the pelvis was.
   double least_found_twist_rad = 0.08;
   // A body with an ankle so far from its detection, as a share of the person's height in the picture, is solved from
   // legs bent to the detections as well (pose/other_starts.h). 0: never.

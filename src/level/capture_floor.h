@@ -8,7 +8,7 @@ namespace livecap {
 
 enum class FloorSource {
   kMeasured,    // camera.json has it
-  kFeet,        // learned from feet at rest, as the tracker does
+  kFeet,        // learned from feet at rest, as the tracker does, in balance or not
   kLevelCamera  // neither, or not asked: the camera is taken to be level, and the lowest vertex to be on the floor
 };
 

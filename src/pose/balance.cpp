@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <limits>
 
 #include "base/text.h"
 #include "livecap/error.h"
@@ -94,7 +95,7 @@ void BalanceOptions::validate() const {
 
 BalanceOptions no_balance() {
   BalanceOptions options;
-  options.most_mm = kNoBalance;
+  options.most_mm = std::numeric_limits<double>::max();
   options.share = 0;
   return options;
 }

@@ -5,7 +5,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <limits>
 #include <optional>
 
 #include "actor/actor.h"
@@ -31,8 +30,6 @@ std::optional<double> support_beyond_mass_mm(const Actor& actor,
                                              const Eigen::Vector3d& soles_mm, const Eigen::Vector3d& up,
                                              double least_reach);
 
-inline constexpr double kNoBalance = std::numeric_limits<double>::max();  // as most_mm
-
 struct BalanceOptions {
   // How far, on average, what bears the weight may lie nearer or farther than the centre of mass, along the floor, mm.
   double most_mm = 60;
@@ -49,7 +46,7 @@ struct BalanceOptions {
   void validate() const;  // throws ConfigError
 };
 
-// Feet may be anywhere, and it tells nothing of a floor.
+// That limits nothing and tells nothing of a floor.
 BalanceOptions no_balance();
 
 class Balance {

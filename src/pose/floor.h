@@ -1,6 +1,6 @@
 // The floor, and the soles that rest on it. A foot on a known floor is at a known depth, where the picture alone tells
 // a foot's depth several times less well than its place. Where the floor is the camera's file says, or nobody: then it
-// is learned from where feet were found to rest.
+// is learned from where feet were found to rest, and where balance has them.
 #pragma once
 
 #include <Eigen/Core>
@@ -51,7 +51,8 @@ struct FloorOptions {
   // mm, of a resting foot's height, for how firmly what is upright holds the tilt against feet: their depths are off
   // for many frames alike, which counts as if one was off by more.
   double height_deviation_mm = 90;
-  double outlier_mm = 30;  // a foot so far from the floor has half a say (Cauchy)
+  // A foot so far from the floor has half a say (Cauchy); one three times as far is not on it, and has none in balance.
+  double outlier_mm = 30;
   // After more than so many frames on end in which no resting foot is within three times that: another floor.
   int max_contradicted_frames = 30;
   // A foot so much higher than the other has half a say, however that one moves: the floor is below both, and a foot

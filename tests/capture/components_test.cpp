@@ -61,7 +61,6 @@ TEST(Components, EachOneMakesADifference) {
     if (name == "anatomic") continue;     // a barrier: nothing while no joint reaches a limit
     if (name == "floor") continue;        // not known from the first frame on, see below
     if (name == "hidden_arms") continue;  // nothing while both are seen (tests/pose/held_arms_test.cpp)
-    if (name == "balance") continue;      // nothing while the feet are below the body (tests/pose/floor_test.cpp)
     options.without = {name};
     EXPECT_FALSE(captured() == everything) << name;
   }

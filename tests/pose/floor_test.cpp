@@ -170,8 +170,7 @@ TEST(Floor, BalanceIsThatOfTheCapturedFeet) {
     if (name == "left_hip_x" || name == "right_hip_x") swung.angles_rad[k] -= 0.4;
     if (name == "left_knee_x" || name == "right_knee_x") swung.angles_rad[k] += 0.5;
   }
-  FloorOptions options;
-  options.balance.most_mm = kNoBalance;
+  FloorOptions options = unbalanced();
   const auto offset_mm = [&](double share, const Pose& captured, const Pose& seen_alone, const Pose* before = nullptr) {
     options.balance.share = share;
     FloorFinder finder(actor, options, {});
@@ -184,6 +183,25 @@ TEST(Floor, BalanceIsThatOfTheCapturedFeet) {
   EXPECT_GT(std::abs(offset_mm(1, swung, stands) - offset_mm(0, swung, stands)), 20);
   EXPECT_NEAR(offset_mm(1, stands, swung), offset_mm(1, stands, stands), 1e-6);
   EXPECT_DOUBLE_EQ(offset_mm(1, stands, stands, &swung), offset_mm(1, stands, stands)) << "forgotten";
+}
+
+TEST(Floor, BalanceIsNotThatOfWhoJumps) {
+  const Actor actor = test::make_test_actor();
+  FloorOptions options = unbalanced();
+  options.balance.share = 1;
+  FloorFinder finder(actor, options, {});
+  const auto learn = [&](double offset_mm, int n_frames) {
+    const Pose pose = on_floor(actor, 100, 3200, {kUp, offset_mm});
+    for (int frame = 0; frame < n_frames; ++frame) finder.learn(pose, pose, nullptr, seen(actor, pose));
+  };
+  const Pose stands = on_floor(actor, 100, 3200, {kUp, 1200});
+  for (int frame = 0; frame < 40; ++frame) finder.learn(stands, stands, &stands, seen(actor, stands));
+  ASSERT_NE(finder.floor(), nullptr);
+  const double standing_mm = finder.floor()->offset_mm;
+  learn(900, 10);
+  EXPECT_NEAR(finder.floor()->offset_mm, standing_mm, 1);
+  learn(1140, 10);
+  EXPECT_LT(finder.floor()->offset_mm, standing_mm - 5) << "60 mm higher may be a floor that is not known well";
 }
 
 // A lifted foot is as still where it is highest as one that stands; the other one stands meanwhile.

@@ -131,5 +131,5 @@ class Feet:
         s = (t - begin) / (end - begin)
         eased = s * s * (3 - 2 * s)
         lifted = place + eased * (to_place - place) + np.array([0, LIFT_M * np.sin(np.pi * s), 0])
-        toes_down = TOES_DOWN * np.sin(np.pi * s) * (1.3 - 0.6 * s)  # the toes leave last, 15 mm above the floor half way
+        toes_down = TOES_DOWN * np.sin(np.pi * s) * (1.3 - 0.6 * s)  # toes leave last, are some 10 mm up half way
         return lifted, yaw + eased * (to_yaw - yaw), toes_down

@@ -74,6 +74,7 @@ void switch_off(const std::string& name, TrackerOptions& options) {
     options.ignore_confidence = true;
   } else if (name == "balance") {
     options.floor.balance = no_balance();
+    options.starts.cost_of_imbalance = 0;
   } else if (name == "hidden_arms") {
     options.pose.hidden_share = 0;
     options.starts.strayed_arm_share = 0;

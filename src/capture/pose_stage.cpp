@@ -57,7 +57,8 @@ std::optional<Pose> PoseStage::with_free_legs(const PoseStageInput& input, const
 }
 
 // The contour found on a rough pose is only a start: once more from where that solve ends, and from there with the body
-// leant by each of leans_rad, or with the pelvis turned back.
+// leant by each of leans_rad, with the pelvis turned back, or with other legs. Legs that swing far away from the camera
+// may look as well as those that stand below the body.
 PoseStage::Solution PoseStage::solve_anew(const PoseStageInput& input, std::span<const double> leans_rad) {
   const std::optional<Pose> initial = initialize_pose(actor_, camera_, input.detections, options_.pose);
   Solution best;
@@ -68,12 +69,22 @@ PoseStage::Solution PoseStage::solve_anew(const PoseStageInput& input, std::span
   const auto solve_from = [&](const Pose& start) {
     return rounds_.solve(input, input.detections, start, nullptr, Rounds::kAll);
   };
+  const auto cost_in_balance = [&](const Solution& solution) {
+    const double beyond_100mm = floor_.beyond_balance_mm(solution.pose.pose).value_or(0) / 100;
+    return solution.cost * (1 + options_.starts.cost_of_imbalance * beyond_100mm * beyond_100mm);
+  };
+  const auto try_start = [&](const Pose& start) {
+    Solution other = solve_from(start);
+    if (other.pose.status != SolveStatus::kOk) return;
+    if (best.pose.status != SolveStatus::kOk || cost_in_balance(other) < cost_in_balance(best)) best = std::move(other);
+  };
   const Pose rough = best.pose.pose;
   best = solve_from(rough);
-  for (double lean_rad : leans_rad) keep_better(solve_from(leant(rough, lean_rad)), best);
+  for (double lean_rad : leans_rad) try_start(leant(rough, lean_rad));
   if (!rounds_.matches(input) || best.pose.status != SolveStatus::kOk) return best;
   const auto untwisted = untwisted_pelvis(actor_, best.pose.pose, options_.starts.least_found_twist_rad);
-  if (untwisted) keep_better(solve_from(*untwisted), best);
+  if (untwisted) try_start(*untwisted);
+  for (const Pose& start : with_other_legs(actor_.skeleton, best.pose.pose)) try_start(start);
   return best;
 }
 
@@ -113,6 +124,7 @@ PoseResult PoseStage::solve_corrected(const PoseStageInput& input, const Pose& p
   try_exchanged_legs(input, predicted, previous, alternatives, best);
   try_turned(input, previous, best);
   try_untwisted(input, previous, best);
+  try_other_legs(input, previous, best);
   try_detected_legs(input, previous, best);
   try_detected_arms(input, previous, best);
   try_mirrored_forearms(input, previous, best);
@@ -188,6 +200,15 @@ void PoseStage::try_untwisted(const PoseStageInput& input, const Pose& previous,
   if (untwisted) try_from(input, *untwisted, previous, best);
 }
 
+void PoseStage::try_other_legs(const PoseStageInput& input, const Pose& previous, Solution& best) {
+  if (!rounds_.matches(input) || best.pose.status != SolveStatus::kOk) return;
+  const bool on_edge = stands_on_edge(actor_, best.pose.pose, previous, floor_.up(), options_.starts.on_edge_rad);
+  on_edge_frames_ = on_edge ? on_edge_frames_ + 1 : 0;
+  if (on_edge_frames_ < options_.starts.on_edge_frames) return;
+  on_edge_frames_ = 0;
+  for (const Pose& start : with_other_legs(actor_.skeleton, best.pose.pose)) try_from(input, start, previous, best);
+}
+
 void PoseStage::try_detected_legs(const PoseStageInput& input, const Pose& previous, Solution& best) {
   if (!rounds_.matches(input) || best.pose.status != SolveStatus::kOk) return;
   const double least_px = options_.starts.strayed_share * keypoints_height_px(input.detections);
@@ -231,7 +252,8 @@ void PoseStage::try_detected_arms(const PoseStageInput& input, const Pose& previ
     if (other.pose.status == SolveStatus::kOk && covers_more(input, other, best)) best = std::move(other);
     return best.pose.pose;
   };
-  with_detected_arms(actor_, camera_, best.pose.pose, input.detections, options_.pose, least_px, better_of);
+  with_detected_arms(actor_, camera_, best.pose.pose, input.detections, options_.pose,
+                     {least_px, options_.starts.strayed_arm_depth_mm}, better_of);
 }
 
 // A leg that crossed the other one may be left on its shoe. What the picture shows of it then is covered by nothing,

@@ -62,6 +62,7 @@ class PoseStage {
   void lose_person() {
     exchanged_frames_ = 0;
     doubted_ = false;
+    on_edge_frames_ = 0;
   }
   // Those too.
   void reset();
@@ -79,6 +80,7 @@ class PoseStage {
                           const std::vector<KeypointDetections>& alternatives, Solution& best);
   void try_turned(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_untwisted(const PoseStageInput& input, const Pose& previous, Solution& best);
+  void try_other_legs(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_detected_legs(const PoseStageInput& input, const Pose& previous, Solution& best);
   void try_detected_arms(const PoseStageInput& input, const Pose& previous, Solution& best);
   bool covers_more(const PoseStageInput& input, const Solution& other, const Solution& best);
@@ -98,6 +100,7 @@ class PoseStage {
   std::vector<SkinSample> last_skin_;  // of the pose solved last
   int last_drawn_ = 0;                 // likewise, PoseRounds::Solution
   int exchanged_frames_ = 0;           // since the detections last agreed with the prediction, or were tried as named
+  int on_edge_frames_ = 0;             // since a foot stands on its edge, or other legs were tried
   bool doubted_ = false;               // the last frame's pose was not believable
 };
 

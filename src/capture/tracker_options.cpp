@@ -82,12 +82,16 @@ void OtherStartsOptions::validate() const {
   not_negative("starts.least_turn_rad", least_turn_rad);
   not_negative("starts.least_twist_rad", least_twist_rad);
   not_negative("starts.least_found_twist_rad", least_found_twist_rad);
+  not_negative("starts.cost_of_imbalance", cost_of_imbalance);
+  not_negative("starts.on_edge_rad", on_edge_rad);
   not_negative("starts.strayed_share", strayed_share);
   not_negative("starts.strayed_arm_share", strayed_arm_share);
+  not_negative("starts.strayed_arm_depth_mm", strayed_arm_depth_mm);
   not_negative("starts.cost_of_covering", cost_of_covering);
   not_negative("starts.least_mirrored_rad", least_mirrored_rad);
   not_negative("starts.mirrored_misfit", mirrored_misfit);
   not_negative("starts.max_exchanged_frames", max_exchanged_frames);
+  not_negative("starts.on_edge_frames", on_edge_frames);
 }
 
 void TrackerOptions::validate() const {

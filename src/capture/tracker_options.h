@@ -106,6 +106,9 @@ struct OtherStartsOptions {
   // Who is seen for the first time, or again, is also looked for leaning towards the camera (negative: away from it) by
   // each of these, rad, from where the detections have them (pose/other_starts.h).
   std::vector<double> leans_rad = {-0.35, -0.175, 0.175, 0.35};
+  // Who is found is found in balance: feet that are 100 mm farther or nearer than a standing body's
+  // (pose/balance.h) cost this share more, of the whole cost, and by the square.
+  double cost_of_imbalance = 0.1;
   // A body that faces so much elsewhere than the detections is solved from there as well (pose/other_starts.h).
   double least_turn_rad = 0.21;
   // A spine twisted by so much (pi: never) is also solved from the pelvis turned back under the chest
@@ -113,11 +116,18 @@ struct OtherStartsOptions {
   double least_twist_rad = 0.35;
   // The same of who is found anew: no frame before tells where the pelvis was.
   double least_found_twist_rad = 0.08;
+  // A body of which a foot stands tilted by so much (pose/other_starts.h), in so many frames on end, is solved from
+  // other legs as well, and again as often while that lasts.
+  double on_edge_rad = 0.52;
+  int on_edge_frames = 5;
   // A body with an ankle so far from its detection, as a share of the person's height in the picture, is solved from
   // legs bent to the detections as well (pose/other_starts.h). 0: never.
   double strayed_share = 0.04;
   // The same of an elbow or a wrist.
   double strayed_arm_share = 0.05;
+  // And of an elbow whose depth from the shoulder differs so much from the network's; where strayed_arm_share is 0
+  // none.
+  double strayed_arm_depth_mm = 120;
   // Where limbs compete (legs exchanged or not, an arm as detected, an ankle that is strayed_share from its detection
   // by either name), a solution counts that costs more by this share times what more of the silhouette it covers (IoU);
   // one that covers less must cost less by as much.

@@ -8,11 +8,12 @@
 namespace livecap {
 
 struct ArmPoints {
-  Keypoint elbow, wrist;
+  Keypoint upper, elbow, wrist;  // upper: the shoulder
   const char *shoulder, *forearm;
 };
 
-inline constexpr std::array<ArmPoints, 2> kArmPoints = {{{kLeftElbow, kLeftWrist, "left_shoulder", "left_elbow"},
-                                                         {kRightElbow, kRightWrist, "right_shoulder", "right_elbow"}}};
+inline constexpr std::array<ArmPoints, 2> kArmPoints = {
+    {{kLeftShoulder, kLeftElbow, kLeftWrist, "left_shoulder", "left_elbow"},
+     {kRightShoulder, kRightElbow, kRightWrist, "right_shoulder", "right_elbow"}}};
 
 }  // namespace livecap

@@ -223,6 +223,18 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet
   fit();
 }
 
+std::optional<double> FloorFinder::beyond_balance_mm(const Pose& pose) const {
+  const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);
+  const std::optional<Eigen::Vector3d> middle = middle_of(positions(soles_, posed));
+  const Eigen::Vector3d up = this->up();
+  if (!middle || away_along_floor(up).dot(*middle) < kSteepest * middle->norm()) return std::nullopt;
+  const BalanceOptions& balance = options_.balance;
+  const auto farther_mm =
+      support_beyond_mass_mm(actor_, keypoint_positions(actor_, posed), *middle, up, balance.least_reach);
+  if (!farther_mm) return std::nullopt;
+  return *farther_mm - balance.middle_mm;
+}
+
 // Between both feet; nullopt for a skeleton that lacks one.
 std::optional<Eigen::Vector3d> FloorFinder::middle_of(const std::vector<Eigen::Vector3d>& soles_mm) const {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();

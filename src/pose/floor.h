@@ -88,6 +88,10 @@ class FloorFinder {
   // camera stands level.
   Eigen::Vector3d up() const;
 
+  // How much farther from the camera, along the floor, the feet of `pose` are than those of who is in balance
+  // (BalanceOptions::middle_mm). nullopt of who does not stand, or is seen from too far above to tell.
+  std::optional<double> beyond_balance_mm(const Pose& pose) const;
+
   // A measured floor on which no foot has rested for so long that a learned one would have been forgotten: the camera
   // was moved, or it is another camera's. It stays so.
   bool is_contradicted() const { return is_measured_ && contradicted_frames_ > options_.max_contradicted_frames; }

@@ -4,22 +4,32 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <vector>
 
 #include "pose/arm_points.h"
 #include "pose/initialize.h"
+#include "pose/round_weights.h"
 #include "pose/targets.h"
 
 namespace livecap {
 namespace {
 
-struct Leg {
+struct LegBones {
   Keypoint ankle;
   const char* hip;
+  const char* knee;
 };
 
-constexpr Leg kAnkleAndHip[] = {{kLeftAnkle, "left_hip"}, {kRightAnkle, "right_hip"}};
+constexpr LegBones kLegBones[] = {{kLeftAnkle, "left_hip", "left_knee"}, {kRightAnkle, "right_hip", "right_knee"}};
+
+// How far from rest a thigh swings forward, and its shin back.
+struct Bend {
+  double hip_rad, knee_rad;
+};
+
+constexpr Bend kStraight = {0, 0}, kSquat = {1.2, 1.6}, kStep = {0.6, 0.9};
 
 // From the keypoint of a pose to its detection; 0 where it has none, or lies behind the camera.
 double distance_px(const Actor& actor, const Camera& camera,
@@ -79,12 +89,45 @@ Pose leant(const Pose& pose, double lean_rad) {
   return leaning;
 }
 
+std::vector<Pose> with_other_legs(const Skeleton& skeleton, const Pose& pose) {
+  const auto bent = [&](Pose start, const LegBones& leg, const Bend& bend) {
+    const int hip = skeleton.bone_index(leg.hip), knee = skeleton.bone_index(leg.knee);
+    if (hip < 0 || knee < 0) return start;
+    for (int k = 0; k < skeleton.n_dofs(); ++k) {
+      const Dof& dof = skeleton.dofs[k];
+      if (!hangs_on(skeleton, dof.bone, hip)) continue;
+      double angle = dof.rest_rad;
+      if (dof.bone == hip && dof.name.ends_with("_x")) angle -= bend.hip_rad;
+      if (dof.bone == knee && dof.name.ends_with("_x")) angle += bend.knee_rad;
+      start.angles_rad[k] = std::clamp(angle, dof.min_rad, dof.max_rad);
+    }
+    return start;
+  };
+  const auto both = [&](const Bend& bend) { return bent(bent(pose, kLegBones[0], bend), kLegBones[1], bend); };
+  return {both(kStraight), both(kSquat), bent(pose, kLegBones[0], kStep), bent(pose, kLegBones[1], kStep)};
+}
+
+bool stands_on_edge(const Actor& actor, const Pose& pose, const Pose& previous, const Eigen::Vector3d& up,
+                    double least_tilt_rad) {
+  const PosedSkeleton posed = forward_kinematics(actor.skeleton, pose);
+  const PosedSkeleton before = forward_kinematics(actor.skeleton, previous);
+  return std::any_of(std::begin(kLegBones), std::end(kLegBones), [&](const LegBones& leg) {
+    const int foot = actor.keypoints[leg.ankle].bone;
+    if (foot < 0) return false;
+    const Eigen::Vector3d sole_up = posed.camera_from_rest[foot].linear() * Eigen::Vector3d::UnitY();
+    const Eigen::Vector3d at = posed.camera_from_bone[foot].translation();
+    const Eigen::Vector3d move = at - before.camera_from_bone[foot].translation();
+    const double across_mm = (move - at.normalized() * at.normalized().dot(move)).norm();
+    return across_mm < LC_POSE_STILL_MM && sole_up.dot(up) < std::cos(least_tilt_rad);
+  });
+}
+
 std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera, const Pose& pose,
                                        const Detections& detections, const PoseOptions& options, double least_px) {
   if (!detections.person) return std::nullopt;
   const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
   std::vector<int> strayed;  // hips
-  for (const Leg& leg : kAnkleAndHip) {
+  for (const LegBones& leg : kLegBones) {
     const int hip = actor.skeleton.bone_index(leg.hip);
     if (hip < 0 || !(detections.keypoints[leg.ankle].confidence >= kTrustedDetection)) continue;
     if (distance_px(actor, camera, positions, detections, leg.ankle) >= least_px) strayed.push_back(hip);
@@ -98,7 +141,7 @@ std::optional<Pose> with_detected_legs(const Actor& actor, const Camera& camera,
 }
 
 void with_detected_arms(const Actor& actor, const Camera& camera, Pose pose, const Detections& detections,
-                        const PoseOptions& options, double least_px,
+                        const PoseOptions& options, const LeastStray& least,
                         const std::function<Pose(const Pose& bent)>& better_of) {
   if (!detections.person) return;
   const auto positions = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
@@ -108,7 +151,14 @@ void with_detected_arms(const Actor& actor, const Camera& camera, Pose pose, con
     const auto distance = [&](Keypoint k) {
       return detections.keypoints[k].confidence > 0 ? distance_px(actor, camera, positions, detections, k) : 0;
     };
-    if (shoulder >= 0 && std::max(distance(arm.elbow), distance(arm.wrist)) >= least_px) strayed.push_back(shoulder);
+    const auto depth_mm = [&] {  // of the elbow, from where the network sees it from the shoulder
+      const KeypointDetection &upper = detections.keypoints[arm.upper], &elbow = detections.keypoints[arm.elbow];
+      if (!(elbow.confidence >= kTrustedDetection) || actor.keypoints[arm.upper].bone < 0) return 0.0;
+      return std::abs(elbow.z_mm - upper.z_mm - (positions[arm.elbow] - positions[arm.upper]).z());
+    };
+    if (shoulder < 0) continue;
+    if (std::max(distance(arm.elbow), distance(arm.wrist)) >= least.px || depth_mm() >= least.depth_mm)
+      strayed.push_back(shoulder);
   }
   if (strayed.empty()) return;
   const std::optional<Pose> found = initialize_pose(actor, camera, detections, options);

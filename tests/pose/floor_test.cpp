@@ -69,6 +69,39 @@ TEST(Floor, SolesLieOnWhatTheLowestPointsOfTheFeetTouch) {
   EXPECT_TRUE(sole_points(no_feet).empty());
 }
 
+TEST(Floor, TellsHowFarFeetAreFromBalance) {
+  const Actor actor = test::make_test_actor();
+  const Floor truth{kUp, 1200};
+  FloorFinder finder(actor, {}, truth);
+  const Pose standing = on_floor(actor, 100, 3200, truth);
+  const auto bent = [&](double hips_rad, double knees_rad) {
+    Pose pose = standing;
+    for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
+      const std::string& name = actor.skeleton.dofs[k].name;
+      if (name == "left_hip_x" || name == "right_hip_x") pose.angles_rad[k] += hips_rad;
+      if (name == "left_knee_x" || name == "right_knee_x") pose.angles_rad[k] += knees_rad;
+    }
+    return pose;
+  };
+  const auto keypoint = [&](const Pose& pose, Keypoint k) {
+    return keypoint_positions(actor, forward_kinematics(actor.skeleton, pose))[k];
+  };
+  const double leg_mm = (keypoint(standing, kLeftHip) - keypoint(standing, kLeftAnkle)).norm();
+  const std::optional<double> level = finder.beyond_balance_mm(standing);
+  ASSERT_TRUE(level.has_value());
+  EXPECT_LT(std::abs(*level), 60);
+  for (const double swing_rad : {-0.3, 0.2}) {  // about the hips: the feet move by the leg's length, the mass with them
+    const std::optional<double> swung = finder.beyond_balance_mm(bent(swing_rad, 0));
+    ASSERT_TRUE(swung.has_value()) << swing_rad;
+    EXPECT_NEAR((*swung - *level) / (leg_mm * swing_rad), 1 - 0.15, 0.1) << swing_rad;
+  }
+  EXPECT_FALSE(finder.beyond_balance_mm(bent(-1.5, 1.5)).has_value()) << "who sits";
+  const Floor below{Eigen::Vector3d(0, -0.5, -1).normalized(), 3000};
+  const FloorFinder from_above(actor, {}, below);
+  EXPECT_FALSE(from_above.beyond_balance_mm(on_floor(actor, 0, 2600, below)).has_value());
+  EXPECT_TRUE(FloorFinder(actor, {}, {}).beyond_balance_mm(standing).has_value()) << "before a floor is known";
+}
+
 // As feet alone tell it.
 FloorOptions unbalanced() {
   FloorOptions options;

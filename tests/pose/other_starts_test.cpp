@@ -95,6 +95,41 @@ TEST(OtherStarts, WhoLeansTowardsTheCameraHasTheHeadNearer) {
   EXPECT_NEAR(std::atan2(-after.z(), -after.y()) - std::atan2(-before.z(), -before.y()), 0.3, 1e-9);
 }
 
+TEST(OtherStarts, OtherLegsStandBelowTheBody) {
+  const Actor& actor = test::builtin_actor("trousers");
+  const Pose pose = test::standing_pose(actor, 0.3);
+  Pose behind = pose;  // as legs that the network sees straight are found
+  for (int k = 0; k < actor.skeleton.n_dofs(); ++k)
+    if (actor.skeleton.dofs[k].name.ends_with("_hip_x")) behind.angles_rad[k] = 0.4;
+  const std::vector<Pose> starts = with_other_legs(actor.skeleton, behind);
+  ASSERT_EQ(starts.size(), 4u);
+  const Eigen::Vector3d down = Eigen::Vector3d::UnitY(), ahead = pose.root_rotation.col(2);
+  struct LegKeypoint {
+    const char* hip;
+    Keypoint thigh, knee, ankle;
+    bool is_other[4];  // in that start
+  };
+  for (const LegKeypoint& leg :
+       {LegKeypoint{"left_hip", kLeftHip, kLeftKnee, kLeftAnkle, {true, true, true, false}},
+        LegKeypoint{"right_hip", kRightHip, kRightKnee, kRightAnkle, {true, true, false, true}}}) {
+    for (size_t i = 0; i < starts.size(); ++i) {
+      SCOPED_TRACE(std::string(leg.hip) + ", start " + std::to_string(i));
+      const auto points = keypoint_positions(actor, forward_kinematics(actor.skeleton, starts[i]));
+      const Eigen::Vector3d thigh = points[leg.knee] - points[leg.thigh], whole = points[leg.ankle] - points[leg.thigh];
+      if (!leg.is_other[i]) {
+        for (int k = 0; k < actor.skeleton.n_dofs(); ++k)
+          if (hangs_on(actor.skeleton, actor.skeleton.dofs[k].bone, actor.skeleton.bone_index(leg.hip)))
+            EXPECT_EQ(starts[i].angles_rad[k], behind.angles_rad[k]);
+        continue;
+      }
+      if (i > 0) EXPECT_GT(ahead.dot(thigh), 0.4 * thigh.norm()) << "knees bend forward";
+      EXPECT_GT(down.dot(whole), 0.9 * whole.norm()) << "the foot is below the hip";
+      const double leg_mm = thigh.norm() + (points[leg.ankle] - points[leg.knee]).norm();
+      EXPECT_NEAR(whole.norm() / leg_mm, i == 0 ? 1 : i == 1 ? std::cos(0.8) : std::cos(0.45), 0.05);
+    }
+  }
+}
+
 // Network depth leans whole bodies; that is not what this is about.
 TEST(OtherStarts, ALeanIsLeftAlone) {
   const Actor actor = test::make_test_actor();
@@ -106,6 +141,63 @@ TEST(OtherStarts, ALeanIsLeftAlone) {
   Detections nobody = detections;
   nobody.person = false;
   EXPECT_FALSE(turned_trunk(actor, test::standing_pose(actor, 1.4), nobody, as_detected(), 0.21).has_value());
+}
+
+// It looks the same where the camera looks along its way.
+TEST(OtherStarts, AnArmThatPointsAwayFromTheCameraIsBentTowardsIt) {
+  const Actor& actor = test::builtin_actor("trousers");
+  const Camera camera = test::portrait_camera();
+  const auto reaching = [&](double rad) {
+    Pose pose = test::standing_pose(actor, 0);
+    for (int k = 0; k < actor.skeleton.n_dofs(); ++k)
+      if (actor.skeleton.dofs[k].name == "right_shoulder_y") pose.angles_rad[k] = rad;
+    return pose;
+  };
+  const auto elbow_mm = [&](const Pose& pose) {
+    const auto points = keypoint_positions(actor, forward_kinematics(actor.skeleton, pose));
+    return (points[kRightElbow] - points[kRightShoulder]).z();
+  };
+  const Pose truth = reaching(0.7), away = reaching(-0.5);
+  ASSERT_GT(std::abs(elbow_mm(truth) - elbow_mm(away)), 200);
+  Detections detections = test::exact_detections(actor, camera, truth);
+  const auto all_bent = [&](const Pose& pose, double least_depth_mm) {
+    std::vector<Pose> all;
+    with_detected_arms(actor, camera, pose, detections, as_detected(), {1e6, least_depth_mm}, [&](const Pose& bent) {
+      all.push_back(bent);
+      return bent;
+    });
+    return all;
+  };
+  EXPECT_TRUE(all_bent(truth, 120).empty());
+  EXPECT_TRUE(all_bent(away, 1000).empty());
+  const std::vector<Pose> bent = all_bent(away, 120);
+  ASSERT_EQ(bent.size(), 1u);
+  EXPECT_NEAR(elbow_mm(bent[0]), elbow_mm(truth), test::kInitializedMm);
+  detections.keypoints[kRightElbow].confidence = 0.3f;
+  EXPECT_TRUE(all_bent(away, 120).empty()) << "the network does not see it";
+}
+
+TEST(OtherStarts, AFootStandsOnItsEdgeWhereItIsTiltedAndStill) {
+  const Actor& actor = test::builtin_actor("trousers");
+  const Eigen::Vector3d up = -Eigen::Vector3d::UnitY();
+  const auto pointing = [&](double rad) {
+    Pose pose = test::standing_pose(actor, 0.2);
+    for (int k = 0; k < actor.skeleton.n_dofs(); ++k)
+      if (actor.skeleton.dofs[k].name == "left_ankle_x") pose.angles_rad[k] = rad;
+    return pose;
+  };
+  const Pose flat = pointing(0), toes = pointing(0.7), heel = pointing(-0.6);
+  EXPECT_FALSE(stands_on_edge(actor, flat, flat, up, 0.5));
+  EXPECT_TRUE(stands_on_edge(actor, toes, toes, up, 0.5));
+  EXPECT_TRUE(stands_on_edge(actor, heel, heel, up, 0.5));
+  EXPECT_FALSE(stands_on_edge(actor, heel, heel, up, 0.65));
+  EXPECT_FALSE(stands_on_edge(actor, pointing(0.4), pointing(0.4), up, 0.5));
+  Pose before = toes, nearer = toes;
+  before.root_translation_mm.x() += 30;
+  nearer.root_translation_mm *= 1.02;
+  EXPECT_FALSE(stands_on_edge(actor, toes, before, up, 0.5)) << "it is lifted";
+  EXPECT_TRUE(stands_on_edge(actor, toes, nearer, up, 0.5)) << "along the line of sight";
+  EXPECT_TRUE(stands_on_edge(actor, flat, flat, Eigen::Vector3d(0, -std::cos(0.7), -std::sin(0.7)), 0.5));
 }
 
 TEST(OtherStarts, OnlyALegFarFromItsAnkleIsBentAnew) {
@@ -154,7 +246,7 @@ TEST(OtherStarts, EachArmFarFromItsElbowOrWristIsBentAnew) {
   };
   const auto all_bent = [&](const Pose& pose, const Detections& seen, bool are_better = false) {
     std::vector<Pose> all;
-    with_detected_arms(actor, camera, pose, seen, as_detected(), 20, [&](const Pose& bent) {
+    with_detected_arms(actor, camera, pose, seen, as_detected(), {20, 1e6}, [&](const Pose& bent) {
       all.push_back(bent);
       return are_better ? bent : pose;
     });

@@ -177,6 +177,10 @@ inline constexpr double kFreedFeetMm = 30;
 // A pelvis 0.7 rad too far round, after one step: from there as well as turned back 0.12, from there alone 0.28.
 inline constexpr double kUntwistedRad = 0.15;
 inline constexpr double kStillTwistedRad = 0.2;
+// Knees of who squats when found, ahead of the body as they are and not half a metre behind it.
+inline constexpr double kFoundKneesMm = 100;
+// Of a neck that a network sees 200 mm and more too near or too far.
+inline constexpr double kFoundLeanMm = 30;
 // Eight decimals of a degree and of a unit along a chain of a metre and a half, in metres.
 inline constexpr double kBvhMetres = 2e-7;
 // Seven significant digits of a few metres.

@@ -127,7 +127,7 @@ struct OtherStartsOptions {
   double strayed_arm_share = 0.05;
   // And of an elbow whose depth from the shoulder differs so much from the network's; where strayed_arm_share is 0
   // none.
-  double strayed_arm_depth_mm = 120;
+  double strayed_arm_depth_mm = 80;
   // Where limbs compete (legs exchanged or not, an arm as detected, an ankle that is strayed_share from its detection
   // by either name), a solution counts that costs more by this share times what more of the silhouette it covers (IoU);
   // one that covers less must cost less by as much.

@@ -125,8 +125,8 @@ struct OtherStartsOptions {
   double strayed_share = 0.04;
   // The same of an elbow or a wrist.
   double strayed_arm_share = 0.05;
-  // And of an elbow whose depth from the shoulder differs so much from the network's; where strayed_arm_share is 0
-  // none.
+  // And of an elbow that is nearer than the shoulder where the network has it farther, or the other way round, by so
+  // much; where strayed_arm_share is 0 of none.
   double strayed_arm_depth_mm = 80;
   // Where limbs compete (legs exchanged or not, an arm as detected, an ankle that is strayed_share from its detection
   // by either name), a solution counts that costs more by this share times what more of the silhouette it covers (IoU);

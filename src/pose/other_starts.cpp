@@ -151,10 +151,11 @@ void with_detected_arms(const Actor& actor, const Camera& camera, Pose pose, con
     const auto distance = [&](Keypoint k) {
       return detections.keypoints[k].confidence > 0 ? distance_px(actor, camera, positions, detections, k) : 0;
     };
-    const auto depth_mm = [&] {  // of the elbow, from where the network sees it from the shoulder
+    const auto depth_mm = [&] {  // of an elbow on the other side of the shoulder, from where the network sees it
       const KeypointDetection &upper = detections.keypoints[arm.upper], &elbow = detections.keypoints[arm.elbow];
       if (!(elbow.confidence >= kTrustedDetection) || actor.keypoints[arm.upper].bone < 0) return 0.0;
-      return std::abs(elbow.z_mm - upper.z_mm - (positions[arm.elbow] - positions[arm.upper]).z());
+      const double seen = elbow.z_mm - upper.z_mm, own = (positions[arm.elbow] - positions[arm.upper]).z();
+      return seen * own < 0 ? std::abs(seen - own) : 0.0;
     };
     if (shoulder < 0) continue;
     if (std::max(distance(arm.elbow), distance(arm.wrist)) >= least.px || depth_mm() >= least.depth_mm)

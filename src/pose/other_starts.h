@@ -51,9 +51,9 @@ struct LeastStray {
 };
 
 // Asks better_of for the better one of `pose` and of `pose` with one arm bent as initialize_pose would bend it, for
-// each whose elbow or wrist lies that far from its detection, or whose elbow is nearer to the camera or farther than
-// the network sees it from the shoulder: one that points as far away from the camera as it should point towards it has
-// the same outline. The second arm is bent in what is better then.
+// each whose elbow or wrist lies that far from its detection, or whose elbow points that far away from the camera where
+// the network sees it point towards it, or the other way round: both have the same outline. The second arm is bent in
+// what is better then.
 void with_detected_arms(const Actor& actor, const Camera& camera, Pose pose, const Detections& detections,
                         const PoseOptions& options, const LeastStray& least,
                         const std::function<Pose(const Pose& bent)>& better_of);

@@ -200,11 +200,12 @@ void PoseStage::try_untwisted(const PoseStageInput& input, const Pose& previous,
   if (untwisted) try_from(input, *untwisted, previous, best);
 }
 
+// From where the leg is held the true one is another minimum, which E_temporal keeps it from.
 void PoseStage::try_other_legs(const PoseStageInput& input, const Pose& previous, Solution& best) {
   if (!rounds_.matches(input) || best.pose.status != SolveStatus::kOk) return;
   const bool on_edge = stands_on_edge(actor_, best.pose.pose, previous, floor_.up(), options_.starts.on_edge_rad);
   on_edge_frames_ = on_edge ? on_edge_frames_ + 1 : 0;
-  if (on_edge_frames_ < options_.starts.on_edge_frames) return;
+  if (!on_edge || on_edge_frames_ < options_.starts.on_edge_frames) return;
   on_edge_frames_ = 0;
   for (const Pose& start : with_other_legs(actor_.skeleton, best.pose.pose)) try_from(input, start, previous, best);
 }

@@ -75,13 +75,12 @@ double far_mm(const FloorOptions& options) {
   return 3 * options.outlier_mm;
 }
 
-// How far a point went across the line of sight: along it, captured points tremble.
+}  // namespace
+
 double move_across_mm(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   const Eigen::Vector3d ray = to.normalized(), move = to - from;
   return (move - ray * ray.dot(move)).norm();
 }
-
-}  // namespace
 
 std::optional<Floor> measured_floor(const Camera& camera) {
   if (!camera.floor) return std::nullopt;

@@ -36,6 +36,9 @@ struct SolePoint {
 // the skeleton does not have.
 std::vector<SolePoint> sole_points(const Actor& actor);
 
+// How far a point (camera frame, mm) went across the line of sight: along it, captured points tremble.
+double move_across_mm(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
+
 // How sure each of the points is to rest on the floor, least..1: those by which their foot is lowest, the nearer the
 // floor and the stiller, across the line of sight, since `previous`, one frame ago. nullptr: least.
 std::vector<double> standing(std::span<const SolePoint> soles, const Skeleton& skeleton, const Floor& floor,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pose/arm_points.h"
+#include "pose/floor.h"
 #include "pose/initialize.h"
 #include "pose/round_weights.h"
 #include "pose/targets.h"
@@ -115,10 +116,9 @@ bool stands_on_edge(const Actor& actor, const Pose& pose, const Pose& previous, 
     const int foot = actor.keypoints[leg.ankle].bone;
     if (foot < 0) return false;
     const Eigen::Vector3d sole_up = posed.camera_from_rest[foot].linear() * Eigen::Vector3d::UnitY();
-    const Eigen::Vector3d at = posed.camera_from_bone[foot].translation();
-    const Eigen::Vector3d move = at - before.camera_from_bone[foot].translation();
-    const double across_mm = (move - at.normalized() * at.normalized().dot(move)).norm();
-    return across_mm < LC_POSE_STILL_MM && sole_up.dot(up) < std::cos(least_tilt_rad);
+    const double moved_mm =
+        move_across_mm(before.camera_from_bone[foot].translation(), posed.camera_from_bone[foot].translation());
+    return moved_mm < LC_POSE_STILL_MM && sole_up.dot(up) < std::cos(least_tilt_rad);
   });
 }
 

@@ -70,6 +70,11 @@ std::vector<Eigen::Vector3d> positions(std::span<const SolePoint> soles, const P
   return points;
 }
 
+// Whether where feet are seen tells how far away they stand.
+bool tells_depth(const Eigen::Vector3d& middle_mm, const Eigen::Vector3d& up) {
+  return away_along_floor(up).dot(middle_mm) >= kSteepest * middle_mm.norm();
+}
+
 // From here on a foot is not on this floor.
 double far_mm(const FloorOptions& options) {
   return 3 * options.outlier_mm;
@@ -226,7 +231,7 @@ std::optional<double> FloorFinder::beyond_balance_mm(const Pose& pose) const {
   const PosedSkeleton posed = forward_kinematics(actor_.skeleton, pose);
   const std::optional<Eigen::Vector3d> middle = middle_of(positions(soles_, posed));
   const Eigen::Vector3d up = this->up();
-  if (!middle || away_along_floor(up).dot(*middle) < kSteepest * middle->norm()) return std::nullopt;
+  if (!middle || !tells_depth(*middle, up)) return std::nullopt;
   const BalanceOptions& balance = options_.balance;
   const auto farther_mm =
       support_beyond_mass_mm(actor_, keypoint_positions(actor_, posed), *middle, up, balance.least_reach);
@@ -258,8 +263,8 @@ std::vector<Eigen::Vector3d> FloorFinder::balanced(const PosedSkeleton& feet, co
   const std::optional<Eigen::Vector3d> middle = middle_of(soles_mm);
   if (!middle) return soles_mm;
   const bool stands = balance_.learn(actor_, keypoint_positions(actor_, feet), *middle, up);
+  if (!stands || !tells_depth(*middle, up)) return soles_mm;
   const Eigen::Vector3d away = away_along_floor(up);
-  if (!stands || away.dot(*middle) < kSteepest * middle->norm()) return soles_mm;
   for (Eigen::Vector3d& p : soles_mm) p -= p * (balance_.excess_mm() / away.dot(p));
   return soles_mm;
 }
@@ -270,7 +275,7 @@ std::vector<Eigen::Vector3d> FloorFinder::balanced(const PosedSkeleton& feet, co
 void FloorFinder::learn_balance(const std::array<Eigen::Vector3d, kKeypointCount>& joints, const Eigen::Vector3d& up,
                                 const std::vector<Eigen::Vector3d>& soles_mm) {
   const std::optional<Eigen::Vector3d> middle = middle_of(soles_mm);
-  if (!middle || away_along_floor(up).dot(*middle) < kSteepest * middle->norm()) return;
+  if (!middle || !tells_depth(*middle, up)) return;
   const auto lowest = std::min_element(soles_mm.begin(), soles_mm.end(),
                                        [&](const auto& a, const auto& b) { return up.dot(a) < up.dot(b); });
   if (!(std::abs(floor_->height_mm(*lowest)) < far_mm(options_))) return;

@@ -78,6 +78,7 @@ TEST(Components, WithoutBalanceTheFloorIsWhereverFeetAre) {
   balance.learn(actor, positions, Eigen::Vector3d(0, 0, 1e5), Eigen::Vector3d::UnitY());
   EXPECT_EQ(balance.excess_mm(), 0);
   EXPECT_EQ(options.floor.balance.share, 0);
+  EXPECT_EQ(options.starts.cost_of_imbalance, 0);
 }
 
 TEST(Components, WithoutHiddenArmsNoneIsHeldOrFoundAgain) {

@@ -51,7 +51,17 @@ struct Seen {
     return silhouette;
   }
 
-  // A frame in which the person stands as in `truth`, tracked from `before`.
+  // A frame in which the person stands as in `truth`, seen for the first time.
+  PoseResult find(PoseStage& stage, const Detections& detections, const Pose& truth) {
+    const Silhouette silhouette = take_picture(stage, truth);
+    const PoseStageInput input{detections, silhouette, frame};
+    stage.set_picture(input);
+    const PoseResult result = stage.find(input);
+    EXPECT_EQ(result.status, SolveStatus::kOk);
+    return result;
+  }
+
+  // The same, tracked from `before`.
   PoseResult track(PoseStage& stage, const Pose& before, const Pose& truth) {
     const Silhouette silhouette = take_picture(stage, truth);
     const Detections detections = exact_detections(actor, camera, truth);

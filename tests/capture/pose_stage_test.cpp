@@ -64,17 +64,13 @@ double found_lean_mm(ocl::DeviceContext& device, double lean_rad, const std::vec
   if (!match_levels.empty()) options.rounds.match_levels = match_levels;
   PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
   const Pose truth = turned(seen.actor, 0);
-  const Silhouette silhouette = seen.take_picture(stage, truth);
   Detections detections = test::exact_detections(seen.actor, seen.camera, truth);
   const Eigen::Matrix3f lean = Eigen::AngleAxisf(float(lean_rad), Eigen::Vector3f::UnitX()).toRotationMatrix();
   for (KeypointDetection& point : detections.keypoints) {
     const Eigen::Vector3f leant = lean * Eigen::Vector3f(point.x_mm, point.y_mm, point.z_mm);
     point.x_mm = leant.x(), point.y_mm = leant.y(), point.z_mm = leant.z();
   }
-  const PoseStageInput input{detections, silhouette, seen.frame};
-  stage.set_picture(input);
-  const PoseResult found = stage.find(input);
-  EXPECT_EQ(found.status, SolveStatus::kOk);
+  const PoseResult found = seen.find(stage, detections, truth);
   const auto ahead = [&](const Pose& pose) {
     const auto points = keypoint_positions(seen.actor, forward_kinematics(seen.actor.skeleton, pose));
     return points[kPelvis].z() - points[kNeck].z();
@@ -391,11 +387,8 @@ TEST(PoseStage, WhoIsFoundTwistedIsAlsoSolvedStraight) {
       options.rounds.match_levels = {0};
       PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
       const Pose truth = test::standing_pose(seen.actor, 0.3);
-      const Silhouette silhouette = seen.take_picture(stage, truth);
       const Detections detections = test::exact_detections(seen.actor, seen.camera, twisted(seen.actor, truth, -0.7));
-      const PoseStageInput input{detections, silhouette, seen.frame};
-      stage.set_picture(input);
-      const Pose found = stage.find(input).pose;
+      const Pose found = seen.find(stage, detections, truth).pose;
       return vector_from_rotation(found.root_rotation * truth.root_rotation.transpose()).norm();
     };
     EXPECT_LT(facing_error(TrackerOptions().starts.least_found_twist_rad), facing_error(std::numbers::pi) / 2);
@@ -410,21 +403,13 @@ TEST(PoseStage, WhoIsFoundSquattingHasTheKneesAhead) {
       TrackerOptions options;
       options.starts.cost_of_imbalance = cost_of_imbalance;
       PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
-      Pose truth = test::standing_pose(seen.actor, 0.3);
-      for (int k = 0; k < seen.actor.skeleton.n_dofs(); ++k) {
-        const std::string& name = seen.actor.skeleton.dofs[k].name;
-        if (name.ends_with("hip_x")) truth.angles_rad[k] -= 1.2;
-        if (name.ends_with("knee_x")) truth.angles_rad[k] += 1.6;
-      }
-      const Silhouette silhouette = seen.take_picture(stage, truth);
+      const Pose truth = test::with_bent_legs(seen.actor, test::standing_pose(seen.actor, 0.3), -1.2, 1.6);
       Detections detections = test::exact_detections(seen.actor, seen.camera, truth);
       for (int k : {kLeftKnee, kRightKnee, kLeftAnkle, kRightAnkle}) detections.keypoints[k].z_mm *= -1;
-      const PoseStageInput input{detections, silhouette, seen.frame};
-      stage.set_picture(input);
       const auto at = [&](const Pose& pose) {
         return keypoint_positions(seen.actor, forward_kinematics(seen.actor.skeleton, pose));
       };
-      const auto found = at(stage.find(input).pose), expected = at(truth);
+      const auto found = at(seen.find(stage, detections, truth).pose), expected = at(truth);
       return std::max((found[kLeftKnee] - expected[kLeftKnee]).norm(),
                       (found[kRightKnee] - expected[kRightKnee]).norm());
     };

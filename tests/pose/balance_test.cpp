@@ -42,13 +42,7 @@ Positions positions_of(const Actor& actor, const Pose& pose) {
 
 // Sitting on a chair, thighs level.
 Pose sitting(const Actor& actor) {
-  Pose pose = test::standing_pose(actor, 0);
-  for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
-    const std::string& name = actor.skeleton.dofs[k].name;
-    if (name == "left_hip_x" || name == "right_hip_x") pose.angles_rad[k] -= 1.5;
-    if (name == "left_knee_x" || name == "right_knee_x") pose.angles_rad[k] += 1.5;
-  }
-  return pose;
+  return test::with_bent_legs(actor, test::standing_pose(actor, 0), -1.5, 1.5);
 }
 
 TEST(Balance, TheCentreOfMassIsNearTheBodysVolumes) {

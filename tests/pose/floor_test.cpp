@@ -74,15 +74,6 @@ TEST(Floor, TellsHowFarFeetAreFromBalance) {
   const Floor truth{kUp, 1200};
   FloorFinder finder(actor, {}, truth);
   const Pose standing = on_floor(actor, 100, 3200, truth);
-  const auto bent = [&](double hips_rad, double knees_rad) {
-    Pose pose = standing;
-    for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
-      const std::string& name = actor.skeleton.dofs[k].name;
-      if (name == "left_hip_x" || name == "right_hip_x") pose.angles_rad[k] += hips_rad;
-      if (name == "left_knee_x" || name == "right_knee_x") pose.angles_rad[k] += knees_rad;
-    }
-    return pose;
-  };
   const auto keypoint = [&](const Pose& pose, Keypoint k) {
     return keypoint_positions(actor, forward_kinematics(actor.skeleton, pose))[k];
   };
@@ -91,11 +82,11 @@ TEST(Floor, TellsHowFarFeetAreFromBalance) {
   ASSERT_TRUE(level.has_value());
   EXPECT_LT(std::abs(*level), 60);
   for (const double swing_rad : {-0.3, 0.2}) {  // about the hips: the feet move by the leg's length, the mass with them
-    const std::optional<double> swung = finder.beyond_balance_mm(bent(swing_rad, 0));
+    const std::optional<double> swung = finder.beyond_balance_mm(test::with_bent_legs(actor, standing, swing_rad, 0));
     ASSERT_TRUE(swung.has_value()) << swing_rad;
     EXPECT_NEAR((*swung - *level) / (leg_mm * swing_rad), 1 - 0.15, 0.1) << swing_rad;
   }
-  EXPECT_FALSE(finder.beyond_balance_mm(bent(-1.5, 1.5)).has_value()) << "who sits";
+  EXPECT_FALSE(finder.beyond_balance_mm(test::with_bent_legs(actor, standing, -1.5, 1.5)).has_value()) << "who sits";
   const Floor below{Eigen::Vector3d(0, -0.5, -1).normalized(), 3000};
   const FloorFinder from_above(actor, {}, below);
   EXPECT_FALSE(from_above.beyond_balance_mm(on_floor(actor, 0, 2600, below)).has_value());
@@ -155,18 +146,8 @@ TEST(Floor, IsWhereThePictureHasTheFeetOfTheFramesAskedFor) {
 TEST(Floor, IsBelowWhoIsInBalance) {
   const Actor actor = test::make_test_actor();
   const Floor truth{kUp, 1200};
-  Pose swung = on_floor(actor, 100, 3200, truth);
-  for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
-    const std::string& name = actor.skeleton.dofs[k].name;
-    if (name == "left_hip_x" || name == "right_hip_x") swung.angles_rad[k] -= 0.4;
-    if (name == "left_knee_x" || name == "right_knee_x") swung.angles_rad[k] += 0.5;
-  }
-  Pose seated = swung;
-  for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
-    const std::string& name = actor.skeleton.dofs[k].name;
-    if (name == "left_hip_x" || name == "right_hip_x") seated.angles_rad[k] -= 1.1;
-    if (name == "left_knee_x" || name == "right_knee_x") seated.angles_rad[k] += 1.0;
-  }
+  const Pose swung = test::with_bent_legs(actor, on_floor(actor, 100, 3200, truth), -0.4, 0.5);
+  const Pose seated = test::with_bent_legs(actor, swung, -1.1, 1.0);
   // Of the soles above the floor learned from them.
   const auto height_mm = [&](double most_mm, const Pose& pose, double share = 0) {
     FloorOptions options;
@@ -197,12 +178,7 @@ TEST(Floor, BalanceIsThatOfTheCapturedFeet) {
   const Actor actor = test::make_test_actor();
   const Floor truth{kUp, 1200};
   const Pose stands = on_floor(actor, 100, 3200, truth);
-  Pose swung = stands;
-  for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
-    const std::string& name = actor.skeleton.dofs[k].name;
-    if (name == "left_hip_x" || name == "right_hip_x") swung.angles_rad[k] -= 0.4;
-    if (name == "left_knee_x" || name == "right_knee_x") swung.angles_rad[k] += 0.5;
-  }
+  const Pose swung = test::with_bent_legs(actor, stands, -0.4, 0.5);
   FloorOptions options = unbalanced();
   const auto offset_mm = [&](double share, const Pose& captured, const Pose& seen_alone, const Pose* before = nullptr) {
     options.balance.share = share;

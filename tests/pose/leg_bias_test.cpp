@@ -21,13 +21,7 @@ struct BiasScene {
   Camera camera = test::portrait_camera();
 
   Pose standing(double facing_rad, double bend_rad) const {
-    Pose pose = test::standing_pose(actor, facing_rad);
-    for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
-      const std::string& name = actor.skeleton.dofs[k].name;
-      if (name.ends_with("_hip_x")) pose.angles_rad[k] -= bend_rad;
-      if (name.ends_with("_knee_x")) pose.angles_rad[k] += 2 * bend_rad;
-    }
-    return pose;
+    return test::with_bent_legs(actor, test::standing_pose(actor, facing_rad), -bend_rad, 2 * bend_rad);
   }
   KeypointDetections seen(const Pose& pose) const { return test::exact_detections(actor, camera, pose).keypoints; }
 };

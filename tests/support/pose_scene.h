@@ -2,6 +2,7 @@
 #pragma once
 
 #include <random>
+#include <string>
 
 #include "base/detections.h"
 #include "livecap/camera.h"
@@ -29,6 +30,16 @@ inline Pose standing_pose(const Actor& actor, double facing_rad) {
   upright << 1, 0, 0, 0, -1, 0, 0, 0, -1;
   pose.root_rotation = upright * Eigen::AngleAxisd(facing_rad, Eigen::Vector3d::UnitY()).toRotationMatrix();
   pose.root_translation_mm = {30, 20, 3200};
+  return pose;
+}
+
+// Both thighs turned about x by hips_rad (negative: forward) and both shins by knees_rad (positive: back).
+inline Pose with_bent_legs(const Actor& actor, Pose pose, double hips_rad, double knees_rad) {
+  for (int k = 0; k < actor.skeleton.n_dofs(); ++k) {
+    const std::string& name = actor.skeleton.dofs[k].name;
+    if (name.ends_with("_hip_x")) pose.angles_rad[k] += hips_rad;
+    if (name.ends_with("_knee_x")) pose.angles_rad[k] += knees_rad;
+  }
   return pose;
 }
 

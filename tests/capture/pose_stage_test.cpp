@@ -267,6 +267,33 @@ TEST(PoseStage, AnArmThatIsHeldAtTheTrunkIsFoundAgain) {
   });
 }
 
+// Tracked from an upper arm that points as far away from the camera as it should point towards it.
+TEST(PoseStage, AnArmThatPointsAwayFromTheCameraIsFoundAgain) {
+  test::on_every_device([](ocl::DeviceContext& device) {
+    const auto elbow_off_mm = [&](double strayed_arm_depth_mm) {
+      Seen seen(device);
+      TrackerOptions options;
+      options.pose.weights.temporal = 0;
+      options.rounds.match_levels = {0};  // coarser ones find it by themselves
+      options.starts.strayed_arm_depth_mm = strayed_arm_depth_mm;
+      PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
+      const auto pointing = [&](double rad) {
+        Pose pose = test::standing_pose(seen.actor, 0);
+        for (int k = 0; k < seen.actor.skeleton.n_dofs(); ++k)
+          if (seen.actor.skeleton.dofs[k].name == "right_shoulder_y") pose.angles_rad[k] = rad;
+        return pose;
+      };
+      const auto elbow = [&](const Pose& pose) -> Eigen::Vector3d {
+        return keypoint_positions(seen.actor, forward_kinematics(seen.actor.skeleton, pose))[kRightElbow];
+      };
+      const Pose truth = pointing(-0.8), before = pointing(0.8);
+      return (elbow(seen.track(stage, before, truth).pose) - elbow(truth)).norm();
+    };
+    EXPECT_LT(elbow_off_mm(TrackerOptions().starts.strayed_arm_depth_mm), test::kFoundArmMm);
+    EXPECT_GT(elbow_off_mm(1e6), 2 * test::kFoundArmMm);
+  });
+}
+
 // What draws a hidden arm to where it was is the old pose's alone: another one, found anew, is not better for it.
 TEST(PoseStage, AHiddenArmThatIsHeldIsNotFoundAnewForThat) {
   test::on_every_device([](ocl::DeviceContext& device) {

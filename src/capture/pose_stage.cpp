@@ -197,7 +197,10 @@ void PoseStage::try_turned(const PoseStageInput& input, const Pose& previous, So
 void PoseStage::try_untwisted(const PoseStageInput& input, const Pose& previous, Solution& best) {
   if (!rounds_.matches(input) || best.pose.status != SolveStatus::kOk) return;
   const std::optional<Pose> untwisted = untwisted_pelvis(actor_, best.pose.pose, options_.starts.least_twist_rad);
-  if (untwisted) try_from(input, *untwisted, previous, best);
+  if (!untwisted)
+    twisted_frames_ = 0;
+  else if (twisted_frames_++ % options_.starts.twisted_frames == 0)
+    try_from(input, *untwisted, previous, best);
 }
 
 // From where the leg is held the true one is another minimum, which E_temporal keeps it from.

@@ -56,13 +56,16 @@ class PoseStage {
   bool looks_ahead(const PoseStageInput& input) const { return rounds_.looks_ahead(input); }
 
   // Of a frame that is not solved, with nobody in it and no silhouette.
-  void miss_frame() { doubted_ = false; }
+  void miss_frame() {
+    doubted_ = false;
+    on_edge_frames_ = 0;
+    twisted_frames_ = 0;
+  }
 
   // Forgets what it knew of the last frames, but for light, floor and legs.
   void lose_person() {
+    miss_frame();
     exchanged_frames_ = 0;
-    doubted_ = false;
-    on_edge_frames_ = 0;
   }
   // Those too.
   void reset();
@@ -101,6 +104,7 @@ class PoseStage {
   int last_drawn_ = 0;                 // likewise, PoseRounds::Solution
   int exchanged_frames_ = 0;           // since the detections last agreed with the prediction, or were tried as named
   int on_edge_frames_ = 0;             // since a foot stands on its edge, or other legs were tried
+  int twisted_frames_ = 0;             // since the spine is twisted
   bool doubted_ = false;               // the last frame's pose was not believable
 };
 

@@ -92,6 +92,7 @@ void OtherStartsOptions::validate() const {
   not_negative("starts.mirrored_misfit", mirrored_misfit);
   not_negative("starts.max_exchanged_frames", max_exchanged_frames);
   not_negative("starts.on_edge_frames", on_edge_frames);
+  require(twisted_frames >= 1, "starts.twisted_frames", twisted_frames, "at least 1");
 }
 
 void TrackerOptions::validate() const {

@@ -112,8 +112,9 @@ struct OtherStartsOptions {
   // A body that faces so much elsewhere than the detections is solved from there as well (pose/other_starts.h).
   double least_turn_rad = 0.21;
   // A spine twisted by so much (pi: never) is also solved from the pelvis turned back under the chest
-  // (pose/other_starts.h).
-  double least_twist_rad = 0.35;
+  // (pose/other_starts.h), in the first of such frames and then in every so many of them.
+  double least_twist_rad = 0.12;
+  int twisted_frames = 3;
   // The same of who is found anew: no frame before tells where the pelvis was.
   double least_found_twist_rad = 0.08;
   // A body of which a foot stands tilted by so much (pose/other_starts.h), in so many frames on end, is solved from

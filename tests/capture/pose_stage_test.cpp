@@ -370,6 +370,28 @@ TEST(PoseStage, ATwistedSpineIsAlsoSolvedStraight) {
   });
 }
 
+// A twist that lasts is tried again, but not in every frame.
+TEST(PoseStage, ATwistThatLastsIsTriedEverySoManyFrames) {
+  test::on_every_device([&](ocl::DeviceContext& device) {
+    Seen seen(device);
+    TrackerOptions options;
+    options.starts.twisted_frames = 3;
+    options.pose.steps = 1;  // not enough to turn back
+    options.rounds.match_levels = {0};
+    PoseStage stage(device, seen.actor, seen.camera, options, seen.rasterizer, seen.visibility);
+    const Pose truth = test::standing_pose(seen.actor, 0.3);
+    std::vector<double> errors;
+    for (int frame = 0; frame < 4; ++frame) {
+      const Pose found = seen.track(stage, twisted(seen.actor, truth, -0.7), truth).pose;
+      errors.push_back(vector_from_rotation(found.root_rotation * truth.root_rotation.transpose()).norm());
+    }
+    EXPECT_LT(errors[0], test::kUntwistedRad);
+    EXPECT_GT(errors[1], test::kStillTwistedRad);
+    EXPECT_GT(errors[2], test::kStillTwistedRad);
+    EXPECT_LT(errors[3], test::kUntwistedRad);
+  });
+}
+
 // Tracked from a leg that is held before the body, its toes down.
 TEST(PoseStage, AFootThatStandsOnItsToesIsAlsoSolvedFromOtherLegs) {
   test::on_every_device([&](ocl::DeviceContext& device) {

@@ -111,6 +111,7 @@ std::vector<Field> fields() {
       length(LC_FIELD(starts.mirrored_misfit)),
       count(LC_FIELD(starts.max_exchanged_frames)),
       count(LC_FIELD(starts.on_edge_frames)),
+      LC_FIELD(starts.twisted_frames, {1, 1000}, {-1, 0}),
       length(LC_FIELD(max_carried_rigidity)),
       share(LC_FIELD(worn_carried_share)),
       share(LC_FIELD(taut_carried_share)),

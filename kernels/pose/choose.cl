@@ -245,8 +245,10 @@ kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void pose_choose(
   if (kind == CONTOUR)
     inputs[at.counts + LC_POSE_COUNT_CONTOUR_ROOT] =
         contour_row_root(seen.numbers[CONTOUR], (double)all.x, (double)chosen.x);
-  if (kind == MATCHES)
-    inputs[at.counts + LC_POSE_COUNT_MISSED] =
-        (float)((double)chosen.y * LC_EXACT_UNIT / seen.numbers[LC_POSE_CHOICE_MATCH_AREA]);
+  if (kind == MATCHES) {
+    const double missed_weight = (double)chosen.y * LC_EXACT_UNIT / seen.numbers[LC_POSE_CHOICE_MATCH_AREA];
+    inputs[at.counts + LC_POSE_COUNT_MISSED] = (float)missed_weight;
+    inputs[at.counts + LC_POSE_COUNT_SEEN] = (float)((double)all.y * LC_EXACT_UNIT + missed_weight);
+  }
 }
 #endif

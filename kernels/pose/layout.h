@@ -87,14 +87,15 @@ typedef struct {
   int shaded_targets;    // [LC_POSE_SHADED*n]
 } PoseInputs;
 
-// Vertices of each kind (int); root of the weight of a contour vertex; what the matches fall short of perfect ones in
-// weight, where choose.cl chose.
+// Vertices of each kind (int); root of the weight of a contour vertex; where choose.cl chose, what the matches fall
+// short of perfect ones in weight, and what perfect ones would weigh.
 #define LC_POSE_COUNT_CONTOUR 0
 #define LC_POSE_COUNT_MATCHES 1
 #define LC_POSE_COUNT_SHADED 2
 #define LC_POSE_COUNT_CONTOUR_ROOT 3
 #define LC_POSE_COUNT_MISSED 4
-#define LC_POSE_COUNTS 5
+#define LC_POSE_COUNT_SEEN 5
+#define LC_POSE_COUNTS 6
 
 // For choose.cl: its work-items, and the most groups that share a kind.
 #define LC_POSE_CHOICE_GROUP 128

@@ -56,6 +56,7 @@ bool PoseRounds::looks_ahead(const PoseStageInput& input) const {
 
 void PoseRounds::set_picture(const PoseStageInput& input) {
   if (!matches(input)) return;
+  first_seen_weight_ = 0;
   picture_due_ = true;
   if (looks_ahead(input)) {
     matcher_.set_box(input.frame, input.silhouette.box);
@@ -251,9 +252,13 @@ std::optional<PoseRounds::Solution> PoseRounds::solve_ahead(const PoseStageInput
   return solution;
 }
 
-double PoseRounds::cost_of(const PoseResult& pose) const {
+double PoseRounds::cost_of(const PoseResult& pose) {
   const double missed_px = options_.rounds.missed_px;
-  return pose.energy.total() + options_.pose.weights.match * pose.missed_weight * missed_px * missed_px;
+  const double missed = options_.pose.weights.match * pose.missed_weight * missed_px * missed_px;
+  if (!(pose.seen_weight > 0)) return pose.energy.total() + missed;
+  if (!(first_seen_weight_ > 0)) first_seen_weight_ = pose.seen_weight;
+  const double of_first = first_seen_weight_ / pose.seen_weight;
+  return pose.energy.total() + (of_first - 1) * pose.energy.match + of_first * missed;
 }
 
 // With the vertices that the device chooses of what it has found. skin: what was seen of it.
@@ -287,6 +292,7 @@ PoseResult PoseRounds::solve_read(PoseInput& solve, bool matches, bool shades, s
   solve.shaded = shaded;
   PoseResult result = solver_.solve(solve, prepared);
   result.missed_weight = found.missed_weight;
+  result.seen_weight = found.seen_weight;
   return result;
 }
 

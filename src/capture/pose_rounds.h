@@ -42,7 +42,8 @@ class PoseRounds {
 
   struct Solution {
     PoseResult pose;
-    // The energy, and what the last round did not match costs (missed_px): alone it would favour who matches less.
+    // The energy, and what the last round did not match costs (missed_px): alone it would favour who matches less. Both
+    // as if as much showed as in the frame's first solution: a limb that hides or is seen from its end would gain.
     double cost = 0;
     std::vector<SkinSample> skin;  // as the last round found it
     int drawn = 0;                 // number of its last drawing
@@ -97,7 +98,7 @@ class PoseRounds {
                         const Pose* previous, const Round& round) const;
   PoseResult solve_seen(PoseInput& solve, bool matches, bool shades, std::vector<SkinSample>& skin);
   PoseResult solve_read(PoseInput& solve, bool matches, bool shades, std::vector<SkinSample>& skin);
-  double cost_of(const PoseResult& pose) const;
+  double cost_of(const PoseResult& pose);
   const ocl::Buffer<float>& share_in(const Round& round) const;
   void find_picture(const PoseStageInput& input);
   void find_contour(const PoseStageInput& input, const Pose& pose);
@@ -118,7 +119,8 @@ class PoseRounds {
   int n_drawn_ = 0;
   HarmonicLight actor_light_;
   ActorSight sight_;
-  bool picture_due_ = false;  // the matcher does not have the frame's picture yet
+  bool picture_due_ = false;      // the matcher does not have the frame's picture yet
+  double first_seen_weight_ = 0;  // PoseResult::seen_weight of the frame's first solution; 0: none yet
   PoseSolver solver_;
   ocl::Buffer<float> zero_;                   // [3n] always zero
   ocl::Buffer<float> skinned_;                // [3n]

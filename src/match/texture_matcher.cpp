@@ -281,6 +281,7 @@ Matches TextureMatcher::found() const {
     matches.found.push_back({i, m[0], m[1], m[2], m[3], m[4], seen_weight(px, options_.weight_area_px)});
   }
   matches.missed_weight = (visible - matched) / options_.weight_area_px;
+  matches.seen_weight = visible / options_.weight_area_px;
   return matches;
 }
 

@@ -48,6 +48,7 @@ struct MatchOptions {
 struct Matches {
   std::vector<VertexMatch> found;  // by vertex
   double missed_weight = 0;        // what the visible vertices' weights fall short of that of perfect matches
+  double seen_weight = 0;          // what all of those would weigh
 };
 
 class TextureMatcher {

@@ -115,7 +115,10 @@ PoseResult PoseSolver::solve(const PoseInput& input, const Prepared& prepared) {
   result.status = steps->status;
   result.step_energy = std::move(steps->step_energy);
   if (result.status != SolveStatus::kOk) return result;
-  result.missed_weight = input.seen ? system_.missed_weight() : 0;
+  if (input.seen) {
+    result.missed_weight = system_.missed_weight();
+    result.seen_weight = system_.seen_weight();
+  }
   take(*steps, prepared, result);
   if (result.status == SolveStatus::kOk) result.moved_px = moved_px(actor_, camera_, initial, keypoints(result.pose));
   return result;
@@ -210,6 +213,7 @@ std::optional<PoseResult> PoseSolver::finish_rounds() {
   result.step_energy = std::move(done->steps.step_energy);
   if (result.status != SolveStatus::kOk) return result;
   result.missed_weight = system_.missed_weight();
+  result.seen_weight = system_.seen_weight();
   result.moved_px = done->moved_px;
   take(done->steps, prepared, result);
   return result;

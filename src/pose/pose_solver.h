@@ -67,6 +67,7 @@ struct PoseResult {
   double keypoint_error_px = 0;                          // mean 2D error, weighted as in E_2D; 0 without detections
   double moved_px = 0;                                   // furthest that a keypoint went in the picture
   double missed_weight = 0;  // that the matches of PoseInput::seen fall short of perfect ones in
+  double seen_weight = 0;    // that perfect ones would have
 };
 
 // The step of a system as Gauss-Newton takes it: damped and not further than PoseOptions::max_step_rad.

@@ -129,8 +129,9 @@ class PoseSystem {
   int n_shaded() const { return inputs_.n_shaded(); }
   // Root of the weight of one contour row: lambda_silhouette times contour vertices per used vertex.
   float contour_root() const { return inputs_.contour_root(); }
-  // What the matches fall short of perfect ones in weight, where the device chose them.
+  // Where the device chose the matches: what they fall short of perfect ones in weight, and what those would weigh.
   double missed_weight() const { return inputs_.missed_weight(); }
+  double seen_weight() const { return inputs_.seen_weight(); }
 
  private:
   void upload(const PoseState& state);

@@ -48,6 +48,7 @@ class PoseRowInputs {
   float contour_root() const { return words_[places_.counts + LC_POSE_COUNT_CONTOUR_ROOT]; }  // of a vertex' weight
   // Of the matches, where the device chose; weights of matches.
   double missed_weight() const { return words_[places_.counts + LC_POSE_COUNT_MISSED]; }
+  double seen_weight() const { return words_[places_.counts + LC_POSE_COUNT_SEEN]; }
   const PoseInputs& places() const { return places_; }
   std::span<const float> words() const { return words_; }
   // Without what the device chooses, of the first rounds.

@@ -82,6 +82,7 @@ TEST(PoseRounds, WhatTheDeviceChoosesIsWhatIsRead) {
       EXPECT_EQ(got[frame].step_energy, expected[frame].step_energy);
       EXPECT_EQ(got[frame].energy.silhouette, expected[frame].energy.silhouette);
       EXPECT_NEAR(got[frame].missed_weight, expected[frame].missed_weight, 1e-4 * expected[frame].missed_weight);
+      EXPECT_NEAR(got[frame].seen_weight, expected[frame].seen_weight, 1e-4 * expected[frame].seen_weight);
     }
   });
 }
@@ -100,6 +101,7 @@ std::string rounds_that_differ(const PoseResult& ahead, const PoseResult& waits)
   if (ahead.step_energy.size() != waits.step_energy.size()) differs << " steps";
   if (!is_near(ahead.energy.silhouette, waits.energy.silhouette, 1e-3)) differs << " E_silhouette";
   if (!is_near(ahead.missed_weight, waits.missed_weight, 1e-4)) differs << " missed weight";
+  if (!is_near(ahead.seen_weight, waits.seen_weight, 1e-4)) differs << " seen weight";
   if (!is_near(ahead.energy.keypoint_3d, waits.energy.keypoint_3d, 1e-3)) differs << " E_3D";
   if (!is_near(ahead.energy.total(), waits.energy.total(), 1e-3)) differs << " energy";
   if (!(std::abs(ahead.moved_px - waits.moved_px) <= 1e-3)) differs << " way";

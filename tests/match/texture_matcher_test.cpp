@@ -128,6 +128,7 @@ TEST(TextureMatcher, WhatIsNotMatchedIsCounted) {
     for (const VertexMatch& match : other.found) by_chance += match.weight;
     EXPECT_LT(same.missed_weight, 0.3 * matched);
     EXPECT_GT(other.missed_weight, 0.8 * (matched + same.missed_weight));
+    EXPECT_NEAR(same.seen_weight, matched + same.missed_weight, test::kTermResidual * matched);
     // Both see the same surface.
     EXPECT_NEAR(by_chance + other.missed_weight, matched + same.missed_weight, test::kTermResidual * matched);
   });

@@ -82,6 +82,11 @@ struct Picture {
     for (size_t i = 0; i < match_values.size(); i += LC_MATCH) px += double(match_values[i + 7]) - match_values[i + 5];
     return px / kMatchAreaPx;
   }
+  double seen_weight() const {
+    double px = 0;
+    for (size_t i = 0; i < match_values.size(); i += LC_MATCH) px += match_values[i + 7];
+    return px / kMatchAreaPx;
+  }
   std::vector<ShadedVertex> shaded_found() const {
     std::map<int, double> limb_px;
     const auto px = [&](size_t i) { return skin_values[LC_SKIN * i + 4]; };
@@ -170,6 +175,7 @@ TEST(PoseChoice, IsTheHosts) {
         EXPECT_EQ(system.n_shaded(), n_shaded);
         EXPECT_NEAR(system.missed_weight(), picture.missed_weight(),
                     test::kPoseJacobian * (1 + picture.missed_weight()));
+        EXPECT_NEAR(system.seen_weight(), picture.seen_weight(), test::kPoseJacobian * (1 + picture.seen_weight()));
         EXPECT_EQ(got->step_energy, expected->step_energy);
         EXPECT_EQ(state_values(got->state), state_values(expected->state));
         EXPECT_EQ(got->residuals, expected->residuals);

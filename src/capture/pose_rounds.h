@@ -43,7 +43,8 @@ class PoseRounds {
   struct Solution {
     PoseResult pose;
     // The energy, and what the last round did not match costs (missed_px): alone it would favour who matches less. Both
-    // as if as much showed as in the frame's first solution: a limb that hides or is seen from its end would gain.
+    // as if as much showed as when the frame was solved first (after the first round, where the host waits for each): a
+    // limb that hides or is seen from its end would gain.
     double cost = 0;
     std::vector<SkinSample> skin;  // as the last round found it
     int drawn = 0;                 // number of its last drawing
@@ -120,7 +121,7 @@ class PoseRounds {
   HarmonicLight actor_light_;
   ActorSight sight_;
   bool picture_due_ = false;      // the matcher does not have the frame's picture yet
-  double first_seen_weight_ = 0;  // PoseResult::seen_weight of the frame's first solution; 0: none yet
+  double first_seen_weight_ = 0;  // PoseResult::seen_weight of the frame, found first; 0: none yet
   PoseSolver solver_;
   ocl::Buffer<float> zero_;                   // [3n] always zero
   ocl::Buffer<float> skinned_;                // [3n]

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/floor_plane.h"
 #include "base/fov_range.h"
 #include "base/text.h"
 #include "livecap/error.h"
@@ -11,19 +12,10 @@
 namespace livecap {
 namespace {
 
-constexpr double kUnitNormal = 1e-3;
 constexpr double kNarrowestDeg = 0.1;  // the longest telephoto lenses see half a degree
 constexpr double kCalibrated = 0.8;    // of the way to a corner
 constexpr double kMostSqueezed = 2.2;  // anamorphic lenses have 2
 constexpr double kMostMoved = 4;       // a corner, by its lens, as a multiple of its distance from the axis
-// A camera may look down steeply or be held on its side, but nobody films upside down: such a normal's sign is wrong.
-constexpr double kDownY = 0.5;
-// Of a camera above its floor. Metres are the likeliest mistake.
-constexpr double kLowestMm = 50, kHighestMm = 20000;
-
-double length_of(const std::array<double, 3>& v) {
-  return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
 
 double degrees(double tangent) {
   return std::atan(tangent) * 180 / M_PI;
@@ -75,22 +67,6 @@ void validate_distortion(const Camera& c) {
         right);
 }
 
-void validate(const FloorPlane& floor) {
-  const auto& n = floor.normal;
-  if (!(std::abs(length_of(n) - 1) <= kUnitNormal))
-    throw ConfigError(
-        format("camera: floor.normal [%g, %g, %g] has length %g; it must be 1", n[0], n[1], n[2], length_of(n)));
-  if (n[1] > kDownY)
-    throw ConfigError(
-        format("camera: floor.normal [%g, %g, %g] points down; it must point up, out of the floor (y is below 0 for a "
-               "level camera)",
-               n[0], n[1], n[2]));
-  if (!(floor.distance_mm >= kLowestMm && floor.distance_mm <= kHighestMm))
-    throw ConfigError(
-        format("camera: floor.distance_mm is %g; it must be %g..%g, the camera's height over the floor in mm",
-               floor.distance_mm, kLowestMm, kHighestMm));
-}
-
 }  // namespace
 
 bool Camera::has_distortion() const {
@@ -110,7 +86,8 @@ void Camera::validate() const {
     if (!std::isfinite(k)) throw ConfigError("camera: a distortion coefficient is not finite");
   }
   if (has_distortion()) validate_distortion(*this);
-  if (floor) livecap::validate(*floor);
+  if (!floor) return;
+  if (const std::string fault = fault_of(*floor); !fault.empty()) throw ConfigError("camera: " + fault);
 }
 
 Camera load_camera(const std::filesystem::path& path) {
@@ -151,15 +128,7 @@ Camera load_camera(const std::filesystem::path& path) {
       camera.distortion[i] = list[i].get<double>();
     }
   }
-  if (json.contains("floor")) {
-    const auto& floor = json["floor"];
-    const auto is_number = [](const nlohmann::json& value) { return value.is_number(); };
-    if (!floor.is_object() || !floor.contains("normal") || !floor["normal"].is_array() || floor["normal"].size() != 3 ||
-        !std::all_of(floor["normal"].begin(), floor["normal"].end(), is_number) || !floor.contains("distance_mm") ||
-        !is_number(floor["distance_mm"]))
-      throw IoError(path.string() + ": field \"floor\" must be {\"normal\": [x, y, z], \"distance_mm\": number}");
-    camera.floor = FloorPlane{floor["normal"].get<std::array<double, 3>>(), floor["distance_mm"].get<double>()};
-  }
+  if (json.contains("floor")) camera.floor = floor_from_json(json["floor"], path.string());
   try {
     camera.validate();
   } catch (const ConfigError& e) {
@@ -190,7 +159,7 @@ void save_camera(const Camera& camera, const std::filesystem::path& path) {
   json["cx"] = camera.cx;
   json["cy"] = camera.cy;
   json["distortion"] = camera.distortion;
-  if (camera.floor) json["floor"] = {{"normal", camera.floor->normal}, {"distance_mm", camera.floor->distance_mm}};
+  if (camera.floor) json["floor"] = floor_json(*camera.floor);
   write_file_atomically(path, json.dump(2) + "\n");
 }
 

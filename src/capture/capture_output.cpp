@@ -146,6 +146,7 @@ CaptureReport CaptureOutput::finish(const ocl::DevicePair& devices, const std::s
   report.input_complete = end.input_complete;
   report.device_allocations = end.device_allocations;
   report.warnings = end.warnings;
+  report.floor = end.floor;
   if (end.broken_off) report.warnings.push_back(options_.video + ": stopped before its end");
   report.frames = static_cast<int64_t>(reports_.size());
   std::array<std::vector<double>, kStageCount> stage_ms;

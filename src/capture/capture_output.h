@@ -28,6 +28,7 @@ struct RunEnd {
   bool input_complete = true;  // see CaptureReport
   int64_t device_allocations = 0;
   std::vector<std::string> warnings;
+  std::optional<FloorPlane> floor = {};
 };
 
 class CaptureOutput {

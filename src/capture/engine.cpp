@@ -62,6 +62,11 @@ class Solver {
 
   std::optional<WorkItem> flush() { return poses_.flush(); }
 
+  std::optional<FloorPlane> floor() const {
+    const Floor* floor = tracker_.floor();
+    return floor ? std::optional(plane_of(*floor)) : std::nullopt;
+  }
+
   // May run beside solve() of later frames.
   void solve_surface(WorkItem& item) {
     if (item.report.status == TrackStatus::kDamaged) return;
@@ -207,6 +212,10 @@ PipelineStages CaptureEngine::stages() {
 int CaptureEngine::most_under_way() const {
   const int at_work = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kStagesAtOnce);
   return parts_->frames_waiting + at_work + 1;
+}
+
+std::optional<FloorPlane> CaptureEngine::floor() const {
+  return parts_->solver->floor();
 }
 
 int64_t CaptureEngine::buffers_made() const {

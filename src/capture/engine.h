@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "actor/actor.h"
@@ -38,6 +39,10 @@ class CaptureEngine {
   // How many frames should be under way at once where older ones are dropped (see run_pipelined()): those that wait for
   // later poses, as many as there are threads to work on them, and one more. Others would add to the delay alone.
   int most_under_way() const;
+
+  // What the person stands on, as of the last pose: as measured, or learned. nullopt while it is not known. Not beside
+  // the stages.
+  std::optional<FloorPlane> floor() const;
 
   // Device buffers made since the constructor, by anybody.
   int64_t buffers_made() const;

@@ -62,8 +62,9 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   while (std::optional<WorkItem> last = results.flush()) {
     if (!broken_off()) publish(*last);
   }
-  return output.finish(devices, model_sha256,
-                       {broken_off(), reader.input_complete(), engine.buffers_made(), reader.warnings()});
+  return output.finish(
+      devices, model_sha256,
+      {broken_off(), reader.input_complete(), engine.buffers_made(), reader.warnings(), engine.floor()});
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "base/floor_plane.h"
 #include "base/is_there.h"
 #include "base/text.h"
 #include "eval/metrics.h"
@@ -164,6 +165,8 @@ CaptureFolder open_capture(const fs::path& folder, const std::string& actor, con
   capture.frames = field<int64_t>(options, "frames", -1);
   capture.run = describe(options);
   capture.speed = speed_of(report, capture.rows);
+  if (report.contains("floor") && !report["floor"].is_null())
+    capture.floor = floor_from_json(report["floor"], report_path.string());
   if (fs::exists(folder / "angles.csv", ignored)) capture.angles = read_angles_csv(folder / "angles.csv");
   if (const fs::path file = folder / "vertices.pc2"; fs::exists(file, ignored)) {
     capture.vertices.emplace(file);

@@ -31,6 +31,7 @@ struct CaptureFolder {
   int64_t frames = -1;  // the most it was asked for; -1: all
   std::string run;      // the options that differ from the defaults, for titles; empty: none
   CaptureSpeed speed;
+  std::optional<FloorPlane> floor;  // that the capture had at its end; nullopt: none, or no report.json tells
   std::vector<FrameRow> rows;
   JointTrack joints;
   AngleTrack angles;                  // empty: no angles.csv

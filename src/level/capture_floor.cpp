@@ -13,12 +13,18 @@ namespace {
 
 constexpr int kLowestSamples = 60;  // rows that tell which vertex is the lowest
 
-// As the tracker learns it, but of the poses as they are, in all frames, with every ankle believed, without the edges
-// of a room, which a capture does not hold, and below the captured feet, in balance or not.
+constexpr double kKnownTiltRad = 1e-3;  // the feet do not change it
+
+// As the tracker learns it, but of the poses as they are, in all frames, with every ankle believed, and below the
+// captured feet, in balance or not. Its tilt is what the capture had at its end, which knew the edges of the room.
 std::optional<Floor> learned_floor(const CaptureFolder& capture) {
   FloorOptions options;
   options.balance = no_balance();
   FloorFinder finder(capture.actor, options, std::nullopt);
+  if (const std::optional<FloorPlane>& known = capture.floor) {
+    const auto& [x, y, z] = known->normal;
+    finder.set_upright({.up = {x, y, z}, .information = Eigen::Matrix3d::Identity() / std::pow(kKnownTiltRad, 2)});
+  }
   Detections seen;
   for (int ankle : {kLeftAnkle, kRightAnkle}) seen.keypoints[ankle].confidence = 1;
   std::optional<Pose> previous;

@@ -93,6 +93,10 @@ std::optional<Floor> measured_floor(const Camera& camera) {
   return Floor{Eigen::Vector3d(x, y, z).normalized(), camera.floor->distance_mm};
 }
 
+FloorPlane plane_of(const Floor& floor) {
+  return {{floor.up.x(), floor.up.y(), floor.up.z()}, floor.offset_mm};
+}
+
 std::vector<SolePoint> sole_points(const Actor& actor) {
   std::vector<SolePoint> points;
   for (const Foot& foot : kFeet) {

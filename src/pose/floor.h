@@ -26,6 +26,7 @@ struct Floor {
 
 // nullopt when the camera's floor was not measured.
 std::optional<Floor> measured_floor(const Camera& camera);
+FloorPlane plane_of(const Floor& floor);
 
 struct SolePoint {
   int bone = 0;

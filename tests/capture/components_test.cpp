@@ -4,13 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "capture/capture_run.h"
 #include "capture/tracker_options.h"
+#include "eval/capture_folder.h"
 #include "eval/evaluate.h"
 #include "livecap/camera.h"
 #include "nn/models.h"
 #include "support/builtin_actor.h"
+#include "support/tolerances.h"
 
 namespace livecap {
 namespace {
@@ -143,6 +147,36 @@ TEST(Components, AFloorThatFeetNeverRestOnIsToldOnce) {
   camera.floor->distance_mm += 400;
   save_camera(camera, options.camera);
   EXPECT_EQ(n_told(), 1);
+}
+
+// With the true floor in the camera's file, and without: what was learned after 40 frames.
+TEST(Components, TheFloorIsReported) {
+  LIVECAP_MODEL_OR_SKIP(model, "lite");
+  const ScratchFolder scratch;
+  SynthOptions synth = test::small_sequence(40, 2);
+  synth.motions = {"squat"};
+  synth.floor = true;
+  write_sequence(synth, scratch / "sequence");
+  CaptureOptions options = test::capture_of(scratch / "sequence", scratch / "capture", model);
+  options.surface = false;
+  const auto reported = [&] {
+    const std::optional<FloorPlane> floor = run_capture(options).floor;
+    const std::optional<FloorPlane> written = open_capture(options.out, "", "", {}).floor;
+    EXPECT_EQ(floor.has_value(), written.has_value());
+    EXPECT_TRUE(floor && written && floor->normal == written->normal && floor->distance_mm == written->distance_mm);
+    return floor.value();
+  };
+  Camera camera = load_camera(options.camera);
+  const FloorPlane truth = camera.floor.value(), given = reported();
+  EXPECT_NEAR(given.distance_mm, truth.distance_mm, test::kDoubleExact);
+  camera.floor.reset();
+  save_camera(camera, options.camera);
+  const FloorPlane learned = reported();
+  EXPECT_NE(learned.distance_mm, truth.distance_mm);
+  double cosine = 0;
+  for (int i = 0; i < 3; ++i) cosine += learned.normal[i] * truth.normal[i];
+  EXPECT_LT(std::acos(cosine), test::kReportedFloorRad);
+  EXPECT_NEAR(learned.distance_mm, truth.distance_mm, test::kReportedFloorMm);
 }
 
 TEST(Components, TheFloorMakesADifferenceOnceItIsKnown) {

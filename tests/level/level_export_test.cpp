@@ -248,6 +248,30 @@ TEST_F(LevelExport, FindsTheFloorBelowFeetAtRest) {
   EXPECT_NEAR(lowest, 0, test::kLearnedFloorMm / 1000);
 }
 
+// Its height is that of the feet all the same.
+TEST_F(LevelExport, TheTiltIsThatOfTheFloorInTheReport) {
+  const std::string report_json = read_file(folder_ / "report.json");
+  const auto with_floor = [&](const std::string& floor) {
+    write_file_atomically(folder_ / "report.json",
+                          report_json.substr(0, report_json.rfind('}')) + R"(,"floor":)" + floor + "}");
+  };
+  const double down = 0.2;
+  with_floor(format(R"({"normal":[0,%.17g,%.17g],"distance_mm":900})", -std::cos(down), -std::sin(down)));
+  const LevelExportReport report = export_level(options("up.pc2", false));
+  EXPECT_EQ(report.floor, FloorSource::kFeet);
+  EXPECT_NEAR(report.tilt.down_deg, down * 180 / M_PI, test::kGivenTiltDeg);
+  EXPECT_GT(report.camera_height_mm, 1100);
+  for (const auto& [floor, named] : {std::pair{"900", "field \"floor\" must be"},
+                                     std::pair{R"({"normal":[0,0.96,0.28],"distance_mm":900})", "points down"}}) {
+    with_floor(floor);
+    expect_refused<IoError>(options("up.pc2", false), {"report.json", named});
+  }
+  with_floor("null");
+  EXPECT_NEAR(export_level(options("up.pc2", false)).tilt.down_deg,
+              std::asin(-camera_in_room().linear()(1, 2)) * 180 / M_PI, test::kLearnedFloorRad * 180 / M_PI);
+  write_file_atomically(folder_ / "report.json", report_json);
+}
+
 TEST_F(LevelExport, TakesTheCameraToBeLevelWhenAsked) {
   LevelExportOptions asked = options("up.pc2", false);
   asked.level_camera = true;

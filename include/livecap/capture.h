@@ -42,6 +42,7 @@ struct CaptureOptions : MethodOptions {
   std::string video;             // video file, folder of images, or "webcam:N"
   std::string camera;            // camera.json; or
   double fov_deg = 0;            // field of view of the longer side, degrees
+  std::string floor;             // camera.json or report.json whose floor counts; empty: the camera's, or a learned one
   std::string background;        // picture of the empty scene; or
   int background_frames = 0;     // the first N frames of the video are empty; or neither: the network's mask alone
   std::string detections;        // detections.jsonl to use instead of the network

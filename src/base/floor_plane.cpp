@@ -50,4 +50,14 @@ nlohmann::ordered_json floor_json(const FloorPlane& floor) {
   return {{"normal", floor.normal}, {"distance_mm", floor.distance_mm}};
 }
 
+FloorPlane load_floor(const std::filesystem::path& path) {
+  const nlohmann::json json = nlohmann::json::parse(read_file(path), nullptr, false);
+  if (!json.is_object()) throw IoError(path.string() + ": is no camera.json or report.json: not a JSON object");
+  if (!json.contains("floor") || json["floor"].is_null())
+    throw IoError(path.string() +
+                  ": tells no floor: of a capture, nobody stood long enough; of a camera, it was not "
+                  "measured (livecap calibrate --floor)");
+  return floor_from_json(json["floor"], path.string());
+}
+
 }  // namespace livecap

@@ -44,6 +44,7 @@ void CaptureOutput::make_folder(const CaptureOptions& options) {
   if (!options.trace.empty()) results.emplace_back(options.trace);
   require_apart({{"--video", options.video},
                  {"--camera", options.camera},
+                 {"--floor", options.floor},
                  {"--actor", options.actor},
                  {"--background", options.background},
                  {"--detections", options.detections}},

@@ -69,6 +69,7 @@ std::string report_json(const CaptureOptions& options, const CaptureReport& repo
   o["video"] = is_webcam(options.video) ? Json(options.video) : path_json(options.video);
   o["camera"] = path_json(options.camera);
   o["fov_deg"] = options.fov_deg;
+  o["floor"] = path_json(options.floor);
   o["background"] = path_json(options.background);
   o["background_frames"] = options.background_frames;
   o["actor"] = is_builtin_actor(options.actor) ? Json(options.actor) : path_json(options.actor);

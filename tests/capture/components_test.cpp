@@ -177,6 +177,11 @@ TEST(Components, TheFloorIsReported) {
   for (int i = 0; i < 3; ++i) cosine += learned.normal[i] * truth.normal[i];
   EXPECT_LT(std::acos(cosine), test::kReportedFloorRad);
   EXPECT_NEAR(learned.distance_mm, truth.distance_mm, test::kReportedFloorMm);
+  options.floor = scratch / "capture/report.json";
+  options.out = scratch / "again";
+  const FloorPlane again = reported();
+  EXPECT_EQ(load_camera(scratch / "again/camera.json").floor->distance_mm, learned.distance_mm);
+  EXPECT_NEAR(again.distance_mm, learned.distance_mm, test::kDoubleExact) << "it stays";
 }
 
 TEST(Components, TheFloorMakesADifferenceOnceItIsKnown) {

@@ -126,6 +126,8 @@ for kind in video actor model camera background; do
     expect_capture 2 "$name" "--$kind" "$name"
   done
 done
+expect_capture 2 'none.json' --camera seq/camera.json --floor none.json
+expect_capture 2 'seq/camera.json: tells no floor' --camera seq/camera.json --floor seq/camera.json
 expect_capture 2 'none.jsonl' --background seq/background.png --detections none.jsonl
 expect_capture 2 'garbage' --background seq/background.png --detections garbage
 

@@ -68,6 +68,7 @@ void add_capture_command(CLI::App& app, Action& action) {
 
   command->add_option("--video", capture.video, "video file, folder of images, or webcam:N")->required();
   add_camera_options(*command, capture.camera, capture.fov_deg);
+  add_floor_option(*command, capture.floor);
   add_background_options(*command, capture.background, capture.background_frames);
   command->add_option("--out", capture.out, "folder to write")->required();
   command->add_flag("--overlay", capture.overlay, "also write overlay.mp4");

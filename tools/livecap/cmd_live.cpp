@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/floor_plane.h"
 #include "base/log.h"
 #include "base/text.h"
 #include "base/timer.h"
@@ -37,6 +38,7 @@ struct LiveCommand {
   std::string video;
   std::string camera;
   double fov_deg = 0;
+  std::string floor;
   std::string background;
   int background_frames = 0;
   std::string vmc;
@@ -113,6 +115,7 @@ int run(const LiveCommand& options) {
   VideoReader video(options.video);
   LiveOptions live = options.live;
   live.camera = video_camera(options.camera, options.fov_deg, video.info(), options.video);
+  if (!options.floor.empty()) live.camera.floor = load_floor(options.floor);
   std::vector<ImageRgb> plates;
   read_empty_pictures(options.background, options.background_frames, options.video, video,
                       [&](ImageRgb&& plate) { plates.push_back(std::move(plate)); });
@@ -174,6 +177,7 @@ void add_live_command(CLI::App& app, Action& action) {
   command->add_option("--video", options->video, "webcam:N, or a video file or folder of images at its own pace")
       ->required();
   add_camera_options(*command, options->camera, options->fov_deg);
+  add_floor_option(*command, options->floor);
   add_background_options(*command, options->background, options->background_frames);
   add_method_options(*command, options->live);
   command->add_option("--vmc", options->vmc, "HOST:PORT that listens to the Virtual Motion Capture protocol");

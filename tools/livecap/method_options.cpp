@@ -17,6 +17,11 @@ CLI::Option* add_fov_option(CLI::App& command, double& fov_deg, const std::strin
   return command.add_option("--fov", fov_deg, what)->check(between(kFovDeg, "degrees"));
 }
 
+void add_floor_option(CLI::App& command, std::string& file) {
+  command.add_option("--floor", file,
+                     "report.json of an earlier capture with this camera, or a camera.json: its floor counts");
+}
+
 void add_camera_options(CLI::App& command, std::string& camera, double& fov_deg) {
   CLI::Option* file = command.add_option("--camera", camera, "camera.json");
   add_fov_option(command, fov_deg)->excludes(file);

@@ -22,7 +22,7 @@ struct Camera {
   double cx = 0;                       // px
   double cy = 0;                       // px
   std::array<double, 5> distortion{};  // k1, k2, p1, p2, k3
-  std::optional<FloorPlane> floor{};   // where somebody has measured it
+  std::optional<FloorPlane> floor{};   // where it was measured, or found before
 
   bool has_distortion() const;
   // Throws ConfigError when a size or focal length is not positive or the principal point is not finite, for a lens

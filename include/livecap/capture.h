@@ -94,7 +94,7 @@ struct CaptureReport {
   std::array<double, kStageCount> stage_median_ms{};
   int64_t device_allocations = 0;  // device buffers made between the first frame and the last: none
   std::vector<std::string> warnings;
-  std::optional<FloorPlane> floor;             // that the person stood on at the end: as measured, or as learned
+  std::optional<FloorPlane> floor;             // that the person stood on at the end: as given, or as learned
   std::string glb, pc2, bvh, overlay, report;  // paths; empty when not written
 };
 

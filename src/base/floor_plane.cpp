@@ -55,8 +55,8 @@ FloorPlane load_floor(const std::filesystem::path& path) {
   if (!json.is_object()) throw IoError(path.string() + ": is no camera.json or report.json: not a JSON object");
   if (!json.contains("floor") || json["floor"].is_null())
     throw IoError(path.string() +
-                  ": tells no floor: of a capture, nobody stood long enough; of a camera, it was not "
-                  "measured (livecap calibrate --floor)");
+                  ": tells no floor: a capture does once somebody has stood on one, a camera's file once "
+                  "it was measured (livecap calibrate --floor)");
   return floor_from_json(json["floor"], path.string());
 }
 

@@ -8,6 +8,7 @@
 
 #include "actor/keypoint_offsets.h"
 #include "base/camera_tilt.h"
+#include "base/floor_plane.h"
 #include "base/log.h"
 #include "base/text.h"
 #include "base/trace.h"
@@ -19,6 +20,7 @@
 #include "image/image_io.h"
 #include "image/upright_edges.h"
 #include "ocl/context.h"
+#include "pose/floor.h"
 #include "synth/named_actor.h"
 
 namespace livecap {
@@ -64,7 +66,9 @@ class Solver {
 
   std::optional<FloorPlane> floor() const {
     const Floor* floor = tracker_.floor();
-    return floor ? std::optional(plane_of(*floor)) : std::nullopt;
+    if (!floor) return std::nullopt;
+    const FloorPlane plane = plane_of(*floor);
+    return fault_of(plane).empty() ? std::optional(plane) : std::nullopt;
   }
 
   // May run beside solve() of later frames.

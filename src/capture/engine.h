@@ -40,8 +40,8 @@ class CaptureEngine {
   // later poses, as many as there are threads to work on them, and one more. Others would add to the delay alone.
   int most_under_way() const;
 
-  // What the person stands on, as of the last pose: as measured, or learned. nullopt while it is not known. Not beside
-  // the stages.
+  // What the person stands on, as of the last pose: as given, or learned. nullopt while it is not known, or cannot be.
+  // Not beside the stages.
   std::optional<FloorPlane> floor() const;
 
   // Device buffers made since the constructor, by anybody.

@@ -44,7 +44,7 @@ void PoseStage::learn(const PoseStageInput& input, const Pose* previous, const P
     feet = with_free_legs(input, *previous, pose);
   floor_.learn(*previous, pose, feet ? &*feet : nullptr, input.detections);
   if (floor_.is_contradicted())
-    log_warning("feet do not rest on the floor of camera.json; was the camera moved since it was measured?");
+    log_warning("feet do not rest on the floor that was given (--camera or --floor); was the camera moved since?");
 }
 
 // Where who stands with bent knees is seen with straight ones, feet are found too far away, and a floor learned of them

@@ -51,8 +51,8 @@ class PoseStage {
   void set_upright(const Upright& upright) { floor_.set_upright(upright); }
   // Which way things do not fall, camera frame, unit.
   Eigen::Vector3d up() const { return floor_.up(); }
-  // nullptr while it is not known.
-  const Floor* floor() const { return floor_.floor(); }
+  // nullptr while it is not known, or when a given one is contradicted.
+  const Floor* floor() const { return floor_.is_contradicted() ? nullptr : floor_.floor(); }
 
   // Whether all rounds of a tracked frame are launched at once.
   bool looks_ahead(const PoseStageInput& input) const { return rounds_.looks_ahead(input); }

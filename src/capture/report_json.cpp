@@ -62,8 +62,7 @@ std::string report_json(const CaptureOptions& options, const CaptureReport& repo
                         {"peak_device_buffers", static_cast<double>(ocl::BufferMemory::peak) / kMib}};
   json["device_allocations_while_running"] = report.device_allocations;
   json["warnings"] = report.warnings;
-  const bool has_floor = report.floor && fault_of(*report.floor).empty();
-  json["floor"] = has_floor ? floor_json(*report.floor) : Json(nullptr);
+  json["floor"] = report.floor ? Json(floor_json(*report.floor)) : Json(nullptr);
 
   Json& o = json["options"];
   o["video"] = is_webcam(options.video) ? Json(options.video) : path_json(options.video);

@@ -12,6 +12,7 @@
 #include "image/device_frame.h"
 #include "livecap/camera.h"
 #include "livecap/capture.h"
+#include "pose/floor.h"
 #include "raster/depth.h"
 #include "raster/visibility.h"
 
@@ -65,7 +66,7 @@ class Tracker {
 
   // Which way is up by what the camera sees of the room. Stays so. Not beside solve_pose().
   void set_upright(const Upright& upright) { pose_stage_.set_upright(upright); }
-  // What the person stands on as of the last pose; nullptr while it is not known. Not beside solve_pose().
+  // What the person stands on as of the last pose: PoseStage::floor(). Not beside solve_pose().
   const Floor* floor() const { return pose_stage_.floor(); }
 
   // Forgets the person and the light: the next frame with detections is initialised.

@@ -167,6 +167,7 @@ CaptureFolder open_capture(const fs::path& folder, const std::string& actor, con
   capture.speed = speed_of(report, capture.rows);
   if (report.contains("floor") && !report["floor"].is_null())
     capture.floor = floor_from_json(report["floor"], report_path.string());
+  if (camera.empty() && !field<std::string>(options, "floor", "").empty()) capture.camera.floor = capture.floor;
   if (fs::exists(folder / "angles.csv", ignored)) capture.angles = read_angles_csv(folder / "angles.csv");
   if (const fs::path file = folder / "vertices.pc2"; fs::exists(file, ignored)) {
     capture.vertices.emplace(file);
@@ -192,7 +193,7 @@ std::vector<InputFile> capture_inputs(const std::string& option, const fs::path&
   if (!fs::is_regular_file(report_path, ignored)) return inputs;
   const nlohmann::json report = nlohmann::json::parse(read_file(report_path), nullptr, false);
   if (!report.is_object()) return inputs;
-  for (const char* name : {"video", "camera", "actor", "background", "detections"})
+  for (const char* name : {"video", "camera", "floor", "actor", "background", "detections"})
     inputs.push_back({option, field<std::string>(report.value("options", nlohmann::json()), name, "")});
   return inputs;
 }

@@ -24,7 +24,7 @@ struct CaptureSpeed {
 struct CaptureFolder {
   std::filesystem::path path;
   Actor actor;
-  Camera camera;        // of the video as it came, with its distortion
+  Camera camera;        // of the video as it came, with its distortion; its floor is the one that was given
   double fps = 0;       // of the video, from the time stamps of the rows; 30 when they do not tell
   std::string video;    // empty: not known
   int64_t first = 0;    // frame of the video that the capture began at
@@ -46,8 +46,8 @@ Actor load_actor_named(const std::string& name, double height_mm);
 //
 // actor, camera: empty = what report.json names. An actor that is not there any more is read from the folder's own
 // copy, and for a capture that was given a field of view only the folder knows the camera; where it does not, the masks
-// in `masks` give the size. Throws IoError naming the file when the folder does not hold what is needed or sizes do not
-// fit together.
+// in `masks` give the size. Throws IoError naming the file when the folder does not hold what is needed, sizes do not
+// fit together, or the report's floor is none that can be.
 CaptureFolder open_capture(const std::filesystem::path& folder, const std::string& actor, const std::string& camera,
                            const std::filesystem::path& masks);
 

@@ -7,8 +7,8 @@
 namespace livecap {
 
 enum class FloorSource {
-  kMeasured,    // camera.json has it
-  kFeet,        // learned from feet at rest, as the tracker does, in balance or not
+  kMeasured,    // it was given to the capture
+  kFeet,        // below feet at rest, tilted as the capture had it in the end
   kLevelCamera  // neither, or not asked: the camera is taken to be level, and the lowest vertex to be on the floor
 };
 

@@ -200,7 +200,7 @@ LevelExportReport export_level(const LevelExportOptions& options, const std::fun
 
   const Floor& floor = clip.floor().floor;
   report.floor = clip.floor().source;
-  report.tilt = tilt_above({{floor.up.x(), floor.up.y(), floor.up.z()}, floor.offset_mm});
+  report.tilt = tilt_above(plane_of(floor));
   report.camera_height_mm = floor.offset_mm;
   report.frames = static_cast<int64_t>(clip.poses().size());
   report.tracked = std::ranges::count_if(clip.poses(), [](const CapturedFrame& f) { return f.tracked; });

@@ -1,6 +1,6 @@
 // The floor, and the soles that rest on it. A foot on a known floor is at a known depth, where the picture alone tells
-// a foot's depth several times less well than its place. Where the floor is the camera's file says, or nobody: then it
-// is learned from where feet were found to rest, and where balance has them.
+// a foot's depth several times less well than its place. Where the floor is, is given, or learned
+// from where feet were found to rest, and where balance has them.
 #pragma once
 
 #include <Eigen/Core>

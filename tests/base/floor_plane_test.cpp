@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "base/scratch_folder.h"
 #include "base/text.h"
+#include "livecap/camera.h"
 #include "livecap/error.h"
 #include "support/refusal.h"
 

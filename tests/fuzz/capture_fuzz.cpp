@@ -49,7 +49,7 @@ std::vector<std::string> seeds() {
     files[std::string("capture/") + name] = read_file(folder.path() / name);
   files["capture/frames.csv"] = "index,pts_ms,status,latency_ms\n0,0,ok,100\n1,40,lost,99.5\n";
   files["capture/report.json"] =
-      R"({"fps":25.0,"latency_ms":100,"video":"v.mp4","options":{"camera":"","fov_deg":60,"height_mm":0,"model":"lite",
+      R"({"fps":25.0,"latency_ms":100,"floor":{"normal":[0,-1,0],"distance_mm":1000},"video":"v.mp4","options":{"camera":"","fov_deg":60,"height_mm":0,"model":"lite",
 "rigidity":2,"surface":true,"without":["photo"],"smooth":false,"video":"v.mp4"}})";
   files["capture/camera.json"] = R"({"width":64,"height":48,"fx":60,"fy":60,"cx":31.5,"cy":23.5})";
   files["truth/joints.json"] =

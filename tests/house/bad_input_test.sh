@@ -128,6 +128,7 @@ for kind in video actor model camera background; do
 done
 expect_capture 2 'none.json' --camera seq/camera.json --floor none.json
 expect_capture 2 'seq/camera.json: tells no floor' --camera seq/camera.json --floor seq/camera.json
+expect 2 'none.json' live --actor builtin:skirt --camera seq/camera.json --video seq/video.mp4 --floor none.json
 expect_capture 2 'none.jsonl' --background seq/background.png --detections none.jsonl
 expect_capture 2 'garbage' --background seq/background.png --detections garbage
 

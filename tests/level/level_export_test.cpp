@@ -7,9 +7,13 @@
 #include <tiny_gltf.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <sstream>
+#include <utility>
 
+#include "base/scratch_folder.h"
 #include "base/text.h"
 #include "export/csv.h"
 #include "export/pc2.h"
@@ -250,26 +254,41 @@ TEST_F(LevelExport, FindsTheFloorBelowFeetAtRest) {
 
 // Its height is that of the feet all the same.
 TEST_F(LevelExport, TheTiltIsThatOfTheFloorInTheReport) {
+  const ScratchFolder copy;
+  fs::copy(folder_, copy / "capture", fs::copy_options::recursive);
+  LevelExportOptions asked = options("up.pc2", false);
+  asked.capture = copy / "capture";
   const std::string report_json = read_file(folder_ / "report.json");
   const auto with_floor = [&](const std::string& floor) {
-    write_file_atomically(folder_ / "report.json",
+    write_file_atomically(copy / "capture/report.json",
                           report_json.substr(0, report_json.rfind('}')) + R"(,"floor":)" + floor + "}");
   };
   const double down = 0.2;
-  with_floor(format(R"({"normal":[0,%.17g,%.17g],"distance_mm":900})", -std::cos(down), -std::sin(down)));
-  const LevelExportReport report = export_level(options("up.pc2", false));
+  const Vector3d up(0, -std::cos(down), -std::sin(down));
+  with_floor(format(R"({"normal":[0,%.17g,%.17g],"distance_mm":900})", up.y(), up.z()));
+  const LevelExportReport report = export_level(asked);
   EXPECT_EQ(report.floor, FloorSource::kFeet);
   EXPECT_NEAR(report.tilt.down_deg, down * 180 / M_PI, test::kGivenTiltDeg);
-  EXPECT_GT(report.camera_height_mm, 1100);
+  double height_mm = 0;  // over the lowest vertex, mean
+  for (int64_t k = kEmpty; k < kFrames; ++k) {
+    double highest = 0;
+    const std::vector<float> vertices = camera_vertices_m(k);  // glTF's axes
+    for (size_t i = 0; i < vertices.size(); i += 3)
+      highest = std::max(highest, -1000 * up.dot(Vector3d(vertices[i], -vertices[i + 1], -vertices[i + 2])));
+    height_mm += highest / (kFrames - kEmpty);
+  }
+  EXPECT_NEAR(report.camera_height_mm, height_mm, test::kHeightOverFeetMm);
+
+  const double learned_deg = std::asin(-camera_in_room().linear()(1, 2)) * 180 / M_PI;
+  for (const char* none : {"null", R"({"normal":[1,0,0],"distance_mm":900})"}) {
+    with_floor(none);
+    EXPECT_NEAR(export_level(asked).tilt.down_deg, learned_deg, test::kLearnedFloorRad * 180 / M_PI) << none;
+  }
   for (const auto& [floor, named] : {std::pair{"900", "field \"floor\" must be"},
                                      std::pair{R"({"normal":[0,0.96,0.28],"distance_mm":900})", "points down"}}) {
     with_floor(floor);
-    expect_refused<IoError>(options("up.pc2", false), {"report.json", named});
+    expect_refused<IoError>(asked, {"report.json", named});
   }
-  with_floor("null");
-  EXPECT_NEAR(export_level(options("up.pc2", false)).tilt.down_deg,
-              std::asin(-camera_in_room().linear()(1, 2)) * 180 / M_PI, test::kLearnedFloorRad * 180 / M_PI);
-  write_file_atomically(folder_ / "report.json", report_json);
 }
 
 TEST_F(LevelExport, TakesTheCameraToBeLevelWhenAsked) {

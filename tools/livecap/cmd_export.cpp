@@ -27,7 +27,7 @@ std::string floor_text(const LevelExportReport& report) {
   if (report.floor == FloorSource::kLevelCamera)
     return "the camera is taken to be level, and the lowest vertex to be on the floor";
   return format("floor %s: the camera is %.2f m above it, looks %.1f degrees %s and is rolled by %.1f",
-                report.floor == FloorSource::kMeasured ? "as camera.json has it" : "as feet at rest show it",
+                report.floor == FloorSource::kMeasured ? "as it was given" : "below feet at rest",
                 report.camera_height_mm / 1000, std::abs(report.tilt.down_deg),
                 report.tilt.down_deg < 0 ? "up" : "down", report.tilt.roll_deg);
 }

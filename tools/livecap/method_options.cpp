@@ -19,7 +19,7 @@ CLI::Option* add_fov_option(CLI::App& command, double& fov_deg, const std::strin
 
 void add_floor_option(CLI::App& command, std::string& file) {
   command.add_option("--floor", file,
-                     "report.json of an earlier capture with this camera, or a camera.json: its floor counts");
+                     "report.json of an earlier capture, the camera not moved since, or camera.json: its floor counts");
 }
 
 void add_camera_options(CLI::App& command, std::string& camera, double& fov_deg) {

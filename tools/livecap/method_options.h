@@ -18,8 +18,9 @@ CLI::Option* add_height_option(CLI::App& command, double& height_mm, const std::
 // --fov.
 CLI::Option* add_fov_option(CLI::App& command, double& fov_deg,
                             const std::string& what = "instead of --camera: field of view of the longer side, degrees");
-// --camera, --fov; not both.
+// --floor.
 void add_floor_option(CLI::App& command, std::string& file);
+// --camera, --fov; not both.
 void add_camera_options(CLI::App& command, std::string& camera, double& fov_deg);
 // --background, --background-frames; not both.
 std::vector<CLI::Option*> add_background_options(CLI::App& command, std::string& background, int& n_frames);

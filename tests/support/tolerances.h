@@ -150,6 +150,8 @@ inline constexpr double kCentreOfMassUpMm = 75;
 // A floor learned from some hundred resting feet whose depth trembles by 8 mm: its tilt, and heights where they stood.
 inline constexpr double kLearnedFloorRad = 0.02;
 inline constexpr double kLearnedFloorMm = 5;
+// The same heights where one foot is always 40 mm up; 19 where it counts like the one that stands.
+inline constexpr double kFloorBesideLiftedFootMm = 8;
 // The tilt of a floor whose tilt is given, which feet that say otherwise move by a share of it, degrees; and its height
 // by soles that are level elsewhere.
 inline constexpr double kGivenTiltDeg = 0.02;
@@ -157,8 +159,6 @@ inline constexpr double kHeightOverFeetMm = 30;
 // One learned by a capture of 40 frames, 480 px high: its tilt, and how far it is from the camera, 4 m before the feet.
 inline constexpr double kReportedFloorRad = 0.03;
 inline constexpr double kReportedFloorMm = 120;
-// The same heights where one foot is always 40 mm up; 19 where it counts like the one that stands.
-inline constexpr double kFloorBesideLiftedFootMm = 8;
 // Median squared error of the feet's depth with a known floor, as a share of that without, from keypoints 2 px off.
 // 0.15 on PoCL; with eight other seeds 0.10 to 0.23.
 inline constexpr double kFloorDepthShare = 0.3;

@@ -57,7 +57,11 @@ struct CaptureOptions : MethodOptions {
   int draw = 0;                  // 0..99: moves the network's first crop aside by as many hundredths of a px: a test
   int64_t first = 0;             // first input frame to process
   int64_t frames = -1;           // at most this many; -1: all
-  double bvh_unit_m = 0.01;      // length of one BVH unit in metres
+  // So many of those are looked at before the first is captured, to learn where the floor is, how the person is lit and
+  // what the network sees of bent legs: a capture that learns it on the way has its feet too near or too far in the
+  // first seconds. 0: none, as of a webcam or a pipe, or with `realtime`.
+  int64_t learn_frames = 90;
+  double bvh_unit_m = 0.01;  // length of one BVH unit in metres
 
   // Throws ConfigError naming the option.
   void validate() const;
@@ -102,9 +106,14 @@ struct CaptureReport {
 // stays valid). n_frames: expected number of frames, 0 when unknown.
 using CaptureProgress = std::function<bool(const FrameReport&, int64_t n_frames)>;
 
+// Called after each frame that is looked at beforehand (CaptureOptions::learn_frames) by the same thread, n_seen counts
+// from 1; return false to begin with what was learned so far.
+using LearnProgress = std::function<bool(int64_t n_seen, int64_t n_frames)>;
+
 // No file in `out` is touched before all inputs have been opened. While it runs OpenCV uses one thread in this process
 // (cv::setNumThreads). Throws ConfigError, IoError (bad options, inputs or output folder), OclError (no device, a
-// failed call), Error when the system allows no further thread, and whatever `progress` throws.
-CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& progress = {});
+// failed call), Error when the system allows no further thread, and whatever `progress` or `learning` throws.
+CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& progress = {},
+                          const LearnProgress& learning = {});
 
 }  // namespace livecap

@@ -32,6 +32,11 @@ void DetectionSource::warm_up(const Camera& camera) {
   if (network_) warm_up_detector(*network_, camera);
 }
 
+void DetectionSource::start_over() {
+  if (network_) network_->reset();
+  next_ = 0;
+}
+
 Detections DetectionSource::detect(const ImageRgb& image, const Camera& camera, int64_t frame_index, double time_s,
                                    ocl::Buffer<uint8_t>* on_device) {
   const bool missed = is_missed(frame_index);

@@ -26,6 +26,9 @@ class DetectionSource {
 
   void warm_up(const Camera& camera);
 
+  // Forgets the person, and reads a file from its beginning.
+  void start_over();
+
   // Whether a network is shown the frame.
   bool shows(int64_t frame_index) const { return network_ && !is_missed(frame_index); }
 

@@ -64,6 +64,12 @@ class Solver {
 
   std::optional<WorkItem> flush() { return poses_.flush(); }
 
+  void start_over() {
+    while (flush()) {
+    }
+    tracker_.lose_person();
+  }
+
   std::optional<FloorPlane> floor() const {
     const Floor* floor = tracker_.floor();
     if (!floor) return std::nullopt;
@@ -211,6 +217,12 @@ PipelineStages CaptureEngine::stages() {
   stages.flush = [&p] { return p.solver->flush(); };
   stages.surface = [&p](WorkItem& item) { p.solver->solve_surface(item); };
   return stages;
+}
+
+void CaptureEngine::start_over() {
+  parts_->detection->start_over();
+  parts_->segmenter->start_over();
+  parts_->solver->start_over();
 }
 
 int CaptureEngine::most_under_way() const {

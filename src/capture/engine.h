@@ -36,6 +36,10 @@ class CaptureEngine {
   // All but read and publish, which are the caller's. The engine must outlive them.
   PipelineStages stages();
 
+  // After the stages have ended: as if no frame had come, but with what was learned of the room, the light and the
+  // person.
+  void start_over();
+
   // How many frames should be under way at once where older ones are dropped (see run_pipelined()): those that wait for
   // later poses, as many as there are threads to work on them, and one more. Others would add to the delay alone.
   int most_under_way() const;

@@ -32,8 +32,8 @@ int64_t FrameReader::n_frames() const {
 }
 
 void FrameReader::read_empty_plates(const std::function<void(const ImageRgb&)>& take) {
-  // A reader of its own, so that the plate frames are also captured; a webcam has no second start.
-  const bool own = options_.background_frames > 0 && !is_webcam(options_.video);
+  // A reader of its own, so that the plate frames are also captured, of what has a second start.
+  const bool own = options_.background_frames > 0 && can_be_read_again(options_.video);
   const std::unique_ptr<VideoReader> second = own ? std::make_unique<VideoReader>(options_.video) : nullptr;
   read_empty_pictures(options_.background, options_.background_frames, options_.video, own ? *second : *video_,
                       [&](ImageRgb&& plate) { take(undistorter_->undistort(std::move(plate))); });

@@ -59,6 +59,8 @@ void CaptureOptions::validate() const {
     throw ConfigError(format("--background-frames %d: must not be negative", background_frames));
   if (first < 0) throw ConfigError(format("--first %lld: must not be negative", static_cast<long long>(first)));
   if (frames == 0 || frames < -1) throw ConfigError("--frames: must be at least 1");
+  if (learn_frames < 0)
+    throw ConfigError(format("--learn-frames %lld: must not be negative", static_cast<long long>(learn_frames)));
   if (!detections.empty() && background.empty() && background_frames == 0)
     throw ConfigError(
         "--detections needs --background or --background-frames: without the network there is no person mask");

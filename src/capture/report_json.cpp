@@ -86,6 +86,7 @@ std::string report_json(const CaptureOptions& options, const CaptureReport& repo
   o["rigidity"] = options.rigidity;
   o["first"] = options.first;
   o["frames"] = options.frames;
+  o["learn_frames"] = options.learn_frames;
 
   json["actor"] = {{"name", actor.name},
                    {"vertices", actor.n_vertices()},

@@ -67,7 +67,7 @@ void Segmenter::warm_up() {
     distance_.compute(item.frame->mask, middle, middle.width() * middle.height(), *distance);
   distance_.leave_open(sure_distance_, item.frame->signed_distance);
   device_.finish();
-  missed_frames_ = kNobodyYet;
+  start_over();
 }
 
 void Segmenter::find_gate(WorkItem& item) {

@@ -25,6 +25,9 @@ class Segmenter {
   // Launches every kernel once, on a person in the middle of a grey picture, then forgets it.
   void warm_up();
 
+  // Nobody has been there yet.
+  void start_over() { missed_frames_ = kNobodyYet; }
+
   // For the picture, before the frame is segmented. May be called by another thread.
   std::shared_ptr<DeviceFrame> take_frame() { return frames_.take(); }
 

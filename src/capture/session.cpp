@@ -1,4 +1,5 @@
-// run_capture: opens everything, warms up, runs the pipeline, closes the outputs.
+// run_capture: opens everything, warms up, learns of the first frames, runs the pipeline, closes the outputs.
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -20,8 +21,35 @@ namespace {
 // Weight of either neighbour in the paper's filter of finished videos.
 constexpr double kPaperShare = 0.15;
 
+void run(const CaptureOptions& options, const CaptureEngine& engine, const PipelineStages& stages) {
+  if (options.sequential) {
+    run_sequential(stages);
+  } else {
+    run_pipelined(stages, options.realtime, options.realtime ? engine.most_under_way() : 0);
+  }
+}
+
+// The poses of the first frames, of which the engine keeps what it learned of the room and the person.
+void learn_first(const CaptureOptions& options, CaptureEngine& engine, const LearnProgress& learning) {
+  if (options.learn_frames == 0 || options.realtime || !can_be_read_again(options.video)) return;
+  CaptureOptions first = options;
+  first.frames = options.frames < 0 ? options.learn_frames : std::min(options.learn_frames, options.frames);
+  first.decoded = false;
+  FrameReader reader(first);
+  PipelineStages stages = engine.stages();
+  stages.read = [&](WorkItem& item) {
+    const TraceSpan span("read", "read", -1);
+    return reader.read(item);
+  };
+  stages.surface = [](WorkItem& item) { item.frame.reset(); };
+  int64_t n_seen = 0;
+  stages.publish = [&](WorkItem&) { return !learning || learning(++n_seen, reader.n_frames()); };
+  run(options, engine, stages);
+  engine.start_over();
+}
+
 // The run itself. Its queues are closed when it returns.
-CaptureReport capture(const CaptureOptions& options, const CaptureProgress& progress) {
+CaptureReport capture(const CaptureOptions& options, const CaptureProgress& progress, const LearnProgress& learning) {
   const ImageThreads one_thread(1);
   CaptureOutput::make_folder(options);
   const ocl::DevicePair devices = ocl::select_device_pair(options.cnn_device, options.solver_device);
@@ -34,6 +62,8 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   CaptureEngine engine(options, {options.model, options.detections, options.missed_detections, options.draw}, devices,
                        who.actor, reader.camera(), background);
   CaptureOutput output(options, who.actor, who.glb, reader.camera(), reader.info().fps);
+
+  learn_first(options, engine, learning);
 
   PipelineStages stages = engine.stages();
   stages.read = [&](WorkItem& item) {
@@ -52,11 +82,7 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
     std::optional<WorkItem> ready = results.push(std::move(item));
     return !ready || publish(*ready);
   };
-  if (options.sequential) {
-    run_sequential(stages);
-  } else {
-    run_pipelined(stages, options.realtime, options.realtime ? engine.most_under_way() : 0);
-  }
+  run(options, engine, stages);
   // A camera has no other end.
   const auto broken_off = [&] { return stopped_early && !is_webcam(options.video); };
   while (std::optional<WorkItem> last = results.flush()) {
@@ -69,12 +95,13 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
 
 }  // namespace
 
-CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& progress) {
+CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& progress,
+                          const LearnProgress& learning) {
   options.validate();
-  if (options.trace.empty()) return capture(options, progress);
+  if (options.trace.empty()) return capture(options, progress, learning);
   start_trace();
   try {
-    const CaptureReport report = capture(options, progress);
+    const CaptureReport report = capture(options, progress, learning);
     write_trace(options.trace);
     return report;
   } catch (...) {

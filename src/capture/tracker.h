@@ -69,7 +69,9 @@ class Tracker {
   // What the person stands on as of the last pose: PoseStage::floor(). Not beside solve_pose().
   const Floor* floor() const { return pose_stage_.floor(); }
 
-  // Forgets the person and the light: the next frame with detections is initialised.
+  // The next frame with detections is initialised. What was learned of light, floor and legs stays.
+  void lose_person();
+  // Forgets that too.
   void reset();
 
  private:
@@ -78,7 +80,6 @@ class Tracker {
     bool accepted = false;
     bool initialized = false;
   };
-  void lose_person();
   Solved solve_seen(const PoseStageInput& input);
   Solved solve_missed(const PoseStageInput& input);
   Pose predict() const;

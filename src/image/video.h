@@ -22,6 +22,8 @@ struct VideoInfo {
 
 // Whether a source is a camera: "webcam:N".
 bool is_webcam(const std::string& source);
+// Whether it begins anew when it is opened again: a file or a folder, no camera and no pipe.
+bool can_be_read_again(const std::string& source);
 
 // Where frames come from; the implementations are private to this room.
 class FrameSource {

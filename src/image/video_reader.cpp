@@ -38,6 +38,13 @@ bool is_webcam(const std::string& source) {
   return source.starts_with(kWebcamPrefix);
 }
 
+bool can_be_read_again(const std::string& source) {
+  if (is_webcam(source)) return false;
+  std::error_code error;
+  const auto status = std::filesystem::status(source, error);
+  return std::filesystem::is_directory(status) || std::filesystem::is_regular_file(status);
+}
+
 VideoReader::VideoReader(const std::string& source) : source_(open_source(source)), name_(source) {}
 VideoReader::~VideoReader() = default;
 VideoReader::VideoReader(VideoReader&&) noexcept = default;

@@ -27,7 +27,7 @@ inline SynthOptions small_sequence(int n_frames, int empty_frames) {
   return options;
 }
 
-// Both stages run on the first test device.
+// Both stages run on the first test device. What is learned is learned on the way.
 inline CaptureOptions capture_of(const std::filesystem::path& sequence, const std::filesystem::path& out,
                                  const std::filesystem::path& model) {
   CaptureOptions options;
@@ -37,6 +37,7 @@ inline CaptureOptions capture_of(const std::filesystem::path& sequence, const st
   options.actor = sequence / "actor.glb";
   options.model = model;
   options.out = out;
+  options.learn_frames = 0;
   options.cnn_device = options.solver_device = device_selectors().front();
   return options;
 }

@@ -19,6 +19,7 @@ TEST(Determinism, PipelinedAndSequentialRunsGiveTheSameBytes) {
   for (const auto& [name, sequential] : runs) {
     CaptureOptions options = test::capture_of(scratch / "sequence", scratch / name, model);
     options.sequential = sequential;
+    options.learn_frames = 10;
     const CaptureReport report = run_capture(options);
     EXPECT_EQ(report.frames, kFrames);
     EXPECT_GE(report.tracked, kFrames - 4) << name;

@@ -42,6 +42,7 @@ class Runs {
     if (!std::filesystem::exists(sequence)) write_sequence(synth, sequence);
     CaptureOptions options = test::capture_of(sequence, out, test::model_path("full"));
     options.missed_detections = missed_detections;
+    options.learn_frames = CaptureOptions().learn_frames;
     run_capture(options);
     Captured run{evaluate({out, sequence / "truth", "", ""}), test::frame_rows(out)};
     std::ifstream detections(out / "detections.jsonl");

@@ -60,6 +60,7 @@ for option in capture detect live 'actor build' 'actor fit' 'eval --ablate'; do
   expect 2 '--fov: must be between 1 and 170 degrees, not -5' $option --video seq/video.mp4 --fov -5
 done
 expect 2 '--fov: must be between 1 and 170 degrees, not 0' capture --video seq/video.mp4 --fov 0
+expect 2 '--learn-frames: must be at least 0, not -1' capture --learn-frames -1
 for option in capture live 'actor fit' 'eval --ablate'; do
   expect 2 '--background-frames: must be at least 1, not -3' $option --background-frames -3
 done
@@ -360,7 +361,7 @@ cases=$((cases + 1))
 if ! "$livecap" eval --ablate --truth seq/truth --video seq/video.mp4 --camera seq/camera.json \
   --actor seq/actor.glb --height 1.7 --smooth \
   --background seq/background.png --model lite --view view.json seq/truth/masks --out table --html table.html \
-  >out.txt 2>err.txt || [[ $(grep -cE ' [0-9.]+ +[0-9.]+ +[0-9.]+ +[-+][0-9.]+ %' out.txt) -ne 28 ]] ||
+  >out.txt 2>err.txt || [[ $(grep -cE ' [0-9.]+ +[0-9.]+ +[0-9.]+ +[-+][0-9.]+ %' out.txt) -ne 29 ]] ||
   ! grep -q '"height_mm": 1700' table/full/report.json || ! grep -q '"smooth": true' table/full/report.json ||
   [[ ! -s table/ablation.json ]] || ! grep -q '</html>' table.html || grep -qE 'https?:|<script' table.html; then
   echo "FAILED: eval --ablate"

@@ -230,6 +230,17 @@ TEST_F(Video, BadFilesAreRefusedInOneLineThatNamesThem) {
   EXPECT_NE(refusal("webcam:987654").find("webcam:987654"), std::string::npos);
 }
 
+// What comes through a pipe is gone when it has been read.
+TEST_F(Video, FilesAndFoldersCanBeReadAgain) {
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  EXPECT_FALSE(can_be_read_again(path("pipe")));
+  EXPECT_FALSE(can_be_read_again("webcam:0"));
+  EXPECT_FALSE(can_be_read_again(path("missing.mp4")));
+  EXPECT_TRUE(can_be_read_again(write_bytes("video.mp4", "some")));
+  fs::create_directory(path("pictures"));
+  EXPECT_TRUE(can_be_read_again(path("pictures")));
+}
+
 TEST_F(Video, ATruncatedFileGivesItsReadableFramesAndSaysSo) {
   const std::string whole = read_file(write_video("t.mp4", 60));  // the index is at the front
   VideoReader reader(write_bytes("cut.mp4", whole.substr(0, whole.size() * 6 / 10)));

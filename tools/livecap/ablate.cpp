@@ -25,6 +25,7 @@ struct Variant {
   bool surface = true;
   double rigidity = 0;
   const char* paper = "";
+  bool learn = true;  // of the first frames beforehand
 };
 
 constexpr const char* kBaseline = "Baselines";
@@ -63,6 +64,7 @@ const std::vector<Variant>& variants() {
       {"no_shading", "skin shading", kParts, {"shading"}},
       {"no_floor", "floor under the feet", kParts, {"floor"}},
       {"no_upright", "upright edges of the room", kParts, {"upright"}},
+      {"no_learning", "first frames looked at beforehand", kParts, {}, true, 0, "", false},
       {"no_balance", "feet below the centre of mass", kParts, {"balance"}},
       {"no_hidden_arms", "arms that hide held, and found again", kParts, {"hidden_arms"}},
       {"no_rest", "chest, collarbones and feet drawn to rest", kParts, {"rest"}},
@@ -84,6 +86,7 @@ std::string options_text(const Variant& variant) {
   std::string names;
   for (const std::string& name : variant.without) names += (names.empty() ? "" : ",") + name;
   if (!names.empty()) add("--without " + names);
+  if (!variant.learn) add("--learn-frames 0");
   if (variant.rigidity > 0) add("--rigidity " + std::to_string(static_cast<int>(variant.rigidity)));
   return text;
 }
@@ -134,9 +137,12 @@ Ablation run_ablation(const CaptureOptions& capture, const EvalOptions& eval, in
       options.out = capture_folder(capture, variant.folder, draw).string();
       options.draw = draw;
       options.surface = variant.surface;
+      if (!variant.learn) options.learn_frames = 0;
       if (variant.rigidity > 0) options.rigidity = variant.rigidity;
       options.without.insert(options.without.end(), variant.without.begin(), variant.without.end());
-      run_capture(options, [](const FrameReport&, int64_t) { return !interrupted(); });
+      run_capture(
+          options, [](const FrameReport&, int64_t) { return !interrupted(); },
+          [](int64_t, int64_t) { return !interrupted(); });
       if (interrupted())
         throw Error("interrupted after " + std::to_string(done) + " of " + std::to_string(n_runs) + " runs");
       EvalOptions against = eval;

@@ -42,6 +42,7 @@ CaptureOptions bench_capture_options(const BenchOptions& options, const fs::path
   capture.solver_device = options.solver_device;
   capture.frames = options.frames;
   capture.decoded = options.decoded;
+  capture.learn_frames = 0;
   capture.out = out.string();
   return capture;
 }

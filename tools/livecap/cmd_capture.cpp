@@ -44,14 +44,20 @@ int run(const CaptureCommand& options) {
   capture.bvh_unit_m = bvh_unit_m(options.bvh_unit);
 
   catch_interrupt();
-  Progress progress("capture");
+  Progress learned("capture: learning"), progress("capture");
+  const auto learning = [&](int64_t n_seen, int64_t n_frames) {
+    learned.update(n_seen, n_frames);
+    return !interrupted();
+  };
   int64_t done = 0;
-  const CaptureReport report = run_capture(capture, [&](const FrameReport& frame, int64_t n_frames) {
+  const auto captured = [&](const FrameReport& frame, int64_t n_frames) {
+    learned.finish();
     char state[64];
     std::snprintf(state, sizeof(state), "%s IoU %.2f", track_status_name(frame.status), frame.iou);
     progress.update(++done, n_frames, state);
     return !interrupted();
-  });
+  };
+  const CaptureReport report = run_capture(capture, captured, learning);
   progress.finish();
   print_summary(report);
   for (const std::string& warning : report.warnings) std::printf("warning     %s\n", warning.c_str());
@@ -90,6 +96,11 @@ void add_capture_command(CLI::App& app, Action& action) {
       ->check(CLI::IsMember({"fast", "realtime"}))
       ->capture_default_str();
   add_frame_options(*command, capture.first, capture.frames);
+  command
+      ->add_option("--learn-frames", capture.learn_frames,
+                   "look at so many frames beforehand, to learn floor and light; 0: on the way, as live")
+      ->check(at_least(0))
+      ->capture_default_str();
   add_bvh_unit_option(*command, options->bvh_unit);
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }

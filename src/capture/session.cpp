@@ -1,5 +1,6 @@
 // run_capture: opens everything, warms up, learns of the first frames, runs the pipeline, closes the outputs.
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -21,6 +22,13 @@ namespace {
 // Weight of either neighbour in the paper's filter of finished videos.
 constexpr double kPaperShare = 0.15;
 
+std::function<bool(WorkItem&)> reads(FrameReader& reader) {
+  return [&reader](WorkItem& item) {
+    const TraceSpan span("read", "read", -1);
+    return reader.read(item);
+  };
+}
+
 void run(const CaptureOptions& options, const CaptureEngine& engine, const PipelineStages& stages) {
   if (options.sequential) {
     run_sequential(stages);
@@ -37,10 +45,7 @@ void learn_first(const CaptureOptions& options, CaptureEngine& engine, const Lea
   first.decoded = false;
   FrameReader reader(first);
   PipelineStages stages = engine.stages();
-  stages.read = [&](WorkItem& item) {
-    const TraceSpan span("read", "read", -1);
-    return reader.read(item);
-  };
+  stages.read = reads(reader);
   stages.surface = [](WorkItem& item) { item.frame.reset(); };
   int64_t n_seen = 0;
   stages.publish = [&](WorkItem&) { return !learning || learning(++n_seen, reader.n_frames()); };
@@ -66,10 +71,7 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   learn_first(options, engine, learning);
 
   PipelineStages stages = engine.stages();
-  stages.read = [&](WorkItem& item) {
-    const TraceSpan span("read", "read", -1);
-    return reader.read(item);
-  };
+  stages.read = reads(reader);
   bool stopped_early = false;
   const auto publish = [&](WorkItem& item) {
     const TraceSpan span("output", "output", item.report.index);

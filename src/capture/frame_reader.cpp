@@ -4,7 +4,6 @@
 #include <thread>
 #include <utility>
 
-#include "base/floor_plane.h"
 #include "base/text.h"
 #include "image/empty_picture.h"
 #include "image/picture_size.h"
@@ -16,8 +15,7 @@ namespace livecap {
 FrameReader::FrameReader(const CaptureOptions& options)
     : options_(options), video_(std::make_unique<VideoReader>(options.video)), info_(video_->info()) {
   require_picture_size(options.video, info_.width, info_.height);
-  camera_ = video_camera(options.camera, options.fov_deg, info_, options.video);
-  if (!options.floor.empty()) camera_.floor = load_floor(options.floor);
+  camera_ = video_camera(options.camera, options.fov_deg, info_, options.video, options.floor);
   undistorter_.emplace(camera_);
   undistorted_camera_ = undistorter_->undistorted_camera();
   if (!is_webcam(options.video)) video_->start_at(options.first);  // a camera's empty pictures come before its first

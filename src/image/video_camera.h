@@ -9,8 +9,9 @@
 namespace livecap {
 
 // camera_file: camera.json; empty: one without distortion whose longer side sees fov_deg. video: its name in messages.
-// Throws IoError when the file is no camera's or one of another size than the video, ConfigError for a fov_deg outside
-// 1..170.
-Camera video_camera(const std::string& camera_file, double fov_deg, const VideoInfo& info, const std::string& video);
+// floor_file: see load_floor; its floor instead of the camera's; empty: that. Throws IoError when a file is none of its
+// kind or a camera's of another size than the video, ConfigError for a fov_deg outside 1..170.
+Camera video_camera(const std::string& camera_file, double fov_deg, const VideoInfo& info, const std::string& video,
+                    const std::string& floor_file = {});
 
 }  // namespace livecap

@@ -15,7 +15,6 @@ namespace {
 constexpr int kLowestSamples = 60;  // rows that tell which vertex is the lowest
 
 constexpr double kKnownTiltRad = 1e-4;  // feet hardly change it
-constexpr double kUprightY = -0.5;  // of a normal; a floor that is steeper in the picture is learned from feet alone
 
 // As the tracker learns it, but of the poses as they are, in all frames, with every ankle believed, and below the
 // captured feet, in balance or not. Its tilt is what the capture had at its end, which knew the edges of the room.
@@ -23,6 +22,7 @@ std::optional<Floor> learned_floor(const CaptureFolder& capture) {
   FloorOptions options;
   options.balance = no_balance();
   FloorFinder finder(capture.actor, options, std::nullopt);
+  // One that is steeper in the picture is learned from feet alone.
   if (const std::optional<FloorPlane>& known = capture.floor; known && known->normal[1] < kUprightY) {
     const auto& [x, y, z] = known->normal;
     finder.set_upright({.up = {x, y, z}, .information = Eigen::Matrix3d::Identity() / std::pow(kKnownTiltRad, 2)});

@@ -23,7 +23,6 @@ constexpr int kPointsPerSole = 6;
 constexpr double kSoleMm = 12;      // above the lowest vertex of a foot
 constexpr float kOwnWeight = 0.9f;  // of a vertex that moves with its foot
 constexpr float kTrusted = 0.5f;    // confidence of an ankle
-constexpr double kUprightY = -0.5;  // above that in the camera frame nobody stands before a level camera
 // Cosine of a line of sight to the floor. Who looks down more steeply sees where on it feet are, and along the line
 // they would move down more than aside.
 constexpr double kSteepest = 0.7;

@@ -1,6 +1,6 @@
 // The floor, and the soles that rest on it. A foot on a known floor is at a known depth, where the picture alone tells
-// a foot's depth several times less well than its place. Where the floor is, is given, or learned
-// from where feet were found to rest, and where balance has them.
+// a foot's depth several times less well than its place. Where the floor is, is given, or learned from where feet were
+// found to rest, and where balance has them.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,6 +17,9 @@
 #include "pose/balance.h"
 
 namespace livecap {
+
+// y in the camera frame of what is upright: above that nobody stands before a level camera.
+inline constexpr double kUprightY = -0.5;
 
 struct Floor {
   Eigen::Vector3d up = -Eigen::Vector3d::UnitY();  // unit, camera frame

@@ -42,6 +42,18 @@ inline CaptureOptions capture_of(const std::filesystem::path& sequence, const st
   return options;
 }
 
+// Of who squats, written to scratch/sequence, by stage I alone. floor: camera.json has the true one.
+inline CaptureOptions capture_of_squat(const ScratchFolder& scratch, int n_frames, int empty_frames, bool floor,
+                                       const std::filesystem::path& model) {
+  SynthOptions synth = small_sequence(n_frames, empty_frames);
+  synth.motions = {"squat"};
+  synth.floor = floor;
+  write_sequence(synth, scratch / "sequence");
+  CaptureOptions options = capture_of(scratch / "sequence", scratch / "capture", model);
+  options.surface = false;
+  return options;
+}
+
 // The columns index and status of frames.csv.
 struct CsvRow {
   int64_t index = 0;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <optional>
 
 #include "capture/capture_run.h"
@@ -19,17 +18,6 @@
 
 namespace livecap {
 namespace {
-
-// Of who squats, by stage I alone; camera.json has the true floor.
-CaptureOptions capture_of_squat(const ScratchFolder& scratch, int n_frames, const std::filesystem::path& model) {
-  SynthOptions synth = test::small_sequence(n_frames, 2);
-  synth.motions = {"squat"};
-  synth.floor = true;
-  write_sequence(synth, scratch / "sequence");
-  CaptureOptions options = test::capture_of(scratch / "sequence", scratch / "capture", model);
-  options.surface = false;
-  return options;
-}
 
 TEST(Components, TheSurfaceStageIsNearerInShapeAndSilhouette) {
   LIVECAP_MODEL_OR_SKIP(model, "full");
@@ -116,7 +104,7 @@ TEST(Components, VelocityGoesForWhatHangsAndForWhatDoesNot) {
 TEST(Components, AFloorThatIsGivenCountsBeforeOneIsLearned) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
   const ScratchFolder scratch;
-  CaptureOptions options = capture_of_squat(scratch, 8, model);
+  CaptureOptions options = test::capture_of_squat(scratch, 8, 2, true, model);
   const auto angles = [&](const std::vector<std::string>& without) {
     options.without = without;
     run_capture(options);
@@ -135,7 +123,8 @@ TEST(Components, AFloorThatIsGivenCountsBeforeOneIsLearned) {
 TEST(Components, AFloorThatFeetNeverRestOnIsToldOnce) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
   const ScratchFolder scratch;
-  CaptureOptions options = capture_of_squat(scratch, 60, model);  // it takes 31 frames in which a foot rests elsewhere
+  // It takes 31 frames in which a foot rests elsewhere.
+  CaptureOptions options = test::capture_of_squat(scratch, 60, 2, true, model);
   const auto n_told = [&] {
     testing::internal::CaptureStderr();
     run_capture(options);
@@ -155,7 +144,7 @@ TEST(Components, AFloorThatFeetNeverRestOnIsToldOnce) {
 TEST(Components, TheFloorIsReported) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
   const ScratchFolder scratch;
-  CaptureOptions options = capture_of_squat(scratch, 40, model);
+  CaptureOptions options = test::capture_of_squat(scratch, 40, 2, true, model);
   const auto reported = [&] {
     const std::optional<FloorPlane> floor = run_capture(options).floor;
     const std::optional<FloorPlane> written = open_capture(options.out, "", "", {}).floor;
@@ -190,11 +179,7 @@ TEST(Components, TheFloorIsReported) {
 TEST(Components, TheFloorMakesADifferenceOnceItIsKnown) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
   const ScratchFolder scratch;
-  SynthOptions synth = test::small_sequence(30, 2);
-  synth.motions = {"squat"};
-  write_sequence(synth, scratch / "sequence");
-  CaptureOptions options = test::capture_of(scratch / "sequence", scratch / "capture", model);
-  options.surface = false;
+  CaptureOptions options = test::capture_of_squat(scratch, 30, 2, false, model);
   const auto angles = [&] {
     run_capture(options);
     return read_file(scratch / "capture/angles.csv");

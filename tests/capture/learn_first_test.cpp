@@ -1,9 +1,9 @@
 // The frames that are looked at before a capture: what is kept of them, and that nothing else is.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "base/text.h"
@@ -15,16 +15,6 @@ namespace {
 
 constexpr int kFrames = 30, kEmpty = 4;
 
-// Of who squats, by stage I alone.
-CaptureOptions captured_squat(const ScratchFolder& scratch, const std::filesystem::path& model) {
-  SynthOptions synth = test::small_sequence(kFrames, kEmpty);
-  synth.motions = {"squat"};
-  write_sequence(synth, scratch / "sequence");
-  CaptureOptions options = test::capture_of(scratch / "sequence", scratch / "capture", model);
-  options.surface = false;
-  return options;
-}
-
 // The lines of the first tracked frame and of the one after it.
 std::string first_tracked(const std::filesystem::path& csv) {
   const std::string text = read_file(csv);
@@ -35,7 +25,7 @@ std::string first_tracked(const std::filesystem::path& csv) {
 TEST(LearnFirst, TheFloorIsKnownFromTheFirstFrameAndAllElseStartsOver) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
   const ScratchFolder scratch;
-  CaptureOptions options = captured_squat(scratch, model);
+  CaptureOptions options = test::capture_of_squat(scratch, kFrames, kEmpty, false, model);
   std::vector<int64_t> seen, expected(kFrames);
   for (int i = 0; i < kFrames; ++i) expected[i] = i + 1;
   const auto captured = [&](int learn_frames, const std::vector<std::string>& without) {
@@ -69,7 +59,7 @@ TEST(LearnFirst, TheFloorIsKnownFromTheFirstFrameAndAllElseStartsOver) {
 TEST(LearnFirst, FramesWithNobodyTeachNothing) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
   const ScratchFolder scratch;
-  CaptureOptions options = captured_squat(scratch, model);
+  CaptureOptions options = test::capture_of_squat(scratch, kFrames, kEmpty, false, model);
   options.frames = 12;
   std::vector<std::string> joints;
   for (const int learn_frames : {0, kEmpty}) {
@@ -81,11 +71,11 @@ TEST(LearnFirst, FramesWithNobodyTeachNothing) {
   EXPECT_EQ(joints[0], joints[1]);
 }
 
-// Nor is anything learned of frames that cannot be seen twice.
+// And where frames come at their own pace nothing is looked at beforehand.
 TEST(LearnFirst, WhoeverHasSeenEnoughBeginsTheCapture) {
   LIVECAP_MODEL_OR_SKIP(model, "lite");
   const ScratchFolder scratch;
-  CaptureOptions options = captured_squat(scratch, model);
+  CaptureOptions options = test::capture_of_squat(scratch, kFrames, kEmpty, false, model);
   options.learn_frames = 90;
   for (const bool realtime : {false, true}) {
     options.realtime = realtime;

@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/floor_plane.h"
 #include "base/log.h"
 #include "base/text.h"
 #include "base/timer.h"
@@ -114,8 +113,7 @@ int run(const LiveCommand& options) {
   catch_interrupt();
   VideoReader video(options.video);
   LiveOptions live = options.live;
-  live.camera = video_camera(options.camera, options.fov_deg, video.info(), options.video);
-  if (!options.floor.empty()) live.camera.floor = load_floor(options.floor);
+  live.camera = video_camera(options.camera, options.fov_deg, video.info(), options.video, options.floor);
   std::vector<ImageRgb> plates;
   read_empty_pictures(options.background, options.background_frames, options.video, video,
                       [&](ImageRgb&& plate) { plates.push_back(std::move(plate)); });

@@ -88,6 +88,7 @@ struct FrameReport {
 struct CaptureReport {
   bool complete = true;        // false: stopped early by the progress callback, but for a webcam
   bool input_complete = true;  // false: the video ended before the length it promises, or had damaged frames
+  int64_t learned_frames = 0;  // that were looked at beforehand
   int64_t frames = 0;          // rows in frames.csv
   int64_t tracked = 0;
   int64_t dropped = 0;
@@ -107,12 +108,13 @@ struct CaptureReport {
 using CaptureProgress = std::function<bool(const FrameReport&, int64_t n_frames)>;
 
 // Called after each frame that is looked at beforehand (CaptureOptions::learn_frames) by the same thread, n_seen counts
-// from 1; return false to begin with what was learned so far.
+// from 1; return false to begin with what was learned so far: of frames that are under way by then, too.
 using LearnProgress = std::function<bool(int64_t n_seen, int64_t n_frames)>;
 
-// No file in `out` is touched before all inputs have been opened. While it runs OpenCV uses one thread in this process
-// (cv::setNumThreads). Throws ConfigError, IoError (bad options, inputs or output folder), OclError (no device, a
-// failed call), Error when the system allows no further thread, and whatever `progress` or `learning` throws.
+// No file in `out` is touched before all inputs have been opened and the first frames looked at. While it runs OpenCV
+// uses one thread in this process (cv::setNumThreads). Throws ConfigError, IoError (bad options, inputs or output
+// folder), OclError (no device, a failed call), Error when the system allows no further thread, and whatever `progress`
+// or `learning` throws.
 CaptureReport run_capture(const CaptureOptions& options, const CaptureProgress& progress = {},
                           const LearnProgress& learning = {});
 

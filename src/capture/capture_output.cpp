@@ -145,6 +145,7 @@ CaptureReport CaptureOutput::finish(const ocl::DevicePair& devices, const std::s
   CaptureReport report;
   report.complete = !end.broken_off;
   report.input_complete = end.input_complete;
+  report.learned_frames = end.learned_frames;
   report.device_allocations = end.device_allocations;
   report.warnings = end.warnings;
   report.floor = end.floor;

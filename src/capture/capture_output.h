@@ -26,6 +26,7 @@ namespace livecap {
 struct RunEnd {
   bool broken_off = false;     // by the caller, before the end of the video
   bool input_complete = true;  // see CaptureReport
+  int64_t learned_frames = 0;
   int64_t device_allocations = 0;
   std::vector<std::string> warnings;
   std::optional<FloorPlane> floor = {};

@@ -18,7 +18,11 @@ FrameReader::FrameReader(const CaptureOptions& options)
   camera_ = video_camera(options.camera, options.fov_deg, info_, options.video, options.floor);
   undistorter_.emplace(camera_);
   undistorted_camera_ = undistorter_->undistorted_camera();
-  if (!is_webcam(options.video)) video_->start_at(options.first);  // a camera's empty pictures come before its first
+}
+
+void FrameReader::start(const std::function<void(const ImageRgb&)>& take) {
+  read_empty_plates(take);
+  video_->start_at(options_.first);
   Frame frame;
   while (options_.decoded && next(frame)) decoded_.push_back(std::move(frame));
 }
@@ -38,10 +42,8 @@ void FrameReader::read_empty_plates(const std::function<void(const ImageRgb&)>& 
 }
 
 bool FrameReader::next(Frame& frame) {
-  do {
-    if (options_.frames > 0 && taken_ >= options_.frames) return false;
-    if (!video_->read(frame)) return false;
-  } while (frame.index < options_.first);
+  if (options_.frames > 0 && taken_ >= options_.frames) return false;
+  if (!video_->read(frame)) return false;
   ++taken_;
   return true;
 }

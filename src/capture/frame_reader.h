@@ -19,9 +19,8 @@ namespace livecap {
 
 class FrameReader {
  public:
-  // Opens the video and the camera. Throws IoError when their sizes differ, ConfigError for
-  // a size that no capture takes.
-  // CaptureOptions::decoded: and reads all frames asked for.
+  // Opens the video and the camera. Throws IoError when their sizes differ, ConfigError for a size that no capture
+  // takes.
   explicit FrameReader(const CaptureOptions& options);
 
   // The pinhole camera that the undistorted frames obey.
@@ -30,9 +29,10 @@ class FrameReader {
   // Frames that will come, 0 when unknown.
   int64_t n_frames() const;
 
-  // Gives `take` the pictures of the empty scene, undistorted: the background file, the first frames of the video, or
-  // none.
-  void read_empty_plates(const std::function<void(const ImageRgb&)>& take);
+  // Before the first read(). Gives `take` the pictures of the empty scene, undistorted: the background file, the first
+  // frames of the video, or none. Then goes to the first frame asked for, and with CaptureOptions::decoded reads all of
+  // them. Throws IoError, and ConfigError when the video ends before the first.
+  void start(const std::function<void(const ImageRgb&)>& take);
 
   // Fills index, time, image; a damaged frame has status kDamaged. False at the end. With live pacing it waits until
   // the frame's time has come.
@@ -45,6 +45,7 @@ class FrameReader {
   std::vector<std::string> warnings() const;
 
  private:
+  void read_empty_plates(const std::function<void(const ImageRgb&)>& take);
   // The next of those asked for. False at the end.
   bool next(Frame& frame);
 

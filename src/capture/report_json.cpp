@@ -49,6 +49,7 @@ std::string report_json(const CaptureOptions& options, const CaptureReport& repo
   json["program"] = "livecap " LIVECAP_VERSION;
   json["complete"] = report.complete;
   json["input_complete"] = report.input_complete;
+  json["learned_frames"] = report.learned_frames;
   json["frames"] = report.frames;
   json["tracked"] = report.tracked;
   json["dropped"] = report.dropped;

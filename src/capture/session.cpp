@@ -37,20 +37,28 @@ void run(const CaptureOptions& options, const CaptureEngine& engine, const Pipel
   }
 }
 
-// The poses of the first frames, of which the engine keeps what it learned of the room and the person.
-void learn_first(const CaptureOptions& options, CaptureEngine& engine, const LearnProgress& learning) {
-  if (options.learn_frames == 0 || options.realtime || !can_be_read_again(options.video)) return;
+// The poses of the first frames, of which the engine keeps what it learned of the room and the person. How many.
+int64_t learn_first(const CaptureOptions& options, CaptureEngine& engine, const LearnProgress& learning) {
+  if (options.learn_frames == 0 || options.realtime || !can_be_read_again(options.video)) return 0;
+  const TraceSpan span("capture", "learn", -1);
   CaptureOptions first = options;
+  first.background.clear();
+  first.background_frames = 0;
   first.frames = options.frames < 0 ? options.learn_frames : std::min(options.learn_frames, options.frames);
   first.decoded = false;
   FrameReader reader(first);
+  reader.start([](const ImageRgb&) {});
   PipelineStages stages = engine.stages();
   stages.read = reads(reader);
   stages.surface = [](WorkItem& item) { item.frame.reset(); };
   int64_t n_seen = 0;
-  stages.publish = [&](WorkItem&) { return !learning || learning(++n_seen, reader.n_frames()); };
+  stages.publish = [&](WorkItem&) {
+    ++n_seen;
+    return !learning || learning(n_seen, reader.n_frames());
+  };
   run(options, engine, stages);
   engine.start_over();
+  return n_seen;
 }
 
 // The run itself. Its queues are closed when it returns.
@@ -63,12 +71,11 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   FrameReader reader(options);
   const CapturedActor who = load_captured_actor(options);
   BackgroundModel background;
-  reader.read_empty_plates([&](const ImageRgb& plate) { background.train(plate); });
+  reader.start([&](const ImageRgb& plate) { background.train(plate); });
   CaptureEngine engine(options, {options.model, options.detections, options.missed_detections, options.draw}, devices,
                        who.actor, reader.camera(), background);
+  const int64_t learned_frames = learn_first(options, engine, learning);
   CaptureOutput output(options, who.actor, who.glb, reader.camera(), reader.info().fps);
-
-  learn_first(options, engine, learning);
 
   PipelineStages stages = engine.stages();
   stages.read = reads(reader);
@@ -90,9 +97,9 @@ CaptureReport capture(const CaptureOptions& options, const CaptureProgress& prog
   while (std::optional<WorkItem> last = results.flush()) {
     if (!broken_off()) publish(*last);
   }
-  return output.finish(
-      devices, model_sha256,
-      {broken_off(), reader.input_complete(), engine.buffers_made(), reader.warnings(), engine.floor()});
+  return output.finish(devices, model_sha256,
+                       {broken_off(), reader.input_complete(), learned_frames, engine.buffers_made(), reader.warnings(),
+                        engine.floor()});
 }
 
 }  // namespace

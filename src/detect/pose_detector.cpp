@@ -84,6 +84,7 @@ void PoseDetector::reset() {
   forget_person();
   search_step_ = 0;
   unsettled_ = 0;
+  last_time_s_.reset();
   posture_.reset();
 }
 
@@ -229,7 +230,7 @@ Detections PoseDetector::detect(const ImageRgb& undistorted, const Camera& camer
   turn_to_camera_axes(camera);
   detections.keypoints = keypoints_from_landmarks(raw_);
   if (options_.alternate_mirror) mirror_bias_.update(mirrored_, detections.keypoints);
-  const double dt_s = time_s > last_time_s_ ? time_s - last_time_s_ : kUsualPeriodS;
+  const double dt_s = last_time_s_ && time_s > *last_time_s_ ? time_s - *last_time_s_ : kUsualPeriodS;
   const double mm_per_px = kCropMm / estimate_.crop.side_px;
   if (options_.keep_sides) sides_.update(options_.sides, dt_s, mm_per_px, detections.keypoints);
   if (options_.drop_jumps) drop_jumps(dt_s, mm_per_px, detections);

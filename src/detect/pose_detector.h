@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -100,7 +101,7 @@ class PoseDetector {
   bool settled_ = false;  // whether looks at who was found last agree; else they are looked for anew in the next frame
   int unsettled_ = 0;     // frames on end in which they did not
   int search_step_ = 0;   // which window is tried next while nobody is found
-  double last_time_s_ = 0;  // of the last frame with the person that is followed; without one, of the last frame
+  std::optional<double> last_time_s_;  // of the last frame with the person that is followed; without one, of the last
   SideTracker sides_;
   JumpGate jumps_;
   Posture posture_;

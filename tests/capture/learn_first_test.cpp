@@ -1,6 +1,7 @@
 // The frames that are looked at before a capture: what is kept of them, and that nothing else is.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -54,6 +55,26 @@ TEST(LearnFirst, TheFloorIsKnownFromTheFirstFrameAndAllElseStartsOver) {
   // No floor is known in the first frames yet, unless it was learned beforehand.
   EXPECT_EQ(first_tracked(on_the_way / "angles.csv"), first_tracked(scratch / "01" / "angles.csv"));
   EXPECT_NE(first_tracked(beforehand / "angles.csv"), first_tracked(floorless / "angles.csv"));
+}
+
+// Frames of which the first pass has seen some already are seen as if it had not been.
+TEST(LearnFirst, DetectionsAreThoseOfACaptureThatHasNotLearned) {
+  LIVECAP_MODEL_OR_SKIP(model, "lite");
+  const ScratchFolder scratch;
+  CaptureOptions options = test::capture_of_squat(scratch, kFrames, kEmpty, false, model);
+  options.first = kEmpty + 6;
+  options.frames = 8;
+  std::vector<std::string> detections;
+  for (const int64_t learn_frames : {0, 5, 90}) {
+    options.learn_frames = learn_frames;
+    const CaptureReport report = run_capture(options);
+    EXPECT_EQ(report.frames, 8);
+    EXPECT_EQ(report.learned_frames, std::min<int64_t>(learn_frames, 8));
+    detections.push_back(read_file(scratch / "capture/detections.jsonl"));
+  }
+  EXPECT_GT(detections[0].size(), 1000u);
+  EXPECT_EQ(detections[0], detections[1]);
+  EXPECT_EQ(detections[0], detections[2]);
 }
 
 TEST(LearnFirst, FramesWithNobodyTeachNothing) {

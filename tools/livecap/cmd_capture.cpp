@@ -47,7 +47,8 @@ int run(const CaptureCommand& options) {
   Progress learned("capture: learning"), progress("capture");
   const auto learning = [&](int64_t n_seen, int64_t n_frames) {
     learned.update(n_seen, n_frames);
-    return !interrupted();
+    if (interrupted()) throw Error("interrupted before the first frame");
+    return true;
   };
   int64_t done = 0;
   const auto captured = [&](const FrameReport& frame, int64_t n_frames) {

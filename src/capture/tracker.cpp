@@ -71,8 +71,14 @@ Tracker::Solved Tracker::solve_seen(const PoseStageInput& input) {
   }
   solved.initialized = true;
   solved.pose = pose_stage_.find(input);
-  solved.accepted = pose_stage_.believable(solved.pose, input.detections);
+  solved.accepted = pose_stage_.believable(solved.pose, input.detections) &&
+                    (input.silhouette.empty() || covers(input, solved.pose.pose, options_.least_found_iou));
   return solved;
+}
+
+bool Tracker::covers(const PoseStageInput& input, const Pose& pose, double least_iou) {
+  pose_stage_.render(pose);
+  return rasterizer_.intersection_over_union(input.frame.mask) >= least_iou;
 }
 
 // A frame in which the network sees nobody: the silhouette, near where the motion would have led.
@@ -86,8 +92,7 @@ Tracker::Solved Tracker::solve_missed(const PoseStageInput& input) {
   const Detections expected = expected_detections(actor_, camera_, predicted, kExpectedConfidence);
   solved.pose = pose_stage_.solve_tracked({expected, input.silhouette, input.frame, false}, predicted, *last_pose_);
   if (solved.pose.status != SolveStatus::kOk) return solved;
-  pose_stage_.render(solved.pose.pose);
-  solved.accepted = rasterizer_.intersection_over_union(input.frame.mask) >= options_.least_missed_iou;
+  solved.accepted = covers(input, solved.pose.pose, options_.least_missed_iou);
   return solved;
 }
 

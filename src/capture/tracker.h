@@ -82,6 +82,7 @@ class Tracker {
   };
   Solved solve_seen(const PoseStageInput& input);
   Solved solve_missed(const PoseStageInput& input);
+  bool covers(const PoseStageInput& input, const Pose& pose, double least_iou);  // the silhouette
   Pose predict() const;
   const DeviceFrame& frame_of(const TrackInput& given) const;
 

@@ -117,6 +117,7 @@ void TrackerOptions::validate() const {
   not_negative("max_doubtful_frames", max_doubtful_frames);
   not_negative("max_missed_frames", max_missed_frames);
   share("least_missed_iou", least_missed_iou);
+  share("least_found_iou", least_found_iou);
 }
 
 }  // namespace livecap

@@ -127,12 +127,12 @@ SoleInBalance::SoleInBalance(const BalanceOptions& options) : options_(options) 
 }
 
 void SoleInBalance::learn(const Actor& actor, const Positions& positions, const Eigen::Vector3d& soles_mm,
-                          const Eigen::Vector3d& lowest_mm, const Eigen::Vector3d& up) {
+                          const Eigen::Vector3d& lowest_mm, const Eigen::Vector3d& up, double weight) {
   const auto farther_mm = support_beyond_mass_mm(actor, positions, soles_mm, up, options_.least_reach);
-  if (!farther_mm) return;
+  if (!farther_mm || !(weight > 0)) return;
   const double move = (*farther_mm - options_.middle_mm) / away_along_floor(up).dot(lowest_mm);
-  n_frames_ = std::min(n_frames_ + 1, options_.sole_frames);
-  place_mm_ += ((1 - move) * lowest_mm - place_mm_) / n_frames_;
+  n_frames_ = std::min(n_frames_ + weight, options_.sole_frames);
+  place_mm_ += weight * ((1 - move) * lowest_mm - place_mm_) / n_frames_;
 }
 
 void SoleInBalance::forget() {

@@ -41,7 +41,7 @@ struct BalanceOptions {
   // captured feet itself. 0: the limit above alone.
   double share = 0.4;
   double middle_mm = -10;    // farther than the centre of mass is what bears the weight then, on average
-  double sole_frames = 120;  // as `frames`
+  double sole_frames = 120;  // as `frames`, in which it rests
 
   void validate() const;  // throws ConfigError
 };
@@ -76,9 +76,11 @@ class SoleInBalance {
   // Throws ConfigError.
   explicit SoleInBalance(const BalanceOptions& options);
 
-  // A frame's keypoints, the middle between both soles and the lowest point of them.
+  // A frame's keypoints, the middle between both soles and the lowest point of them, and how sure that is to rest,
+  // 0..1.
   void learn(const Actor& actor, const std::array<Eigen::Vector3d, kKeypointCount>& positions,
-             const Eigen::Vector3d& soles_mm, const Eigen::Vector3d& lowest_mm, const Eigen::Vector3d& up);
+             const Eigen::Vector3d& soles_mm, const Eigen::Vector3d& lowest_mm, const Eigen::Vector3d& up,
+             double weight);
   void forget();
 
   // mm, camera frame; nullopt while nobody has stood.
@@ -86,7 +88,7 @@ class SoleInBalance {
 
  private:
   BalanceOptions options_;
-  double n_frames_ = 0;
+  double n_frames_ = 0;  // by weight
   Eigen::Vector3d place_mm_ = Eigen::Vector3d::Zero();
 };
 

@@ -27,6 +27,9 @@ constexpr float kTrusted = 0.5f;    // confidence of an ankle
 // they would move down more than aside.
 constexpr double kSteepest = 0.7;
 constexpr double kMmPerM = 1000;
+// A lower sole that moves so far across the line of sight between two frames has a quarter of a say in balance. Less
+// than for a foot that rests (LC_POSE_STILL_MM): where a jump turns round it is slow, too.
+constexpr double kStillInBalanceMm = 8;
 // Of a camera from level, rad: edges all in the middle of the picture do not tell how far it looks down.
 constexpr double kLevelDeviation = 0.4;
 
@@ -190,7 +193,7 @@ void FloorFinder::learn(const Pose& previous, const Pose& pose, const Pose* feet
   const Eigen::Vector3d up = this->up();
   const bool both_seen = detections.keypoints[kLeftAnkle].confidence >= kTrusted &&
                          detections.keypoints[kRightAnkle].confidence >= kTrusted;
-  if (!is_measured_ && floor_ && options_.balance.share > 0 && both_seen) learn_balance(joints, up, now);
+  if (!is_measured_ && floor_ && options_.balance.share > 0 && both_seen) learn_balance(joints, up, before, now);
   const auto believed = feet && !is_measured_ ? balanced(posed_feet, up, told) : told;
 
   struct Lowest {
@@ -274,15 +277,17 @@ std::vector<Eigen::Vector3d> FloorFinder::balanced(const PosedSkeleton& feet, co
 
 // Feet that the floor holds are where it says, so that it is their balance that counts, not that of legs by the picture
 // alone: of these the lower foot tells the floor, and where legs hide that is the one which is taken for too far. Not
-// of who jumps, or stands on something.
+// of who stands on something, and the less the farther that foot moved: who jumps is in balance in the air, too.
 void FloorFinder::learn_balance(const std::array<Eigen::Vector3d, kKeypointCount>& joints, const Eigen::Vector3d& up,
+                                const std::vector<Eigen::Vector3d>& before_mm,
                                 const std::vector<Eigen::Vector3d>& soles_mm) {
   const std::optional<Eigen::Vector3d> middle = middle_of(soles_mm);
   if (!middle || !tells_depth(*middle, up)) return;
   const auto lowest = std::min_element(soles_mm.begin(), soles_mm.end(),
                                        [&](const auto& a, const auto& b) { return up.dot(a) < up.dot(b); });
   if (!(std::abs(floor_->height_mm(*lowest)) < far_mm(options_))) return;
-  in_balance_.learn(actor_, joints, *middle, *lowest, up);
+  const double move = move_across_mm(before_mm[lowest - soles_mm.begin()], *lowest);
+  in_balance_.learn(actor_, joints, *middle, *lowest, up, nearness(move, kStillInBalanceMm));
 }
 
 void FloorFinder::add(const Eigen::Vector3d& point_mm, double weight) {

@@ -111,7 +111,7 @@ class FloorFinder {
   std::vector<Eigen::Vector3d> balanced(const PosedSkeleton& feet, const Eigen::Vector3d& up,
                                         std::vector<Eigen::Vector3d> soles_mm);
   void learn_balance(const std::array<Eigen::Vector3d, kKeypointCount>& joints, const Eigen::Vector3d& up,
-                     const std::vector<Eigen::Vector3d>& soles_mm);
+                     const std::vector<Eigen::Vector3d>& before_mm, const std::vector<Eigen::Vector3d>& soles_mm);
   void add(const Eigen::Vector3d& point_mm, double weight);
   void fit();
   struct Tilt {

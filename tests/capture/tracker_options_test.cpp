@@ -122,6 +122,7 @@ std::vector<Field> fields() {
       count(LC_FIELD(max_doubtful_frames)),
       count(LC_FIELD(max_missed_frames)),
       share(LC_FIELD(least_missed_iou)),
+      share(LC_FIELD(least_found_iou)),
   };
 }
 

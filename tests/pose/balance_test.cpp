@@ -118,16 +118,19 @@ TEST(Balance, ASoleIsWhereItWouldBearTheMass) {
   const Eigen::Vector3d lowest_mm(200, 1100, 3400);
   SoleInBalance sole(options);
   EXPECT_FALSE(sole.place_mm().has_value());
-  for (const double farther_mm : {60.0, 120.0}) {
+  for (const auto& [farther_mm, weight] : {std::pair(60.0, 0.6), {500.0, 0.0}, {120.0, 0.6}}) {
     const Stand stand = standing(actor, farther_mm);
-    sole.learn(actor, stand.positions, stand.soles_mm, lowest_mm, kUpright);
+    sole.learn(actor, stand.positions, stand.soles_mm, lowest_mm, kUpright, weight);
   }
   const Eigen::Vector3d place_mm = *sole.place_mm();
   EXPECT_NEAR(place_mm.cross(lowest_mm).norm(), 0, test::kDoubleExact * lowest_mm.squaredNorm()) << "seen as before";
   EXPECT_NEAR(lowest_mm.z() - place_mm.z(), 90 + 10, test::kHandComputed);
+  const Stand stand = standing(actor, 180);
+  sole.learn(actor, stand.positions, stand.soles_mm, lowest_mm, kUpright, 0.3);
+  EXPECT_NEAR(lowest_mm.z() - sole.place_mm()->z(), (90 * 1.2 + 180 * 0.3) / 1.5 + 10, test::kHandComputed);
   const Positions seated = positions_of(actor, sitting(actor));
   SoleInBalance none(options);
-  none.learn(actor, seated, lowest_mm, lowest_mm, kUpright);
+  none.learn(actor, seated, lowest_mm, lowest_mm, kUpright, 1);
   EXPECT_FALSE(none.place_mm().has_value()) << "who sits tells nothing";
   sole.forget();
   EXPECT_FALSE(sole.place_mm().has_value());

@@ -213,6 +213,29 @@ TEST(Floor, BalanceIsNotThatOfWhoJumps) {
   EXPECT_LT(finder.floor()->offset_mm, standing_mm - 5) << "60 mm higher may be a floor that is not known well";
 }
 
+// Jumps at 30 frames a second, 70 mm high: half of the time on the floor.
+TEST(Floor, BalanceInTheAirTellsLittle) {
+  const Actor actor = test::make_test_actor();
+  const auto offset_mm = [&](double jump_mm, double share) {
+    FloorOptions options = unbalanced();
+    options.balance.share = share;
+    FloorFinder finder(actor, options, {});
+    finder.set_upright({kUp, Eigen::Matrix3d::Identity() * 1e6});
+    Pose before = on_floor(actor, 100, 3200, {kUp, 1200});
+    for (int frame = 0; frame < 126; ++frame) {
+      const double since_top = frame % 14 - 7;
+      const double height_mm = jump_mm * std::max(0.0, 1 - since_top * since_top / (3.5 * 3.5));
+      const Pose pose = on_floor(actor, 100, 3200, {kUp, 1200 - height_mm});
+      finder.learn(before, pose, &pose, seen(actor, pose));
+      before = pose;
+    }
+    return finder.floor()->offset_mm;
+  };
+  const double by_balance = offset_mm(0, 1) - offset_mm(70, 1);
+  EXPECT_GT(by_balance, 0);
+  EXPECT_LT(by_balance, 15) << "mean height 23";
+}
+
 // A lifted foot is as still where it is highest as one that stands; the other one stands meanwhile.
 TEST(Floor, ALiftedFootTellsLittle) {
   const Actor actor = test::make_test_actor();

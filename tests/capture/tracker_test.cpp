@@ -36,7 +36,8 @@ class TrackerScene {
           TrackerOptions options;
           options.enable_surface = false;
           options.pose.rebone = false;
-          options.pose.weights.floor = 0;  // these feet rise though the body does not
+          options.pose.weights.floor = 0;       // these feet rise though the body does not
+          options.pose.weights.silhouette = 0;  // a spot would pull the pose until it is not believed
           options.starts.max_exchanged_frames = max_exchanged_frames;
           return options;
         }()) {}

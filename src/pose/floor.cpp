@@ -27,9 +27,6 @@ constexpr float kTrusted = 0.5f;    // confidence of an ankle
 // they would move down more than aside.
 constexpr double kSteepest = 0.7;
 constexpr double kMmPerM = 1000;
-// A lower sole that moves so far across the line of sight between two frames has a quarter of a say in balance. Less
-// than for a foot that rests (LC_POSE_STILL_MM): where a jump turns round it is slow, too.
-constexpr double kStillInBalanceMm = 8;
 // Of a camera from level, rad: edges all in the middle of the picture do not tell how far it looks down.
 constexpr double kLevelDeviation = 0.4;
 
@@ -287,7 +284,7 @@ void FloorFinder::learn_balance(const std::array<Eigen::Vector3d, kKeypointCount
                                        [&](const auto& a, const auto& b) { return up.dot(a) < up.dot(b); });
   if (!(std::abs(floor_->height_mm(*lowest)) < far_mm(options_))) return;
   const double move = move_across_mm(before_mm[lowest - soles_mm.begin()], *lowest);
-  in_balance_.learn(actor_, joints, *middle, *lowest, up, nearness(move, kStillInBalanceMm));
+  in_balance_.learn(actor_, joints, *middle, *lowest, up, nearness(move, LC_POSE_STILL_MM));
 }
 
 void FloorFinder::add(const Eigen::Vector3d& point_mm, double weight) {

@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "eval/metrics.h"
 #include "image/image_io.h"
+#include "livecap/capture.h"
 #include "livecap/error.h"
 #include "synth/named_actor.h"
 
@@ -102,6 +103,10 @@ std::string describe(const nlohmann::json& options) {
   if (const double rigidity = field(options, "rigidity", 0.0); rigidity > 0) add(format("rigidity %g", rigidity));
   for (const std::string& name : field(options, "without", std::vector<std::string>())) add("without " + name);
   if (field(options, "smooth", false)) add("smoothed");
+  if (!field<std::string>(options, "floor", "").empty()) add("floor given");
+  const int64_t kUsual = CaptureOptions{}.learn_frames;
+  if (const int64_t n = field(options, "learn_frames", kUsual); n != kUsual)
+    add(n == 0 ? "learned on the way" : format("%lld frames looked at beforehand", static_cast<long long>(n)));
   return text;
 }
 

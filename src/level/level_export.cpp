@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "base/floor_plane.h"
 #include "base/log.h"
 #include "base/part_file.h"
 #include "base/require_apart.h"
@@ -40,7 +41,7 @@ class LevelClip {
         std::ranges::any_of(options.out, [](const fs::path& out) { return out.extension() != ".bvh"; });
     if (capture_.vertices && needs_vertices)
       require_rows(capture_, rows_, "vertices.pc2", capture_.vertices->n_samples(), "samples");
-    if (!options.camera.empty()) capture_.camera.floor = floor_of_file(options.camera);
+    if (!options.floor.empty()) capture_.camera.floor = load_floor(options.floor);
     floor_ = options.level_camera ? floor_of_level_camera(capture_) : find_floor(capture_);
     for (int64_t row : rows_) {
       poses_.push_back({});
@@ -93,13 +94,6 @@ class LevelClip {
   }
 
  private:
-  static FloorPlane floor_of_file(const std::string& path) {
-    const Camera camera = load_camera(path);
-    if (!camera.floor)
-      throw ConfigError("--camera " + path + ": has no floor; `livecap calibrate --floor` measures it");
-    return *camera.floor;
-  }
-
   const std::function<bool()>& go_on_;
   CaptureFolder capture_;
   std::vector<int64_t> rows_;
@@ -180,7 +174,7 @@ LevelExportReport export_level(const LevelExportOptions& options, const std::fun
   }
   std::vector<InputFile> inputs = capture_inputs("--capture", options.capture);
   inputs.push_back({"--actor", options.actor});
-  inputs.push_back({"--camera", options.camera});
+  inputs.push_back({"--floor", options.floor});
   require_apart(inputs, options.out);
   LevelClip clip(options, go_on);
   warn_of_uneven(clip, options.out);

@@ -18,7 +18,7 @@ struct LevelExportOptions {
   std::filesystem::path capture;           // folder that `livecap capture` wrote
   std::vector<std::filesystem::path> out;  // .glb, .bvh or .pc2 each
   std::string actor;                       // empty: what report.json names
-  std::string camera;         // camera.json whose floor counts, e.g. one measured later; empty: the capture's
+  std::string floor;  // camera.json or report.json whose floor counts, e.g. one measured later; empty: the capture's
   bool level_camera = false;  // take the camera to be level whatever floor is known
   int64_t first = 0;          // frame of the video
   int64_t frames = -1;        // at most so many; -1: all
@@ -39,8 +39,8 @@ struct LevelExportReport {
 Eigen::Isometry3d level_from_camera(const Floor& floor, const Eigen::Vector3d& place_mm);
 
 // The files are as `livecap capture` makes them, in a frame whose origin is below the root in the first tracked frame
-// of those asked for. A .glb has the camera that captured it. Throws ConfigError for an ending of another kind or a
-// camera without floor, IoError naming the file of the capture that is missing or does not fit, or when nobody was
+// of those asked for. A .glb has the camera that captured it. Throws ConfigError for an ending of another kind,
+// IoError naming the file of the capture that is missing or does not fit, that tells no floor, or when nobody was
 // tracked in what is asked for. go_on is asked once a frame and file: when it says no, the file at hand and those after
 // it are left as they were.
 LevelExportReport export_level(const LevelExportOptions& options, const std::function<bool()>& go_on = {});

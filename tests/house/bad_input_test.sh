@@ -314,7 +314,7 @@ expect 2 '--out' export --capture good
 expect 2 '--out up.fbx .glb' export --capture good --out up.fbx
 expect 2 'none folder' export --capture none --out up.glb
 expect 2 'nothing: joints.csv' export --capture nothing --out up.glb
-expect 2 '--camera seq/camera.json floor' export --capture good --out up.glb --camera seq/camera.json
+expect 2 'seq/camera.json floor' export --capture good --out up.glb --floor seq/camera.json
 expect 2 'good/frames.csv nobody' export --capture good --out up.glb --first 100000
 expect 2 'nowhere/up.glb' export --capture none --out nowhere/up.glb
 expect 2 '--bvh-unit' export --capture good --out up.bvh --bvh-unit inch

@@ -110,7 +110,7 @@ class LevelExport : public testing::Test {
     options.out = {folder_ / out};
     if (!measured) return options;
     measure_floor();
-    options.camera = (folder_ / "measured.json").string();
+    options.floor = (folder_ / "measured.json").string();
     return options;
   }
   template <typename E>
@@ -372,8 +372,8 @@ TEST_F(LevelExport, RefusesWhatItCannotExport) {
   ASSERT_EQ(::mkfifo((folder_ / "pipe.bvh").c_str(), 0600), 0);
   expect_refused<IoError>(options("pipe.bvh"), {"pipe.bvh", "is a pipe"});
   asked = options("up.glb");
-  asked.camera = (folder_ / "camera.json").string();
-  expect_refused<ConfigError>(asked, {"camera.json", "has no floor", "calibrate --floor"});
+  asked.floor = (folder_ / "camera.json").string();
+  expect_refused<IoError>(asked, {"camera.json", "tells no floor", "calibrate --floor"});
   asked = options("up.glb");
   asked.frames = kEmpty;
   expect_refused<IoError>(asked, {"frames.csv", "nobody was tracked"});

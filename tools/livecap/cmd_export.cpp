@@ -56,10 +56,10 @@ void add_export_command(CLI::App& app, Action& action) {
   command->add_option("--capture", options->capture, "folder that `livecap capture` wrote")->required();
   command->add_option("--out", options->out, "FILE.glb, FILE.bvh or FILE.pc2; repeatable")->required();
   command->add_option("--actor", level.actor, "actor of the capture, when not that of its report.json");
-  CLI::Option* camera =
-      command->add_option("--camera", level.camera, "camera.json with a floor, e.g. one measured after the capture");
+  CLI::Option* floor = command->add_option(
+      "--floor", level.floor, "camera.json or report.json whose floor counts, e.g. one measured after the capture");
   command->add_flag("--level", level.level_camera, "take the camera to be level, whatever the feet show")
-      ->excludes(camera);
+      ->excludes(floor);
   add_frame_options(*command, level.first, level.frames);
   add_bvh_unit_option(*command, options->bvh_unit);
   command->callback([options, &action] { action = [options] { return run(*options); }; });
